@@ -1,4 +1,4 @@
-//! Examples for a device are linked by the script of cortex-m-rt or riscv-rt, which includes memory.x.
+//! Links the examples for a device with the linker script of cortex-m-rt or riscv-rt, which includes memory.x.
 
 fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none") {

@@ -1,10 +1,10 @@
-//! A stored model: written, read back, and refused where a bit of it is wrong.
+//! A stored model: written, read back, and rejected when one bit is wrong.
 //!
 //! ```text
 //! cargo run -p fos-core --example image
 //! ```
 //!
-//! `fos export --image` writes such images of what it has fitted; the format is docs/MODEL_FORMAT.md.
+//! `fos export --image` writes such images of fitted models; docs/MODEL_FORMAT.md describes the format.
 
 use fos_core::image::encode;
 use fos_core::{
@@ -39,7 +39,7 @@ fn main() -> Result<(), ImageError> {
     let mut buffer = [0; 512];
     let bytes = encode(&model, &Info { sensor: "a gyro", ..Info::default() }, &mut buffer)?;
 
-    // on the device; `image.load` fills a predictor where it stands, say in a `static`
+    // on the device; `image.load` fills a predictor in place, for example in a `static`
     let image = Image::parse(bytes)?;
     println!("{} bytes of {}: {} axis", bytes.len(), image.info().sensor, image.axes().count());
     let mut predictor: Predictor<f32, 1, 0, 2, 4> = image.predictor()?;

@@ -1,4 +1,4 @@
-//! A predictor in a few lines: it learns where the error is while the gyro is still, and carries it through a turn.
+//! A predictor in a few lines: it tracks the error while the gyro is still and predicts it during a rotation.
 //!
 //! ```text
 //! cargo run -p fos-core --example predictor
@@ -9,7 +9,7 @@ use fos_core::{
     Sample, Term, y,
 };
 
-/// An error that wanders: r(n) = 0.98 r(n − 1) + noise, about 0.01 rad/s.
+/// A slowly varying error around an offset of 0.01 rad/s: r(n) = 0.98 r(n − 1) + noise.
 static GYRO_Z: AxisModel<'_, f32> = AxisModel {
     parameters: AxisParameters {
         axis: Axis::Gz,
@@ -43,12 +43,12 @@ fn main() -> Result<(), ModelError> {
     let mut predictor = Predictor::<f32, 1, 0, 1, 2>::new(&MODEL)?;
     let error = 0.015;
     for _ in 0..100 {
-        // the true rate is known to be 0: the model is held against what is measured
+        // at rest the true rate is 0, so the error is measured
         let still = predictor.track(&Sample { measured: &[error], quantities: &[] });
         assert!(still[0].corrected.abs() < error.abs());
     }
     for rate in [0.1, 0.2, 0.3] {
-        // it is not: the model goes on alone
+        // in motion the true rate is unknown: the model runs on its own output
         let moving = predictor.coast(&Sample { measured: &[rate + error], quantities: &[] });
         println!(
             "measured {:.4} rad/s, corrected {:.4}: {:?}",

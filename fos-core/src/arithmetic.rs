@@ -1,28 +1,28 @@
-//! What a step computes with beside `+`, `−` and `×`: constants of any size, sums of products, values that hardly move.
+//! Arithmetic of the step other than `+`, `−` and `×`: constant factors of any size, sums of products, slow low-passes.
 //!
-//! For floats all of it is plain arithmetic, in a fixed order. In fixed point each is wider than a value.
+//! For floats it is plain arithmetic in a fixed order. In fixed point each of these types is wider than a value.
 
 use core::fmt::Debug;
 
-/// The arithmetic of a scalar. Nobody else can implement it.
+/// Arithmetic of a scalar. Sealed: other crates cannot implement it.
 pub trait Arithmetic: Copy + Send + Sync {
-    /// A constant factor that need not be a value: 1/scale, or the gain of a slow low-pass.
+    /// A constant factor that may lie outside the range of values: 1/scale, or the gain of a slow low-pass.
     type Gain: Copy + Debug + Send + Sync;
     /// A sum of products.
     type Sum: Copy + PartialOrd + Debug + Send + Sync;
-    /// The value of a low-pass, which changes by less than its last place.
+    /// State of a low-pass, with more digits than a value: its steps may be smaller than the last place of the value.
     type Slow: Copy + Debug + Send + Sync;
-    /// The same of a running mean, which may miss changes in its last place.
+    /// State of a running mean, which may lose steps smaller than the last place.
     type Mean: Copy + Debug + Send + Sync;
 
-    /// No sum yet.
+    /// The empty sum, 0.
     const NOTHING: Self::Sum;
-    /// What is squared is kept within it, so that its square is a value.
+    /// Limit for values that are squared, so that the square is a value.
     const LARGEST_SQUARED: Self;
 
-    /// Whether a number of this size is a value: what a model has is refused otherwise.
+    /// True if a value can have this magnitude; a model that needs larger ones is rejected.
     fn holds(value: f64) -> bool;
-    /// Not a number, and not sorted out by comparisons either.
+    /// True for a NaN that comparisons do not catch; always false for floats.
     fn is_absent(self) -> bool;
 
     /// The gain nearest to `value`.
@@ -38,25 +38,25 @@ pub trait Arithmetic: Copy + Send + Sync {
     fn begin(self) -> Self::Sum;
     /// `sum` + `a` × `b`.
     fn add_product(sum: Self::Sum, a: Self, b: Self) -> Self::Sum;
-    /// What it has come to.
+    /// Value of a sum.
     fn end(sum: Self::Sum) -> Self;
     /// `self` × `self`.
     fn square(self) -> Self::Sum;
-    /// `a` + `b`, of sums that no model bounds.
+    /// `a` + `b`, saturating in fixed point, for sums without a bound from the model.
     fn plus(a: Self::Sum, b: Self::Sum) -> Self::Sum;
 
-    /// A low-pass at `self`.
+    /// State of a low-pass with the value `self`.
     fn at_rest(self) -> Self::Slow;
-    /// Its value.
+    /// Value of a low-pass.
     fn now(slow: Self::Slow) -> Self;
     /// One step towards `self`: s ← s + gain·(self − s).
     fn approached_by(self, slow: &mut Self::Slow, gain: Self::Gain);
 
-    /// A running mean at `self`.
+    /// State of a running mean with the value `self`.
     fn mean_at(self) -> Self::Mean;
-    /// Its value.
+    /// Value of a running mean.
     fn mean(mean: Self::Mean) -> Self;
-    /// One step towards `self`.
+    /// One step of the running mean towards `self`.
     fn averaged_by(self, mean: &mut Self::Mean, gain: Self::Gain);
 }
 

@@ -1,4 +1,4 @@
-//! One axis, one sample: from what is measured and predicted to what is corrected and remembered.
+//! State of one axis: turns the measured and predicted value of a sample into a correction and the next history entry.
 
 use core::hint::cold_path;
 
@@ -8,36 +8,36 @@ use crate::program::Part;
 use crate::real::scalar;
 use crate::{Range, Real, Scalar, Validity};
 
-/// By how much of its width the fitted range of the remainder is widened before a value is limited: half the
-/// width on either side doubles it. The extreme of a normal record of 10⁴ samples is 3.9 σ, of 10¹⁰ samples
+/// Widening of the fitted range of the remainder on either side, as a share of its width, before a value is limited:
+/// half the width on either side doubles the range. The extreme of a normal record of 10⁴ samples is 3.9 σ, of 10¹⁰ samples
 /// 6.5 σ: less than twice as far out, so noise alone is never limited.
 const MARGIN: f64 = 0.5;
 
-/// Below this the fading stochastic part is taken as gone, before the gain reaches subnormal numbers.
+/// Gain below which the fading stochastic part is set to 0, so that the gain never becomes subnormal.
 const FADED: f64 = 1e-6;
 
-/// What a [`Predictor`](crate::Predictor) says of one axis and one sample.
+/// Output of a [`Predictor`](crate::Predictor) for one axis and one sample.
 #[must_use = "carries whether the corrected value can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Correction<R> {
-    /// Predicted error, offset included, in the axis' unit: what was subtracted.
+    /// Predicted and subtracted error, offset included, in the axis' unit.
     pub predicted: R,
-    /// Measured error minus predicted error, in the axis' unit: only while the true value is known and the
-    /// history is full.
+    /// Measured error minus predicted error, in the axis' unit; `None` unless the true value is known and the history is
+    /// full.
     pub innovation: Option<R>,
-    /// Measured minus predicted, in the axis' unit; the last such value where there was no finite sample.
+    /// Measured value minus predicted error, in the axis' unit; the previous one if there was no finite sample.
     pub corrected: R,
-    /// What speaks against trusting the above.
+    /// Reasons not to trust the values above.
     pub validity: Validity,
 }
 
 impl<R: Scalar> Correction<R> {
-    /// Before the first sample.
+    /// Correction before the first sample.
     pub const NONE: Self =
         Self { predicted: R::ZERO, innovation: None, corrected: R::ZERO, validity: Validity::WARMING_UP };
 
-    /// The same in the scalar of the model.
+    /// The correction in the float of the model.
     #[inline(always)]
     pub fn stored(&self) -> Correction<R::Stored> {
         Correction {
@@ -49,14 +49,14 @@ impl<R: Scalar> Correction<R> {
     }
 }
 
-/// The constants of an axis, as the hot path needs them, and its state.
+/// Constants of an axis for the hot path, and its state.
 #[derive(Debug, Clone)]
 pub(crate) struct RunningAxis<R: Scalar> {
     pub(crate) physical: Part<R>,
     pub(crate) stochastic: Part<R>,
     /// Bit i is set if a term uses input i.
     pub(crate) inputs_used: u32,
-    /// Samples that the history must hold before the terms mean anything: the longest lag.
+    /// Longest lag: samples that the history must hold before the terms can be evaluated.
     depth: u16,
     pub(crate) reference: R,
     offset: R,
@@ -64,10 +64,11 @@ pub(crate) struct RunningAxis<R: Scalar> {
     per_scale: R::Gain,
     range: Range<R>,
     physical_range: Range<R>,
-    /// A remainder in it, against the model's own reference, is one of a measured value below full scale and in range.
-    sound: Range<R>,
+    /// Range of the remainder, against the model's own reference, in which the measured value is certainly below full
+    /// scale and the remainder within its limits.
+    fast_path_range: Range<R>,
     full_scale: R,
-    /// Wider than the count, so that a test switched off is never reached.
+    /// Wider than the count, so that a disabled test never triggers.
     stuck_after_repeats: u32,
     gap_limit_samples: u8,
     coast_limit: u32,
@@ -81,14 +82,13 @@ pub(crate) struct RunningAxis<R: Scalar> {
     limited: bool,
     /// r(n − 1), limited; 0 while it is not known.
     pub(crate) remainder: R,
-    /// There has been a remainder since the start or restart.
+    /// A remainder is available since the start or restart.
     known: bool,
-    /// The history holds nothing but measurements, and no counter below has to be set back: so it is while a
-    /// sensor is still, sample after sample.
+    /// The history holds only measurements, and no counter below needs a reset: the usual state at rest.
     steady: bool,
     last_measured: R,
     repeats: u16,
-    /// Measured samples since the last one that was not.
+    /// Consecutive measured samples up to now.
     measured_run: u16,
     ready: bool,
     missing: u8,
@@ -97,7 +97,7 @@ pub(crate) struct RunningAxis<R: Scalar> {
     corrected: R,
 }
 
-/// What decides how a model's axis is run, beside its parameters.
+/// The compiled terms of an axis, the inputs they use and their longest lag.
 pub(crate) struct AxisProgram<R> {
     pub(crate) physical: Part<R>,
     pub(crate) stochastic: Part<R>,
@@ -106,14 +106,14 @@ pub(crate) struct AxisProgram<R> {
 }
 
 impl<R: Scalar> RunningAxis<R> {
-    /// It has to be [begun](Self::begin) where it is to stay.
+    /// Needs a call of [`begin`](Self::begin) at its final place.
     #[inline(never)]
     pub(crate) fn new(
         parameters: &AxisParameters<R::Stored>,
         program: AxisProgram<R>,
         period_s: f64,
     ) -> Self {
-        // −0 is a limit of 0: to divide by it must not turn the sign of the fading
+        // abs: a limit of −0 would turn the sign of the fading
         let coast_limit_s: R::Built = scalar(parameters.coast_limit_s.abs());
         let (scale, period_s): (R::Built, R::Built) = (scalar(parameters.scale), scalar(period_s));
         let full_scale = R::of(parameters.full_scale);
@@ -128,7 +128,7 @@ impl<R: Scalar> RunningAxis<R> {
             per_scale: R::gain((R::Built::ONE / scale).to_f64()),
             range: Self::limits(parameters).convert(),
             physical_range: parameters.physical_limits().convert(),
-            sound: Range::new(R::ONE, R::ZERO),
+            fast_path_range: Range::new(R::ONE, R::ZERO),
             full_scale: if full_scale > R::ZERO { full_scale } else { R::MAX },
             stuck_after_repeats: match parameters.stuck_after_repeats {
                 0 => u32::MAX,
@@ -154,12 +154,12 @@ impl<R: Scalar> RunningAxis<R> {
         }
     }
 
-    /// Within these the remainder is kept, whatever happens.
+    /// Limits of the remainder, measured or predicted.
     pub(crate) fn limits(parameters: &AxisParameters<R::Stored>) -> Range<R::Stored> {
         parameters.range.widened(MARGIN)
     }
 
-    /// Keeps p within its limits; whether it was beyond them. It is finite: the inputs are within theirs.
+    /// Limits p; returns true if p was outside. p is finite, because the inputs are within their limits.
     #[inline(always)]
     pub(crate) fn limit_physical(&mut self) -> bool {
         let Range { low, high } = self.physical_range;
@@ -174,7 +174,7 @@ impl<R: Scalar> RunningAxis<R> {
         true
     }
 
-    /// What speaks against trusting p, told once.
+    /// Returns the reason not to trust p and clears it.
     pub(crate) fn take_limited(&mut self) -> Validity {
         Validity::when(core::mem::take(&mut self.limited), Validity::INPUT_OUT_OF_RANGE)
     }
@@ -182,29 +182,30 @@ impl<R: Scalar> RunningAxis<R> {
     pub(crate) fn limit_full_scale(&mut self, full_scale: R) {
         if full_scale > R::ZERO && full_scale < self.full_scale {
             self.full_scale = full_scale;
-            self.find_sound();
+            self.update_fast_path_range();
         }
     }
 
-    /// The whole range of the remainder if nothing in it is at full scale, else nothing: full scale is then looked at.
-    fn find_sound(&mut self) {
+    /// Sets the fast path to the whole range of the remainder if no value in it can be at full scale; otherwise to an
+    /// empty range, so that every sample is compared with full scale.
+    fn update_fast_path_range(&mut self) {
         let built = |value: R| -> R::Built { scalar(value) };
         let p = if self.physical.is_empty { R::ZERO } else { self.physical_range.magnitude() };
         let scale: R::Built = scalar(R::gain_to_f64(self.scale));
         let error = scale * (built(self.range.magnitude()) + built(p));
         let furthest = built(self.reference.abs()) + built(self.offset.abs()) + error;
-        // for what rounding adds
+        // allowance for rounding
         let below = furthest * R::Built::from_f64(1.000_01) < built(self.full_scale);
-        self.sound = if below { self.range } else { Range::new(R::ONE, R::ZERO) };
+        self.fast_path_range = if below { self.range } else { Range::new(R::ONE, R::ZERO) };
     }
 
-    /// Before the first sample, where it stays: two copies of an axis are much stack.
+    /// Initialises the axis in place: a second copy of an axis would need much stack.
     pub(crate) fn begin(&mut self) {
-        self.find_sound();
+        self.update_fast_path_range();
         self.reset();
     }
 
-    /// As before the first sample.
+    /// Returns to the state before the first sample.
     pub(crate) fn reset(&mut self) {
         self.restart(0);
         (self.repeats, self.missing, self.coasted, self.gain) = (0, 0, 0, R::ONE);
@@ -213,8 +214,8 @@ impl<R: Scalar> RunningAxis<R> {
         self.last_measured = R::NAN;
     }
 
-    /// Too many samples are missing, `ticks` of them unseen. Forgets the history: the axis warms up again. What had
-    /// begun to fade is gone: nothing is known that could bring it back.
+    /// Discards the history after too many missing samples, `ticks` of which were skipped; the axis warms up again. A
+    /// stochastic part that had begun to fade is set to 0.
     #[cold]
     pub(crate) fn restart(&mut self, ticks: u32) {
         (self.measured_run, self.missing) = (0, self.gap_limit_samples);
@@ -226,53 +227,53 @@ impl<R: Scalar> RunningAxis<R> {
         }
     }
 
-    /// Ticks that the axis coasts over when samples are missing, or remembers: the more of the two.
-    pub(crate) fn reach(&self) -> u32 {
+    /// Ticks of a gap after which the axis no longer changes: the larger of gap limit and longest lag.
+    pub(crate) fn settling_ticks(&self) -> u32 {
         u32::from(self.depth.max(u16::from(self.gap_limit_samples)))
     }
 
-    /// r(n − 1), limited; none where it is not known: before the first sample, while more are missing than may be, and
-    /// after that until the history is full again.
+    /// r(n − 1), limited. `None` before the first sample, in a gap beyond the limit, and after it until the history is
+    /// full again.
     pub(crate) fn remainder(&self) -> Option<R> {
         self.known.then_some(self.remainder)
     }
 
-    /// One sample of which the true value is the model's own reference.
+    /// Processes a sample whose true value is the model's own reference.
     ///
-    /// A sound sample takes the straight way through: the history gets the measurement.
+    /// A sample without fault takes the fast path: the measurement enters the history.
     #[inline(always)]
     pub(crate) fn track(&mut self, measured: R, correction: &mut Correction<R>) {
         let remainder = self.remainder_of(measured, self.reference);
         if !(self.is_fresh(measured)
             && !measured.is_absent()
-            && self.sound.contains(remainder)
+            && self.fast_path_range.contains(remainder)
             && self.steady)
         {
-            return self.track_unsound(measured, remainder, correction);
+            return self.track_slow_path(measured, remainder, correction);
         }
         let (stochastic, validity) = self.in_range(self.predicted_remainder);
         self.compare(measured, remainder, stochastic, correction);
         (self.remainder, correction.validity) = (remainder, validity);
     }
 
-    /// One sample of which the true value is `reference`.
+    /// Processes a sample whose true value is `reference`.
     pub(crate) fn track_against(&mut self, measured: R, reference: R, correction: &mut Correction<R>) {
         self.is_fresh(measured);
-        self.track_unsound(measured, self.remainder_of(measured, reference), correction);
+        self.track_slow_path(measured, self.remainder_of(measured, reference), correction);
     }
 
-    /// A sample with something to look at: itself, or the history before it.
+    /// Processes a sample that needs checks, because of its value or the history before it.
     #[inline(never)]
-    fn track_unsound(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
+    fn track_slow_path(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
         let stuck = u32::from(self.repeats) >= self.stuck_after_repeats;
-        // NaN is not below
+        // false for NaN
         let below_full_scale = !measured.is_absent() && measured.abs() < self.full_scale;
         if stuck || !below_full_scale {
             return self.track_faulty(measured, remainder, correction);
         }
-        let (kept, out_of_range) = self.in_range(remainder);
+        let (limited, out_of_range) = self.in_range(remainder);
         if !out_of_range.is_valid() {
-            // in the axis' unit, and twice that: what is finite then, stays so in the innovation
+            // twice the remainder in the axis' unit: if that is finite, so is the innovation
             let error = (remainder + remainder).times(self.scale);
             if !error.is_finite() {
                 return self.track_faulty(measured, error, correction);
@@ -280,13 +281,13 @@ impl<R: Scalar> RunningAxis<R> {
         }
         let (stochastic, validity) = self.limited();
         self.compare(measured, remainder, stochastic, correction);
-        (self.remainder, correction.validity) = (kept, validity | out_of_range);
+        (self.remainder, correction.validity) = (limited, validity | out_of_range);
         if !self.steady {
             self.settle(correction);
         }
     }
 
-    /// What was measured against what is predicted.
+    /// Fills in prediction, innovation and corrected value.
     #[inline(always)]
     fn compare(&mut self, measured: R, remainder: R, stochastic: R, correction: &mut Correction<R>) {
         correction.predicted = self.offset + (self.p + stochastic).times(self.scale);
@@ -295,7 +296,7 @@ impl<R: Scalar> RunningAxis<R> {
         correction.corrected = self.corrected;
     }
 
-    /// The true value is known but the sample is not to be trusted: it does not enter the history.
+    /// Processes a faulty sample with known true value: it does not enter the history.
     #[cold]
     #[inline(never)]
     fn track_faulty(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
@@ -303,10 +304,10 @@ impl<R: Scalar> RunningAxis<R> {
         self.lose(measured, fault, correction);
     }
 
-    /// One sample of which the true value is not known.
+    /// Processes a sample whose true value is not known.
     #[inline(never)]
     pub(crate) fn coast(&mut self, measured: R, correction: &mut Correction<R>) {
-        // what is below full scale is finite
+        // a value below full scale is finite
         if !(self.is_fresh(measured) && !measured.is_absent() && measured.abs() < self.full_scale) {
             return self.coast_faulty(measured, correction);
         }
@@ -326,20 +327,20 @@ impl<R: Scalar> RunningAxis<R> {
         self.extrapolate(stochastic, measured, validity | fault, correction);
     }
 
-    /// No sample is meant to be there: the model goes on by itself, however long.
+    /// Predicts without a sample, for any length of time.
     #[cold]
     pub(crate) fn forecast(&mut self, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
         self.extrapolate(stochastic, self.last_measured, validity, correction);
     }
 
-    /// There is no sample.
+    /// Processes a missing sample.
     #[cold]
     pub(crate) fn miss(&mut self, correction: &mut Correction<R>) {
         self.lose(self.last_measured, Validity::MISSING, correction);
     }
 
-    /// There is no sample that could be used, for the given reason.
+    /// Coasts over an unusable sample, or restarts beyond the gap limit.
     fn lose(&mut self, measured: R, reason: Validity, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
         let coasts = self.missing < self.gap_limit_samples;
@@ -349,17 +350,17 @@ impl<R: Scalar> RunningAxis<R> {
             self.restart(0);
         }
         self.extrapolate(stochastic, measured, validity | reason, correction);
-        // also where the model looks back at no output: what remembers the remainder must not live on predictions
+        // also for a model without lagged outputs: inputs computed from the remainder must not run on predictions
         self.known = self.known && coasts;
     }
 
-    /// y − p, scaled.
+    /// r = y − p, scaled.
     #[inline(always)]
     fn remainder_of(&self, measured: R, reference: R) -> R {
         (measured - reference - self.offset).times(self.per_scale) - self.p
     }
 
-    /// r̂ as it is used, and what speaks against it: 0 until the history is full, and never beyond the limits.
+    /// r̂ within its limits, 0 until the history is full; with the reasons not to trust it.
     #[inline(always)]
     fn limited(&self) -> (R, Validity) {
         if !self.ready {
@@ -369,7 +370,7 @@ impl<R: Scalar> RunningAxis<R> {
         self.in_range(self.predicted_remainder)
     }
 
-    /// A remainder within its limits, and whether it was beyond them.
+    /// The remainder within its limits, and a flag if it was outside.
     #[inline(always)]
     fn in_range(&self, remainder: R) -> (R, Validity) {
         if self.range.contains(remainder) {
@@ -379,7 +380,7 @@ impl<R: Scalar> RunningAxis<R> {
         (self.range.limit(remainder), Validity::OUTPUT_OUT_OF_RANGE)
     }
 
-    /// Counts how often a measured value has repeated; whether that is still in order.
+    /// Counts repetitions of the measured value; returns false if the sensor counts as stuck.
     #[inline(always)]
     fn is_fresh(&mut self, measured: R) -> bool {
         if measured == self.last_measured && !measured.is_absent() {
@@ -390,14 +391,14 @@ impl<R: Scalar> RunningAxis<R> {
         true
     }
 
-    /// What is wrong with a measured value: it is not finite, saturated or stuck.
+    /// Faults of a measured value: not finite, saturated or stuck.
     fn fault(&self, measured: R, remainder: R) -> Validity {
         Validity::when(!(measured.is_finite() && remainder.is_finite()), Validity::NOT_FINITE)
             | Validity::when(measured.abs() >= self.full_scale, Validity::SATURATED)
             | Validity::when(u32::from(self.repeats) >= self.stuck_after_repeats, Validity::STUCK)
     }
 
-    /// One more measured sample on the way to a history of nothing else.
+    /// Counts a measured sample until the history holds only measurements.
     #[inline(never)]
     fn settle(&mut self, correction: &mut Correction<R>) {
         if !self.ready {
@@ -413,7 +414,7 @@ impl<R: Scalar> RunningAxis<R> {
         self.steady = self.measured_run == self.depth;
     }
 
-    /// The history gets the model's own output.
+    /// Fills in the prediction; the model's own output enters the history.
     #[inline(always)]
     fn extrapolate(&mut self, stochastic: R, measured: R, reasons: Validity, correction: &mut Correction<R>) {
         let mut validity = reasons;
@@ -423,7 +424,7 @@ impl<R: Scalar> RunningAxis<R> {
         }
         if self.ready {
             validity |= Validity::when(self.depth > 0, Validity::OWN_HISTORY);
-            // not faded: fed back, it would fade again at every lag
+            // not faded: fed back, it would fade again with every lag
             (self.remainder, self.known) = (stochastic, true);
         } else {
             (self.remainder, self.known) = (R::ZERO, false);
@@ -435,7 +436,7 @@ impl<R: Scalar> RunningAxis<R> {
         *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
     }
 
-    /// One more coasted sample; whether there are too many, and what is subtracted fades.
+    /// Counts a coasted sample; beyond the limit it fades the stochastic part and returns true.
     #[inline(always)]
     fn coasts_too_long(&mut self) -> bool {
         self.coasted = self.coasted.saturating_add(1);
@@ -446,14 +447,14 @@ impl<R: Scalar> RunningAxis<R> {
         is_too_long
     }
 
-    /// Whether a coast that begins now begins from measurements alone.
+    /// True if the history holds only measurements, so that a coast can begin.
     #[cfg(feature = "coasts")]
     pub(crate) fn is_steady(&self) -> bool {
         self.steady
     }
 
-    /// One sample of coasts side by side, all of which began as long ago: the predicted errors, and r̂ of each limited in
-    /// place.
+    /// One sample of parallel coasts that began the same number of ticks ago. Limits r̂ of each lane in place and returns
+    /// the predicted errors.
     #[cfg(feature = "coasts")]
     #[inline(always)]
     pub(crate) fn coast_lanes<const LANES: usize>(
@@ -475,7 +476,7 @@ impl<R: Scalar> RunningAxis<R> {
         predicted
     }
 
-    /// Lets what is subtracted of the stochastic part die away.
+    /// Reduces the gain of the stochastic part by one step.
     fn fade(&mut self) {
         self.gain = self.gain.times(self.fade);
         if self.gain < R::from_f64(FADED) {

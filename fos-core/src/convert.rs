@@ -1,4 +1,4 @@
-//! The same model in another scalar. On the way to the image this is where f64 is rounded to f32, once.
+//! Conversion of models to another scalar. On the way to the image, f64 is rounded to f32 here, once.
 
 use crate::real::scalar;
 use crate::{

@@ -1,115 +1,115 @@
-//! Why a model is refused when it is built: after that no step can fail.
+//! Reasons to reject a model when it is built. After that no step can fail.
 
 use core::fmt;
 
-/// Why a model cannot be used. Indices count from 0.
+/// Reason to reject a model. Indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModelError {
     /// The sample period is not a positive finite number.
     Period,
-    /// There is no axis.
+    /// The model has no axis.
     NoAxis,
     /// More axes than the predictor has room for.
     TooManyAxes {
-        /// What the model has.
+        /// Number in the model.
         found: usize,
-        /// What the predictor was made for.
+        /// Capacity of the predictor.
         capacity: usize,
     },
     /// More inputs than the predictor has room for.
     TooManyInputs {
-        /// What the model has.
+        /// Number in the model.
         found: usize,
-        /// What the predictor was made for.
+        /// Capacity of the predictor.
         capacity: usize,
     },
     /// More terms, over all axes, than the predictor has room for.
     TooManyTerms {
-        /// What the predictor was made for.
+        /// Capacity of the predictor.
         capacity: usize,
     },
-    /// A lag reaches back further than the history does.
+    /// A lag is longer than the history.
     LagTooDeep {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
-        /// Values that it reaches back, all channels counted.
+        /// Values between the lagged one and the present, all channels counted.
         needed: usize,
-        /// Values that the history holds.
+        /// Capacity of the history, values.
         capacity: usize,
     },
     /// A coefficient of the axis is NaN or infinite.
     CoefficientNotFinite {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
-        /// The term, physical part first.
+        /// Index of the term, physical part first.
         term: usize,
     },
     /// Another number of the axis is NaN, infinite or has the wrong sign.
     AxisParameter {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
     },
-    /// A term names an input that is not there.
+    /// A term refers to an input that does not exist.
     UnknownInput {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
-        /// The term, physical part first.
+        /// Index of the term, physical part first.
         term: usize,
     },
-    /// A term of the physical part uses the output or an input that is computed from it.
+    /// A term of the physical part uses the output, or an input computed from it.
     OutputInPhysicalPart {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
-        /// Its place in the physical part.
+        /// Index of the term in the physical part.
         term: usize,
     },
     /// A number of an input is NaN, infinite or has the wrong sign.
     InputParameter {
-        /// Its place in the model.
+        /// Index of the input in the model.
         input: usize,
     },
-    /// An input's source is not there, or is not of the kind that its transform takes.
+    /// The source of an input does not exist, or does not suit its transform.
     InputSource {
-        /// Its place in the model.
+        /// Index of the input in the model.
         input: usize,
     },
-    /// The axis' terms could overflow even with inputs and remainder inside their limits.
+    /// The terms of the axis could overflow with inputs and remainder inside their limits.
     Unbounded {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
     },
-    /// Mean or variance of the axis' innovation, or its scale, is so far out that a [`Monitor`](crate::Monitor) could
-    /// overflow.
+    /// Mean or variance of the innovation of the axis, or its scale, is so large or small that a
+    /// [`Monitor`](crate::Monitor) could overflow.
     Innovation {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
     },
-    /// The axis does not fit [`Fixed`](crate::Fixed): a constant of it, its limits, or all its terms together come to 256
-    /// and more, in its unit or in scaled units.
+    /// The axis exceeds the range of [`Fixed`](crate::Fixed): a constant, a limit or the sum of the terms is 256 or more,
+    /// in its unit or in scaled units.
     AxisNotInFixedPoint {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
     },
-    /// The input does not fit [`Fixed`](crate::Fixed): its centre or a limit of it comes to 256 and more.
+    /// The input exceeds the range of [`Fixed`](crate::Fixed): its centre or a limit is 256 or more.
     InputNotInFixedPoint {
-        /// Its place in the model.
+        /// Index of the input in the model.
         input: usize,
     },
-    /// The input has a transform, and this was built without the feature `transforms`.
+    /// The input has a transform, but fos-core was built without the feature `transforms`.
     TransformNotBuilt {
-        /// Its place in the model.
+        /// Index of the input in the model.
         input: usize,
     },
-    /// The term is a product of factors, and this was built without the feature `products`.
+    /// The term is a product of factors, but fos-core was built without the feature `products`.
     ProductNotBuilt {
-        /// Its place in the model.
+        /// Index of the axis in the model.
         axis: usize,
-        /// The term, physical part first.
+        /// Index of the term, physical part first.
         term: usize,
     },
-    /// A limit of stillness is NaN, infinite or not positive, or its window is empty.
+    /// A stillness limit is NaN, infinite or not positive, or the window is empty.
     Stillness,
 }
 

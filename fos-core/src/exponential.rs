@@ -1,21 +1,21 @@
-//! e^x − 1, small where a device pays for every byte of flash.
+//! e^x − 1 with little flash.
 //!
-//! libm's expm1, exp and sincos take 8 KiB of a Cortex-M4F's flash, most of it for arguments that no model has. This
-//! takes its argument apart by halving, sums a short series and doubles back; it agrees with libm's to 10⁻¹⁴, in f32
-//! to 3·10⁻⁷.
+//! libm's expm1, exp and sincos take 8 KiB of a Cortex-M4F's flash, most of it for arguments that no model has.
+//! This implementation halves the argument, sums a short series and doubles back. It agrees with libm to 10⁻¹⁴, in f32 to
+//! 3·10⁻⁷.
 
 use super::Real;
 
-/// Below this the series is cut off after terms of relative size 10⁻¹⁷.
+/// Largest argument of the series: the truncated terms have a relative size of 10⁻¹⁷.
 const SMALL: f64 = 1.0 / 32.0;
 
-/// From −745 on e^x is 0 in f64.
+/// Argument below which e^x is 0 in f64.
 const NOTHING: f64 = -745.0;
 
 /// e^x − 1 for x ≤ 0, without loss of digits near 0: e^2a − 1 = (e^a − 1)·(e^a + 1). −1 for a NaN.
 pub(crate) fn exp_m1<R: Real>(x: R) -> R {
     let real = R::from_f64;
-    // what is as good as −∞, and a NaN
+    // −∞ for all purposes, and NaN
     if x < real(NOTHING) || !x.is_finite() {
         return -R::ONE;
     }
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_agrees_with_libm() {
+    fn agrees_with_libm() {
         let mut worst: f64 = 0.0;
         for n in 0..200_000 {
             let x = -(10f64.powf(-12.0 + 15.0 * f64::from(n) / 200_000.0));
@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exponential_of_32_bits_is_as_good_as_stated() {
+    fn f32_agrees_with_libm() {
         let mut worst: f64 = 0.0;
         for n in 0..200_000 {
             let x = -(10f64.powf(-12.0 + 14.0 * f64::from(n) / 200_000.0)) as f32;

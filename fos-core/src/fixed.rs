@@ -1,4 +1,4 @@
-//! Numbers in fixed point, for cores without floats.
+//! Fixed-point numbers, for cores without an FPU.
 
 use core::fmt;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -9,19 +9,19 @@ use crate::real::Scalar;
 /// Bits after the binary point of a value.
 const FRACTION: u32 = 23;
 
-/// Of a float, IEEE 754 (f32): bits of its fraction, and its exponent of 1.
+/// IEEE 754 f32: bits of the fraction, and the biased exponent of 1.
 const F32_FRACTION: u32 = 23;
 const F32_BIAS: u32 = 127;
-/// The same of f64.
+/// IEEE 754 f64: bits of the fraction, and the biased exponent of 1.
 const F64_FRACTION: u32 = 52;
 const F64_BIAS: i32 = 1023;
 
 /// A number from −256 to 256 in steps of 2⁻²³, or not a number: 32 bits.
 ///
-/// It holds what a hub computes with: m/s², rad/s, °C, and everything in scaled units. What is further out is the
-/// outermost value, never wrapped; a model whose terms could get there is refused
+/// The range covers the values of a hub: m/s², rad/s, °C and scaled units. Arithmetic saturates and never wraps; a model
+/// whose terms could saturate is rejected
 /// ([`ModelError::AxisNotInFixedPoint`](crate::ModelError::AxisNotInFixedPoint)). Sums of products and low-passes have 64
-/// bits. How far a model is then from the same in f64: docs/MATHS.md.
+/// bits. docs/MATHS.md bounds the difference from f64.
 ///
 /// ```
 /// use fos_core::{Fixed, Scalar};
@@ -45,8 +45,8 @@ pub struct Gain {
 impl Fixed {
     const LARGEST: i32 = i32::MAX;
 
-    /// The value nearest to `value`; the outermost one beyond, and not a number where it is none.
-    // by its bits: a multiplication of floats would be a call
+    /// The value nearest to `value`, saturated; NaN for NaN.
+    // from the bits: a float multiplication would be a library call
     pub const fn from_f32(value: f32) -> Self {
         let bits = value.to_bits();
         let exponent = (bits >> F32_FRACTION) & 0xff;
@@ -71,7 +71,7 @@ impl Fixed {
     /// `n` × `gain`, |n| < 2³².
     #[inline]
     fn count_of(n: i64, gain: Gain) -> Self {
-        // n · mantissa · 2^(23 − shift): 64 bits are enough before that is limited
+        // n · mantissa · 2^(23 − shift): the product fits 64 bits
         let product = n.wrapping_mul(i64::from(gain.mantissa));
         let shift = u32::from(gain.shift);
         match shift.checked_sub(FRACTION) {
@@ -81,7 +81,7 @@ impl Fixed {
         }
     }
 
-    /// A value, the outermost if it is beyond.
+    /// A value from its steps of 2⁻²³, saturated.
     #[inline]
     const fn limited(steps: i64) -> Self {
         const LARGEST: i64 = Fixed::LARGEST as i64;
@@ -95,11 +95,11 @@ impl Fixed {
     }
 }
 
-/// All 64 bits of a product.
+/// The product with all 64 bits.
 #[inline(always)]
 fn product(a: i32, b: i32) -> i64 {
-    // a core that multiplies 32 bits to 32, for which the compiler calls a product of 64 by 64: the M0+, told from other Arm cores
-    // by the atomics that it lacks
+    // the M0+ multiplies 32 × 32 to 32 bits, and the compiler would call a 64 × 64 library routine; among Arm cores it is
+    // recognised by its lack of atomics
     if cfg!(all(target_arch = "arm", not(target_has_atomic = "32"))) {
         product_of_halves(a, b)
     } else {
@@ -107,7 +107,7 @@ fn product(a: i32, b: i32) -> i64 {
     }
 }
 
-/// The same of halves, each product of which fits 32 bits.
+/// The product from 16-bit halves, whose products fit 32 bits.
 #[inline(always)]
 fn product_of_halves(a: i32, b: i32) -> i64 {
     let (low_a, high_a) = (a & 0xffff, a >> 16);
@@ -126,8 +126,8 @@ const fn rounded(product: i64, shift: u32) -> i64 {
 }
 
 impl Gain {
-    /// The same value; 0 where it is less than 2^−127, and not more than 2³⁰.
-    // by its bits: once a sample is often enough
+    /// The gain of the same value; 0 below 2^−32, at most 2³⁰.
+    // from the bits: this runs once per sample
     #[inline]
     const fn from_f32(value: f32) -> Self {
         let bits = value.to_bits();
@@ -146,7 +146,7 @@ impl Gain {
     const fn from_f64(value: f64) -> Self {
         let bits = value.to_bits();
         let exponent = ((bits >> F64_FRACTION) & 0x7ff) as i32 - F64_BIAS;
-        // 31 bits of it, rounded
+        // 31 bits, rounded
         let significand = (bits & ((1 << F64_FRACTION) - 1)) | (1 << F64_FRACTION);
         let mut mantissa = ((significand >> 21) + 1) >> 1;
         let mut shift = 30 - exponent;
@@ -156,7 +156,7 @@ impl Gain {
         let (magnitude, shift) = match shift {
             ..1 => (i32::MAX, 1),
             1..=62 => (mantissa as i32, shift as u8),
-            // fewer bits, of what is less than 2^−32
+            // fewer bits below 2^−32
             63..=92 => ((mantissa >> (shift - 62)) as i32, 62),
             _ => (0, 62),
         };
@@ -164,7 +164,7 @@ impl Gain {
     }
 }
 
-/// As f64 has it.
+/// Formatted as f64.
 impl fmt::Debug for Fixed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(&self.to_f64(), f)
@@ -199,7 +199,7 @@ impl Sub for Fixed {
 impl Mul for Fixed {
     type Output = Self;
 
-    // once in the code: with all 64 bits of the product it is long
+    // not inlined: the 64-bit product is long
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         Self::end(Self::add_product(0, self, other))
@@ -222,7 +222,7 @@ impl Scalar for Fixed {
     const ZERO: Self = Self(0);
     const ONE: Self = Self(1 << FRACTION);
     const MAX: Self = Self(Self::LARGEST);
-    /// Below all values, so that it lies in no range.
+    /// Below all values, so that no range contains it.
     const NAN: Self = Self(i32::MIN);
 
     fn from_f64(value: f64) -> Self {
@@ -247,7 +247,7 @@ impl Scalar for Fixed {
         } else if self.0 == 0 {
             0.0
         } else {
-            // 2^−23 times, by the exponent
+            // times 2^−23, by the exponent
             f32::from_bits((self.0 as f32).to_bits().wrapping_sub(FRACTION << F32_FRACTION))
         }
     }
@@ -274,7 +274,7 @@ impl Scalar for Fixed {
     }
 }
 
-/// A low-pass of a value has 30 bits more after the binary point.
+/// Additional fraction bits of a low-pass.
 const SLOW: u32 = 30;
 
 impl Arithmetic for Fixed {
@@ -284,7 +284,7 @@ impl Arithmetic for Fixed {
     type Mean = i64;
 
     const NOTHING: i64 = 0;
-    // squared it is the outermost value
+    // its square is the largest value
     const LARGEST_SQUARED: Self = Self(16 << FRACTION);
 
     fn holds(value: f64) -> bool {
@@ -301,7 +301,7 @@ impl Arithmetic for Fixed {
     fn gain_to_f64(gain: Gain) -> f64 {
         libm::scalbn(f64::from(gain.mantissa), -i32::from(gain.shift))
     }
-    // once in the code, as a product
+    // not inlined, like a product
     #[inline(never)]
     fn times(self, gain: Gain) -> Self {
         Self::limited(rounded(product(self.0, gain.mantissa), u32::from(gain.shift)))
@@ -314,7 +314,7 @@ impl Arithmetic for Fixed {
     fn begin(self) -> i64 {
         i64::from(self.0) << FRACTION
     }
-    // a model whose sums could overflow is refused
+    // cannot overflow: a model whose sums could is rejected
     #[inline]
     fn add_product(sum: i64, a: Self, b: Self) -> i64 {
         sum.wrapping_add(product(a.0, b.0))
@@ -341,7 +341,7 @@ impl Arithmetic for Fixed {
     }
     #[inline(never)]
     fn approached_by(self, slow: &mut i64, gain: Gain) {
-        // 2⁶² at most, times a gain of at most 1, in two halves
+        // at most 2⁶², times a gain of at most 1, in two halves
         let left = self.at_rest().wrapping_sub(*slow);
         let mantissa = i64::from(gain.mantissa);
         let high = (left >> 32).wrapping_mul(mantissa);
@@ -369,7 +369,7 @@ impl Arithmetic for Fixed {
 mod tests {
     use super::*;
 
-    /// Numbers of every size, with both signs and the outermost.
+    /// Numbers of every magnitude and both signs, with the extremes.
     fn numbers() -> impl Iterator<Item = i32> + Clone {
         let mut state = 1_u32;
         let drawn = (0..600_u32).map(move |n| {
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_multiply_to_the_same_product() {
+    fn product_of_halves_equals_the_product() {
         for a in numbers() {
             for b in numbers() {
                 assert_eq!(product_of_halves(a, b), i64::from(a) * i64::from(b), "{a} {b}");
@@ -389,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_has_31_bits_and_a_product_is_rounded_once() {
+    fn gain_has_31_bits_and_products_are_rounded_once() {
         for gain in [1.0, -1.0, 0.1, 5e-6, 1.0 / 0.002, 1e-9, -333.3, 1.0e6, 2f64.powi(-31), 3e-12, 0.0] {
             let held = Fixed::gain(gain);
             let value = Fixed::gain_to_f64(held);
@@ -403,14 +403,14 @@ mod tests {
                 assert!((found - exact).abs() <= 0.500_001, "{gain} {number}: {found} {exact}");
             }
         }
-        // what is too large for any value is the largest, what is too small nothing
+        // products saturate, and vanish below half a step
         assert_eq!(Fixed::ONE.times(Fixed::gain(1e12)), Fixed::MAX);
         assert_eq!(Fixed::ONE.times(Fixed::gain(-1e12)), -Fixed::MAX);
         assert_eq!(Fixed::MAX.times(Fixed::gain(1e-20)), Fixed::ZERO);
     }
 
     #[test]
-    fn a_code_is_its_unit_times_itself() {
+    fn code_times_unit_is_exact() {
         for unit in
             [0.001_197_f32, 0.000_305, 1.0 / 256.0, 1.0, 1e-6, 0.0, -0.01, 1e-38, f32::MIN_POSITIVE / 4.0]
         {
@@ -424,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_is_that_of_f64() {
+    fn count_agrees_with_f64() {
         for gain in [5e-6, 0.005, 1.0, 2f64.powi(-23), 2f64.powi(-22), 2f64.powi(-24), 300.0] {
             let held = Fixed::gain(gain);
             for n in [0, 1, 2, 3, 1000, 720_000, u32::MAX] {
@@ -436,7 +436,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_low_pass_has_no_dead_band() {
+    fn slow_low_pass_has_no_dead_band() {
         let gain = 5e-6;
         let (mut slow, mut exact) = (Fixed::ONE.at_rest(), 1.0_f64);
         let (target, held) = (Fixed::from_f64(1.004), Fixed::gain(gain));
@@ -449,7 +449,7 @@ mod tests {
             "{:?} {exact}",
             Fixed::now(slow)
         );
-        // from one end to the other, at once and slowly
+        // from one end of the range to the other, in one step and slowly
         for (from, to) in [(Fixed::MAX, -Fixed::MAX), (-Fixed::MAX, Fixed::MAX)] {
             let mut slow = from.at_rest();
             to.approached_by(&mut slow, Fixed::gain(1.0));
@@ -462,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_saturate_where_no_model_bounds_them() {
+    fn unbounded_sums_saturate() {
         let square = Fixed::MAX.square();
         let many = (0..100).fold(Fixed::NOTHING, |sum, _| Fixed::plus(sum, square));
         assert_eq!(many, i64::MAX);

@@ -1,17 +1,15 @@
-//! The ring that holds the latest samples, value after value.
+//! Ring buffer of the latest samples.
 
 use crate::Scalar;
 
 /// The last `N` values written; `N` is a power of two up to 65536.
 ///
-/// One ring serves all axes and inputs. Every tick writes one sample into it, always in the same order: the
-/// inputs, then the remainder of each axis. A value `lag` ticks old therefore lies a fixed number of places
-/// back from the place that is written next, and a [`Factor`](crate::Factor) is nothing but that number. No value
-/// is ever moved.
+/// One ring serves all axes and inputs. Every tick writes one sample in the same order: the inputs, then the remainder of
+/// each axis. A value `lag` ticks old is therefore a fixed number of places before the next write, and a
+/// [`Factor`](crate::Factor) compiles to that number. No value is ever moved.
 ///
-/// Every value is written twice, `N` places apart. Wherever the ring begins, its values from the oldest to the
-/// latest are then one piece of memory, and a factor is found without wrapping around: an instruction less for
-/// every factor, for two more per value written.
+/// Every value is written twice, `N` places apart. The values from the oldest to the latest are then always contiguous,
+/// and a factor is found without wrap-around: one instruction less per factor, two more per value written.
 #[derive(Debug, Clone)]
 pub(crate) struct History<R, const N: usize> {
     twice: [[R; N]; 2],
@@ -28,12 +26,12 @@ impl<R: Copy, const N: usize> History<R, N> {
         N - 1
     };
 
-    /// A history of nothing but `value`.
+    /// A history filled with `value`.
     pub(crate) const fn filled(value: R) -> Self {
         Self { twice: [[value; N]; 2], next: 0 }
     }
 
-    /// Writes `values` one after the other, each over the oldest.
+    /// Writes `values` in order, each over the oldest value.
     #[inline(always)]
     pub(crate) fn write(&mut self, values: impl Iterator<Item = R>) {
         let [first, second] = &mut self.twice;
@@ -47,18 +45,18 @@ impl<R: Copy, const N: usize> History<R, N> {
         self.next = next;
     }
 
-    /// What has been written, up to now.
+    /// The last `N` values written.
     #[inline]
     pub(crate) fn window(&self) -> Window<'_, R, N> {
         let from_oldest = self.twice.as_flattened().get(self.next & Self::MASK..);
-        // there are always N left: the fallback is never taken, and the compiler knows it
+        // at least N values remain: the compiler removes the fallback
         Window(from_oldest.and_then(<[R]>::first_chunk).unwrap_or(&self.twice[0]))
     }
 }
 
 #[cfg(feature = "coasts")]
 impl<R: Copy, const LANES: usize, const N: usize> History<[R; LANES], N> {
-    /// Begins anew with `values` in one lane, oldest first, as many in each.
+    /// Restarts one lane with `values`, oldest first; every lane needs the same number.
     pub(crate) fn begin_lane(&mut self, lane: usize, values: impl Iterator<Item = R>) {
         let [first, second] = &mut self.twice;
         self.next = 0;
@@ -77,7 +75,7 @@ impl<R: Scalar, const N: usize> History<R, N> {
         Self::filled(R::ZERO)
     }
 
-    /// Zeros again, in place.
+    /// Fills the history with zeros, in place.
     pub(crate) fn clear(&mut self) {
         self.twice.as_flattened_mut().fill(R::ZERO);
         self.next = 0;
@@ -85,7 +83,7 @@ impl<R: Scalar, const N: usize> History<R, N> {
 }
 
 impl<R: Copy, const N: usize> Window<'_, R, N> {
-    /// Where to find the value written `back` writes ago, 1 for the latest; none if it has been overwritten.
+    /// Place of the value written `back` writes ago, 1 for the latest; `None` if it has been overwritten.
     pub(crate) fn place(back: usize) -> Option<u16> {
         if back == 0 { None } else { N.checked_sub(back).and_then(|place| u16::try_from(place).ok()) }
     }
@@ -100,7 +98,7 @@ impl<R: Copy, const N: usize> Window<'_, R, N> {
 
 #[cfg(feature = "coasts")]
 impl<'a, R: Copy, const LANES: usize, const N: usize> Window<'a, [R; LANES], N> {
-    /// The values at `place`, where they are.
+    /// Reference to the values at `place`, one per lane.
     #[inline(always)]
     pub(crate) fn lanes(self, place: u16) -> &'a [R; LANES] {
         &self.0[usize::from(place) & History::<[R; LANES], N>::MASK]

@@ -1,4 +1,4 @@
-//! An input: one logged quantity through one causal transform, scaled, and kept inside its fitted range.
+//! An input: one logged quantity, scaled, passed through one causal transform and limited to its fitted range.
 
 use core::hint::cold_path;
 
@@ -10,19 +10,19 @@ use crate::running::LowPass;
 use crate::transformer::Transformer;
 use crate::{Range, Real, Scalar, Transform, Validity};
 
-/// By how much of its width a fitted range of an input is widened before a value counts as outside: the noise
-/// and the steps of a thermometer, not an extrapolation.
+/// Widening of the fitted range of an input on either side, as a share of its width, before a value counts as
+/// outside. It covers the noise and quantisation of a thermometer; it is not meant for extrapolation.
 const MARGIN: f64 = 0.05;
 
-/// What an input is computed from.
+/// Source of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
     /// Time since power-on alone.
     Clock,
-    /// The logged quantity of this index in [`Sample::quantities`](crate::Sample).
+    /// The logged quantity with this index in [`Sample::quantities`](crate::Sample).
     Quantity(u8),
-    /// The remainder r of the axis of this index, one sample late: a low-pass of it is the model's long memory.
+    /// The remainder r of the axis with this index, delayed by one sample: its low-pass is the model's long memory.
     Remainder(u8),
 }
 
@@ -31,33 +31,34 @@ pub enum Source {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Input<R> {
-    /// What it is computed from.
+    /// Quantity, clock or remainder that the input is computed from.
     pub source: Source,
-    /// What is made of the source before it is centred and scaled: causal, in constant memory.
+    /// Causal transform of x.
     pub transform: Transform<R>,
-    /// Taken off the logged quantity first, in its unit, so that f32 keeps its digits.
+    /// Centre, in the unit of the logged quantity. Subtracted first, so that f32 keeps its digits.
     pub centre: R,
-    /// The logged quantity is divided by it, in its unit; positive.
+    /// Size of one scaled unit, in the unit of the logged quantity; positive.
     pub scale: R,
-    /// x while fitting; below 10¹⁵. Values beyond it are limited, so that one wild sample cannot spoil a long low-pass.
+    /// Range of x in the data of the fit; magnitude below 10¹⁵. Values outside are limited, so that one outlier cannot
+    /// spoil a long low-pass.
     pub source_range: Range<R>,
-    /// u while fitting. Values beyond it are limited, so that no term is evaluated where it was not fitted.
+    /// Range of u in the data of the fit. Values outside are limited, so that no term is extrapolated.
     pub range: Range<R>,
 }
 
 impl<R: Real> Input<R> {
-    /// u is kept within these: the fitted range and what noise adds to it.
+    /// Limits of u on the device: the fitted range, widened by 5 % of its width on either side.
     pub fn limits(&self) -> Range<R> {
         self.range.widened(MARGIN)
     }
 
-    /// The same of x.
+    /// Limits of x, widened in the same way.
     pub(crate) fn source_limits(&self) -> Range<R> {
         self.source_range.widened(MARGIN)
     }
 }
 
-/// The coefficients and the state of an input.
+/// Coefficients and state of an input.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RunningInput<R: Scalar> {
     source: Source,
@@ -83,7 +84,8 @@ impl<R: Scalar> RunningInput<R> {
         running
     }
 
-    /// A long memory of the remainder starts at its mean, 0: one noisy sample would stay in it for long.
+    /// A low-pass of the remainder starts at the mean of the remainder, 0: a noisy first sample would stay in it for
+    /// long.
     fn start(&mut self) {
         if self.is_of_remainder() {
             self.transformer.start_at(R::ZERO);
@@ -94,13 +96,13 @@ impl<R: Scalar> RunningInput<R> {
         matches!(self.source, Source::Remainder(_))
     }
 
-    /// As at power-on.
+    /// Returns to the state at power-on.
     pub(crate) fn reset(&mut self) {
         self.transformer.reset();
         self.start();
     }
 
-    /// The largest |u| that can come out.
+    /// Largest |u| that [`update`](Self::update) can return.
     pub(crate) fn magnitude(&self) -> R {
         self.range.magnitude()
     }
@@ -109,7 +111,7 @@ impl<R: Scalar> RunningInput<R> {
         self.source
     }
 
-    /// One sample: u(n) from the logged value, `None` where there is none.
+    /// Computes u(n) from the logged value, or without it (`None`).
     #[inline]
     pub(crate) fn update(&mut self, logged: Option<R>) -> (R, Validity) {
         let mut validity = Validity::VALID;
@@ -123,7 +125,7 @@ impl<R: Scalar> RunningInput<R> {
                 }
                 Some(x)
             }
-            // gone to its mean, so that the long memory of it fades as it would have
+            // the remainder is replaced by its mean, 0, so that its low-pass decays as it would have
             _ if self.is_of_remainder() => Some(R::ZERO),
             _ => {
                 let logged_quantity = matches!(self.source, Source::Quantity(_));
@@ -140,13 +142,13 @@ impl<R: Scalar> RunningInput<R> {
         (u, validity)
     }
 
-    /// The low-pass of it, if it is one.
+    /// The low-pass, if that is the transform.
     #[cfg(feature = "coasts")]
     pub(crate) fn low_pass(&self) -> Option<&LowPass<R>> {
         self.transformer.low_pass()
     }
 
-    /// As [`update`](Self::update) of a low-pass of what is known, with states side by side.
+    /// Same as [`update`](Self::update) for a low-pass of finite values, with one state per lane.
     #[cfg(feature = "coasts")]
     #[inline(always)]
     pub(crate) fn update_lanes<const LANES: usize>(
@@ -166,7 +168,7 @@ impl<R: Scalar> RunningInput<R> {
         values
     }
 
-    /// `ticks` missing samples in bounded time.
+    /// Advances over `ticks` missing samples in bounded time.
     #[inline(never)]
     pub(crate) fn skip(&mut self, ticks: u32) {
         self.transformer.pass(self.is_of_remainder().then_some(R::ZERO), ticks);

@@ -1,17 +1,17 @@
 #![doc = include_str!("../README.md")]
 //!
-//! # What is here
+//! # Contents
 //!
 //! - [`Model`]: inputs, terms, scaling of up to six axes; immutable. [`Image`] is its stored form.
-//! - [`Predictor`]: one step per sample. It [tracks](Predictor::track) while the unit is known to be still and
-//!   [coasts](Predictor::coast) while it moves; [`StillnessDetector`] tells which.
-//! - [`PoseGate`]: does the model know the true value of this axis at rest?
-//! - [`Correction`]: what it says of each axis, with a [`Validity`].
+//! - [`Predictor`]: one step per sample. It [tracks](Predictor::track) while the device is known to be still and
+//!   [coasts](Predictor::coast) while it moves; [`StillnessDetector`] decides which.
+//! - [`PoseGate`]: is the true value of this axis at rest known, that is, is the orientation that of the fit?
+//! - [`Correction`]: predicted error and corrected value of one axis, with a [`Validity`].
 //! - [`Monitor`]: does the model still fit?
-//! - [`align`]: streams with stamps of their own, joined onto one grid, before any of these.
+//! - [`align`]: resamples streams with separate timestamps to a common time base, before any of these.
 //!
 //! Measured error of one axis: y(n) = (measured(n) − reference(n) − offset)/scale. Model: ŷ(n) = p(n) + r̂(n), the
-//! physical part p over inputs, the stochastic part r̂ over the remainder r = y − p, its lags and inputs
+//! physical part p over inputs, the stochastic part r̂ over the lagged remainder r = y − p and inputs
 //! (docs/MATHS.md).
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! The model of one sensor unit: up to six axes over shared inputs. Immutable; it may sit in flash.
+//! The model of one device: up to six axes over shared inputs. Immutable; it may sit in flash.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub enum Axis {
     Gy,
     /// Gyro z, rad/s.
     Gz,
-    /// Any other series, in a unit of its own.
+    /// Any other series; its unit is that of the data.
     Other,
 }
 
@@ -41,29 +41,30 @@ pub enum Quantity {
     MagneticY,
     /// Magnetic field z, µT.
     MagneticZ,
-    /// A measured axis of the same unit.
+    /// A measured axis of the same device.
     Measured(Axis),
     /// The reference (true value) of an axis.
     Reference(Axis),
-    /// Any other; its name is in the image's [`Info`](crate::Info), in the order of the quantities.
+    /// Any other quantity; its name is in the image's [`Info`](crate::Info), in the order of the quantities.
     Other,
 }
 
-/// What the measured values were when the model was fitted, so that a correction is never applied twice.
+/// Processing of the measured values before the fit. The device must feed the same, so that no correction is
+/// applied twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FittedOn {
-    /// As the sensor gives them.
+    /// Raw sensor output.
     Raw,
-    /// After the factory's or the driver's own correction.
+    /// Corrected by the factory calibration or the driver.
     FactoryCorrected,
 }
 
-/// The innovation on the data that the model was fitted to, in scaled units.
+/// Statistics of the innovation on the data of the fit, in scaled units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnovationStatistics<R> {
-    /// Mean; of a magnitude up to 10¹⁵.
+    /// Mean; magnitude at most 10¹⁵.
     pub mean: R,
     /// Variance; 10⁻³⁸ … 10²⁰.
     pub variance: R,
@@ -71,42 +72,42 @@ pub struct InnovationStatistics<R> {
     pub lag_1_correlation: R,
 }
 
-/// The numbers of one axis; its terms are beside it in [`AxisModel`].
+/// Parameters of one axis; its terms are in [`AxisModel`].
 ///
 /// y = (measured − reference − offset)/scale is the scaled error; measured, reference and offset are in the axis'
 /// unit. The terms of the physical part give p, those of the stochastic part r̂ − constant, r = y − p.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisParameters<R> {
-    /// Which axis of the sensor; that also says its unit.
+    /// Axis of the sensor; it determines the unit, m/s² or rad/s.
     pub axis: Axis,
-    /// True value at rest in the pose of the fit, in the axis' unit: 0 for a gyro, what gravity gives for an
-    /// accelerometer. Stands in for the reference when a still sample comes without one.
+    /// True value at rest in the orientation of the fit, in the axis' unit: 0 for a gyro, the component of gravity for
+    /// an accelerometer. Used when a sample at rest has no reference.
     pub reference: R,
-    /// Constant error (bias), in the axis' unit. Taken off before any scaling, so that f32 keeps its digits.
+    /// Constant error (bias), in the axis' unit. Subtracted before any scaling, so that f32 keeps its digits.
     pub offset: R,
-    /// The axis' unit per scaled unit; at least 10⁻¹⁹.
+    /// Size of one scaled unit in the axis' unit; at least 10⁻¹⁹.
     pub scale: R,
-    /// The constant a0 of the stochastic part, scaled.
+    /// Constant a0 of the stochastic part, scaled.
     pub constant: R,
-    /// r while fitting, scaled.
+    /// Range of the remainder r in the data of the fit, scaled.
     pub range: Range<R>,
-    /// p while fitting, scaled: the sum of the physical terms. One that goes further beyond it than the width of the
-    /// range is limited, so that terms which only cancel in what was seen cannot come apart unbounded; it has room for
-    /// the rounding of p. [`Range::unlimited`] where it is not known; 0 … 0 without physical terms.
+    /// Range of p, the sum of the physical terms, in the data of the fit, scaled, with room for the rounding of p. On
+    /// the device p is limited to this range widened by its width on either side, so that terms which cancel only
+    /// within the data of the fit cannot diverge. [`Range::unlimited`] if not known; 0 … 0 without physical terms.
     pub physical_range: Range<R>,
-    /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
+    /// Magnitude from which a measured value counts as saturated, in the axis' unit; 0 if not known.
     pub full_scale: R,
-    /// So many repetitions of one and the same measured value count as stuck; 0 switches the test off. Stored as
+    /// Number of repetitions of a measured value from which the sensor counts as stuck; 0 disables the test. Stored as
     /// `stuck_after`.
     #[serde(rename = "stuck_after")]
     pub stuck_after_repeats: u16,
-    /// So many missing samples in a row are coasted before the history restarts. Stored as `gap_limit`.
+    /// Number of consecutive missing samples that are coasted before the history restarts. Stored as `gap_limit`.
     #[serde(rename = "gap_limit")]
     pub gap_limit_samples: u8,
-    /// So long has coasting been validated, s; beyond it the stochastic part fades out.
+    /// Longest validated duration of coasting, s; beyond it the stochastic part fades out.
     pub coast_limit_s: R,
-    /// The innovation while fitting.
+    /// Statistics of the innovation on the data of the fit.
     pub innovation: InnovationStatistics<R>,
 }
 
@@ -114,7 +115,7 @@ pub struct AxisParameters<R> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisModel<'a, R> {
-    /// Scaling, limits and what its innovation was while fitting.
+    /// Scaling, limits and innovation statistics.
     pub parameters: AxisParameters<R>,
     /// p: terms over inputs only.
     pub physical: &'a [Term<R>],
@@ -122,17 +123,17 @@ pub struct AxisModel<'a, R> {
     pub stochastic: &'a [Term<R>],
 }
 
-/// The model of one sensor unit: up to six axes over shared inputs.
+/// The model of one device: up to six axes over shared inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Model<'a, R> {
     /// Sample period T, s.
     pub period_s: f64,
-    /// What the measured values were while fitting.
+    /// Processing of the measured values before the fit.
     pub fitted_on: FittedOn,
-    /// When the unit counts as still; `None` if the data did not tell.
+    /// Limits below which the device counts as still; `None` if the data did not determine them.
     pub stillness: Option<StillnessLimits<R>>,
-    /// The logged quantities of a [`Sample`](crate::Sample), in its order.
+    /// The logged quantities, in the order of [`Sample::quantities`](crate::Sample).
     pub quantities: &'a [Quantity],
     /// The inputs u_0, u_1, …
     pub inputs: &'a [Input<R>],
@@ -140,17 +141,17 @@ pub struct Model<'a, R> {
     pub axes: &'a [AxisModel<'a, R>],
 }
 
-/// By so many of its widths the fitted range of p is widened on either side before p is limited. An input of an added
-/// effect may already go one width beyond what was seen (docs/MATHS.md), and effects that were excited one after the
-/// other while fitting may come together; a model of one input meets the range of that input first.
+/// Widening of the fitted range of p on either side before p is limited, in widths of the range. An input of an added
+/// effect may already go one width beyond its fitted range (docs/MATHS.md), and effects that were excited in turn in
+/// the data of the fit may act together later. A model of one input reaches the limit of that input first.
 const PHYSICAL_MARGIN: f64 = 1.0;
 
-/// The largest magnitude of a scaled quantity: its square, which a windowed variance takes, is far from overflow
-/// in f32. Beyond it an infinite sum would stay in the transform for ever.
+/// Largest magnitude of a scaled quantity. Its square, which the windowed variance computes, stays far from overflow
+/// in f32: an infinite sum would stay in the state of the transform for ever.
 const MAX_INPUT: f64 = 1e15;
 
 impl<R: Real> Input<R> {
-    /// Whether the input can be used in a model of `n_quantities` quantities and `n_axes` axes.
+    /// Checks the parameters of the input and its source, for a model of `n_quantities` quantities and `n_axes` axes.
     pub(crate) fn check(&self, input: usize, n_quantities: usize, n_axes: usize) -> Result<(), ModelError> {
         let numbers = self.transform.is_valid()
             && self.centre.is_finite()
@@ -170,7 +171,7 @@ impl<R: Real> Input<R> {
         if source { Ok(()) } else { Err(ModelError::InputSource { input }) }
     }
 
-    /// Whether a scalar holds all that the input comes to, from the logged quantity on.
+    /// True if the scalar `S` can hold every intermediate value of the input, from the logged quantity on.
     pub(crate) fn fits<S: Scalar<Stored = R>>(&self) -> bool {
         let (centre, scale) = (self.centre.abs(), self.scale);
         let x = self.source_limits().magnitude();
@@ -188,7 +189,7 @@ impl<R: Real> Input<R> {
 }
 
 impl<R: Real> AxisParameters<R> {
-    /// p is kept within these: [`physical_range`](Self::physical_range), and its width on either side.
+    /// Limits of p on the device: [`physical_range`](Self::physical_range) widened by its width on either side; scaled.
     pub fn physical_limits(&self) -> Range<R> {
         self.physical_range.widened(PHYSICAL_MARGIN)
     }
@@ -211,9 +212,9 @@ impl<R: Real> AxisParameters<R> {
 }
 
 impl<R: Real> InnovationStatistics<R> {
-    /// Whether all that a [`Monitor`](crate::Monitor) makes of them is finite, in f32 as well: an innovation counts
-    /// there for at most 10⁶ deviations, so a running variance is at most 4·10¹² times this one; what it multiplies
-    /// by is at most 10³⁸.
+    /// True if every value that a [`Monitor`](crate::Monitor) computes from the statistics is finite, in f32 too: the
+    /// monitor limits an innovation to 10⁶ standard deviations, so its running variance is at most 4·10¹² times this
+    /// one, and its factors are at most 10³⁸.
     pub(crate) fn is_bounded(&self, scale: R) -> bool {
         let within = |value: R, low: f64, high: f64| R::from_f64(low) <= value && value <= R::from_f64(high);
         within(self.mean, -1e15, 1e15) && within(self.variance, 1e-38, 1e20) && scale >= R::from_f64(1e-19)

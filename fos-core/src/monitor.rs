@@ -1,4 +1,4 @@
-//! Does the model still fit? Running statistics of the innovation against those stored when it was fitted.
+//! Monitor: compares the running statistics of the innovation with those of the fit, to detect a model that no longer fits.
 
 use core::hint::cold_path;
 
@@ -8,34 +8,36 @@ use crate::model::{AxisParameters, InnovationStatistics};
 use crate::real::scalar;
 use crate::{Range, Real, Scalar, Validity, root};
 
-/// Shift of the innovation's mean, in standard deviations, that the drift test lets pass (Page 1954: k).
+/// Shift of the mean of the innovation that the drift test tolerates, in standard deviations (Page 1954: k).
 ///
 /// With threshold h = 40 the mean time between false alarms of white innovations is about
 /// e^(2kh)/(4k²) = 2·10⁹ samples, 110 days at 200 Hz; a shift of 0.5 σ is found in h/(0.5 − k) = 160 samples.
 const MEAN_SLACK: f64 = 0.25;
 const MEAN_THRESHOLD: f64 = 40.0;
 
-/// Excess of the squared innovation, in variances, that the power test lets pass, and its threshold: a doubled
-/// variance is found in 60/(1 − 0.5) = 120 samples. White innovations exceed it once in about 10⁹ samples: e^(−0.29·h),
-/// 0.29 the root θ of E e^(θ(e² − 1.5)) = 1, and as simulated. Correlated ones wander further, see [`power_inflation`].
+/// Excess of the squared innovation that the power test tolerates, in variances.
+///
+/// With threshold h = 60 a doubled variance is found in 60/(1 − 0.5) = 120 samples. White innovations exceed the threshold
+/// once in about 10⁹ samples: e^(−0.29·h), where 0.29 is the root θ of E e^(θ(e² − 1.5)) = 1; simulation agrees.
+/// Correlated innovations wander further, see [`power_inflation`].
 const POWER_SLACK: f64 = 0.5;
 const POWER_THRESHOLD: f64 = 60.0;
 
-/// One innovation counts for at most so many standard deviations: an outlier is neither a shift of the mean nor a
-/// change of variance.
+/// Limit on a single innovation in the tests, in standard deviations: an outlier is neither a shift of the mean nor a
+/// change of the variance.
 const OUTLIER: f64 = 4.0;
 
 /// Time constant of the running statistics, s.
 const TAU_S: f64 = 30.0;
 
-/// In what respect the innovation has left the statistics of the fit. It stays set until [`Monitor::restart`].
+/// Detected deviations of the innovation from the statistics of the fit. They stay set until [`Monitor::restart`].
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Drift {
     /// The mean has shifted.
     pub mean: bool,
-    /// The variance has grown.
+    /// The variance has increased.
     pub variance: bool,
 }
 
@@ -70,7 +72,7 @@ impl<R: Scalar> Monitor<R> {
         let real = R::Built::from_f64;
         let deviation = built(fitted.variance).square_root();
         let scale = built(parameters.scale);
-        // correlated innovations wander further: their sum has (1 + ρ)/(1 − ρ) times the variance
+        // the sum of correlated innovations has (1 + ρ)/(1 − ρ) times the variance
         let correlation = built(fitted.lag_1_correlation).limit(real(-0.99), real(0.99));
         let positive = correlation.limit(R::Built::ZERO, R::Built::ONE);
         let inflation = (R::Built::ONE + positive) / (R::Built::ONE - positive);
@@ -94,8 +96,7 @@ impl<R: Scalar> Monitor<R> {
         }
     }
 
-    /// Takes one correction. Only a finite innovation from measured history counts. Whether the model has stopped
-    /// fitting.
+    /// Processes a correction; only a finite innovation from a measured history counts. Returns the drift detected so far.
     #[inline]
     pub fn update(&mut self, correction: &Correction<R>) -> Drift {
         let Some(innovation) = correction.innovation else { return self.drift };
@@ -108,7 +109,7 @@ impl<R: Scalar> Monitor<R> {
         let (mut e, mut tested) = (normalised, normalised);
         if !Range::new(-outlier, outlier).contains(normalised) {
             cold_path();
-            // beyond the limits of the remainder the innovation is bounded, but squares should stay small
+            // the innovation is bounded, but its square must stay small
             let bound = R::LARGEST_SQUARED;
             (e, tested) = (normalised.limit(-bound, bound), normalised.limit(-outlier, outlier));
         }
@@ -121,20 +122,21 @@ impl<R: Scalar> Monitor<R> {
 
         let (above, below, slack) = (tested.begin(), (-tested).begin(), sum::<R>(-MEAN_SLACK));
         self.drift.mean |=
-            reach::<R>(&mut self.above, self.mean_threshold, |sum| R::plus(R::plus(sum, above), slack));
+            cusum_step::<R>(&mut self.above, self.mean_threshold, |sum| R::plus(R::plus(sum, above), slack));
         self.drift.mean |=
-            reach::<R>(&mut self.below, self.mean_threshold, |sum| R::plus(R::plus(sum, below), slack));
+            cusum_step::<R>(&mut self.below, self.mean_threshold, |sum| R::plus(R::plus(sum, below), slack));
         let excess = R::plus(tested.square(), sum::<R>(-1.0 - POWER_SLACK));
-        self.drift.variance |= reach::<R>(&mut self.power, self.power_threshold, |sum| R::plus(sum, excess));
+        self.drift.variance |=
+            cusum_step::<R>(&mut self.power, self.power_threshold, |sum| R::plus(sum, excess));
         self.drift
     }
 
-    /// Innovations that counted so far; the statistics mean little before a few thousand.
+    /// Number of innovations counted so far; the statistics are unreliable before a few thousand.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// The running statistics, in the scaled units of the model, to compare with the model's own.
+    /// Running statistics in the scaled units of the model, comparable with those of the fit.
     pub fn statistics(&self) -> InnovationStatistics<R::Stored> {
         let (variance, deviation) = (R::mean(self.variance).to_f64(), self.deviation.to_f64());
         let mean = R::mean(self.mean).to_f64() + self.fitted_mean.to_f64();
@@ -146,41 +148,42 @@ impl<R: Scalar> Monitor<R> {
         }
     }
 
-    /// The running mean of the innovation in the axis' unit; the largest f64 if it is beyond that.
+    /// Running mean of the innovation in the axis' unit, saturated to the range of f64.
     pub fn mean_in_unit(&self) -> f64 {
         (self.statistics().mean.to_f64() * self.scale.to_f64()).limit(-f64::MAX, f64::MAX)
     }
 
-    /// Running standard deviation of the innovation over that of the fit: 1 as fitted, 2 twice the noise.
+    /// Ratio of the running standard deviation of the innovation to that of the fit: 2 means twice the noise.
     ///
-    /// A square root, to be asked for now and then: good to 6·10⁻⁸, with the feature `micromath` to 6 %.
+    /// Computes a square root, so call it only occasionally. Relative error at most 6·10⁻⁸, with the feature `micromath`
+    /// 6 %.
     pub fn deviation_ratio(&self) -> f32 {
         // the running variance is in variances of the fit
         root::sqrt(R::mean(self.variance).to_f64() as f32)
     }
 
-    /// Running standard deviation of the innovation in the axis' unit, as good as the
-    /// [ratio](Self::deviation_ratio); the largest f32 if it is beyond that.
+    /// Running standard deviation of the innovation in the axis' unit, with the accuracy of the
+    /// [ratio](Self::deviation_ratio); saturated to the range of f32.
     pub fn deviation_in_unit(&self) -> f32 {
         let unit = self.deviation.to_f64() * self.scale.to_f64();
         ((f64::from(self.deviation_ratio()) * unit) as f32).min(f32::MAX)
     }
 
-    /// Whether the model has stopped fitting.
+    /// Drift detected since the last [`restart`](Self::restart).
     pub fn drift(&self) -> Drift {
         self.drift
     }
 
-    /// Forgets an alarm and starts the tests anew; the running statistics stay.
+    /// Clears the alarm and restarts the tests; the running statistics stay.
     pub fn restart(&mut self) {
         (self.above, self.below, self.power) = (R::NOTHING, R::NOTHING, R::NOTHING);
         self.drift = Drift::default();
     }
 }
 
-/// The next value of a one-sided cumulative sum, which stays within 0 and its threshold; whether it is there.
+/// Advances a one-sided cumulative sum, limited to 0 … threshold; returns true if it reaches the threshold.
 #[inline(always)]
-fn reach<R: Scalar>(sum: &mut R::Sum, threshold: R::Sum, next: impl FnOnce(R::Sum) -> R::Sum) -> bool {
+fn cusum_step<R: Scalar>(sum: &mut R::Sum, threshold: R::Sum, next: impl FnOnce(R::Sum) -> R::Sum) -> bool {
     let next = next(*sum);
     let reached = next >= threshold;
     *sum = if reached {
@@ -193,22 +196,22 @@ fn reach<R: Scalar>(sum: &mut R::Sum, threshold: R::Sum, next: impl FnOnce(R::Su
     reached
 }
 
-/// What a sum has come to.
+/// `value` as a sum.
 #[inline(always)]
 fn sum<R: Scalar>(value: f64) -> R::Sum {
     R::sum_of(R::Stored::from_f64(value))
 }
 
-/// How much further the sum of the squares of correlated innovations wanders, so that an alarm stays as rare:
+/// Factor on the power threshold that keeps the false alarm rate of correlated innovations at that of white ones:
 /// θ(0)/θ(ρ), where θ(ρ) is the root of 1 + ρ² − 2θ(1 − ρ²) = e^(−3θ) + ρ²e^(3θ), which is lim E e^(θΣ(e² − 1.5)) = 1
-/// for a Gaussian recursion of order 1 (Szegő's theorem on its spectrum). This is above it by at most 4 %, and needs
-/// no root where a model is loaded.
+/// for a Gaussian recursion of order 1 (Szegő's theorem on its spectrum). This approximation is at most 4 % above it
+/// and needs no root finding when a model is loaded.
 fn power_inflation<R: Real>(correlation: R) -> R {
     let (real, square) = (R::from_f64, correlation * correlation);
     R::ONE + (real(3.8) - real(1.17) * correlation.abs()) * square / (R::ONE - square)
 }
 
-/// What it has found, not what it was made with.
+/// Formats the statistics and the drift, not the parameters.
 #[cfg(feature = "defmt")]
 impl<R: Scalar> defmt::Format for Monitor<R>
 where
@@ -231,7 +234,7 @@ mod tests {
     use super::power_inflation;
 
     #[test]
-    fn the_threshold_of_the_power_is_that_of_correlated_innovations() {
+    fn power_threshold_matches_correlated_innovations() {
         // from the left of the root, where the difference is positive
         let theta = |correlation: f64| {
             let square = correlation * correlation;

@@ -1,36 +1,36 @@
-//! Is the true value of an accelerometer at rest the one that the model knows? Decides whether a still axis may be
-//! tracked.
+//! Orientation gate: an accelerometer at rest may be tracked only in the orientation of the fit, where the model has its
+//! true value.
 
 use crate::model::{Axis, AxisParameters};
 use crate::{Real, Scalar};
 
-/// Standard gravity, m/s²; anywhere on the ground it is within 0.3 % of this.
+/// Standard gravity, m/s²; gravity anywhere on the ground is within 0.3 % of it.
 pub const GRAVITY_MPS2: f32 = 9.80665;
 
-/// A still accelerometer that is further than this from its reference, in scaled units (standard deviations of the
-/// data that the model was fitted to), lies in another pose than that of the fit: 20 are a tilt of 2° for a noise of
-/// 0.02 m/s², and a bias drifts by less.
+/// Distance of an accelerometer at rest from its reference above which its orientation differs from that of the fit, in
+/// scaled units (standard deviations of the data of the fit). For a noise of 0.02 m/s², 20 of them are a tilt of 2°; a
+/// bias drifts by less.
 pub const OTHER_POSE: f64 = 20.0;
 
-/// Whether an axis at rest is in the pose of its fit, told by the sample before.
+/// Decides from the previous sample whether an axis at rest is in the orientation of its fit.
 ///
-/// At rest the true value of a gyro is 0 in every pose; that of an accelerometer is what gravity gives in its pose,
-/// and a model knows it for one pose only, its reference. Tracked in another one, the tilt would be taken for an
-/// error. So an axis is tracked in sample n, should the unit be still then, if sample n − 1 was in the pose:
+/// At rest the true value of a gyro is 0 in every orientation. That of an accelerometer is the component of gravity,
+/// which a model holds for one orientation only, as its reference. Tracking in another orientation would take the tilt
+/// for an error. So an axis that is still in sample n is tracked if sample n − 1 was in that orientation:
 ///
 /// ```text
 /// |corrected(n − 1) − reference| ≤ 20 scale
 /// ```
 ///
-/// An accelerometer whose axis the unit was turned about feels the same gravity as before, so that whoever tracks several
-/// of them tracks either all or none: all gates must be open.
+/// An accelerometer measures the same gravity after a rotation about its own axis. With several accelerometers, track
+/// all of them or none: all gates must be open.
 ///
-/// It is judged on the corrected value, with offset and all that the model predicts taken out, of the one latest
-/// sample, tracked or coasted, at rest or not, in the axis' unit. Nothing is averaged and nothing looked ahead for,
-/// so that host and device judge alike, and sample by sample. A sample without a finite value leaves its axis where
-/// the last finite one was. Before the first sample the pose of an accelerometer is not known, and it is not tracked.
+/// The test uses the corrected value of the latest sample alone, tracked or coasted, at rest or in motion, in the axis'
+/// unit. There is no averaging and no look-ahead, so host and device decide alike, sample by sample. A sample without a
+/// finite value leaves the decision unchanged. Before the first sample the orientation is unknown, so accelerometers are
+/// not tracked.
 ///
-/// Only the model's own reference needs the gate: a true value that is measured is true in every pose.
+/// The gate is needed only with the model's own reference: a measured true value holds in every orientation.
 ///
 /// ```
 /// use fos_core::{Axis, AxisParameters, GRAVITY_MPS2, InnovationStatistics, PoseGate, Range};
@@ -59,12 +59,12 @@ pub const OTHER_POSE: f64 = 20.0;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PoseGate<R> {
     reference: R,
-    /// In the axis' unit; infinite where every pose is that of the fit.
+    /// Limit in the axis' unit; infinite for axes whose reference holds in every orientation.
     limit: R,
 }
 
 impl<R: Real> PoseGate<R> {
-    /// The gate of an axis: always open unless it is an accelerometer.
+    /// The gate of an axis; always open unless the axis is an accelerometer.
     pub fn new(parameters: &AxisParameters<R>) -> Self {
         let limit = match parameters.axis {
             Axis::Ax | Axis::Ay | Axis::Az => R::from_f64(OTHER_POSE) * parameters.scale,
@@ -80,13 +80,13 @@ impl<R: Real> PoseGate<R> {
 }
 
 impl<R: Scalar> PoseGate<R> {
-    /// Whether the very first sample may be tracked.
+    /// True if the first sample may be tracked.
     pub fn is_open_at_first(&self) -> bool {
         self.limit >= R::MAX
     }
 
-    /// Whether the next sample may be tracked, after one that was `corrected` to this, in the axis' unit: a
-    /// [`Correction::corrected`](crate::Correction::corrected).
+    /// True if the next sample may be tracked, given the [`Correction::corrected`](crate::Correction::corrected) of this
+    /// one, in the axis' unit.
     #[inline(always)]
     pub fn is_open_after(&self, corrected: R) -> bool {
         (corrected - self.reference).abs() <= self.limit
@@ -116,8 +116,8 @@ mod tests {
         }
     }
 
-    /// A power of two, so that the bound itself is exact in both scalars.
-    fn judges_to_the_bound<R: Real>() {
+    // the scale is a power of two, so that the limit is exact in both scalars
+    fn opens_up_to_the_limit<R: Real>() {
         for axis in [Axis::Ax, Axis::Ay, Axis::Az] {
             let gate = PoseGate::new(&parameters::<R>(axis, 4.0, 0.125));
             assert!(!gate.is_open_at_first());
@@ -134,8 +134,8 @@ mod tests {
     }
 
     #[test]
-    fn an_accelerometer_may_be_twenty_scales_from_its_reference_and_a_gyro_anywhere() {
-        judges_to_the_bound::<f32>();
-        judges_to_the_bound::<f64>();
+    fn accelerometers_are_gated_at_twenty_scales_and_gyros_never() {
+        opens_up_to_the_limit::<f32>();
+        opens_up_to_the_limit::<f64>();
     }
 }

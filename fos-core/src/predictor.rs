@@ -1,15 +1,15 @@
-//! One step per sample: tracks from measurements, coasts on its own output.
+//! The predictor: one step per sample. It tracks from measurements and coasts on its own output.
 
 use crate::axis::Correction;
 use crate::{Evaluator, Model, ModelError, Sample, Scalar};
 
-/// Evaluates a model sample by sample and takes the predicted error out.
+/// Evaluates a model sample by sample and subtracts the predicted error.
 ///
-/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` of all axes together, and `HISTORY` values, a power of two up
-/// to 65536: at least (longest lag) × (inputs + axes) + inputs.
+/// Capacities: `AXES`, `INPUTS` (at most 32), `TERMS` over all axes, and `HISTORY` values: a power of two up to 65536,
+/// at least (longest lag) × (inputs + axes) + inputs.
 ///
-/// The step cannot fail and cannot panic. Its cost is bounded and does not depend on the data, but for gaps
-/// ([`skip`](Self::skip)).
+/// The step cannot fail and cannot panic. Its cost is bounded and, except for gaps ([`skip`](Self::skip)), independent
+/// of the data.
 ///
 /// ```
 /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample};
@@ -61,11 +61,11 @@ pub struct Predictor<
 > {
     evaluator: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     corrections: [Correction<R>; AXES],
-    /// There has been a sample.
+    /// At least one sample has been processed.
     begun: bool,
 }
 
-/// What the latest sample came to, not the model.
+/// Formats the number of inputs and the latest corrections, not the model.
 #[cfg(feature = "defmt")]
 impl<
     R: Scalar + defmt::Format,
@@ -84,40 +84,40 @@ impl<
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Predictor<R, AXES, INPUTS, TERMS, HISTORY>
 {
-    /// A predictor for `model`, of which it keeps its own compiled copy.
+    /// Builds a predictor with a compiled copy of `model`.
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the model, or that there is no room for.
+    /// The first fault of the model, or the first capacity that it exceeds.
     pub fn new(model: &Model<'_, R::Stored>) -> Result<Self, ModelError> {
         let mut predictor = Self::empty();
         predictor.load(model)?;
         Ok(predictor)
     }
 
-    /// Takes another model in place, compiled as by [`new`](Self::new); history, inputs and clocks start anew.
+    /// Replaces the model in place and resets history, inputs and clocks.
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); it is then without a model.
+    /// Those of [`new`](Self::new); the predictor is then [empty](Self::empty).
     pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         self.begun = false;
         self.evaluator.load(model)
     }
 
-    /// A predictor without a model, which corrects nothing: what a `static` begins with, before
+    /// A predictor without a model, which corrects nothing: initial value of a `static` before
     /// [`Image::load`](crate::Image::load).
     pub const fn empty() -> Self {
         Self { evaluator: Evaluator::empty(), corrections: [Correction::NONE; AXES], begun: false }
     }
 
-    /// Forgets the model: [`empty`](Self::empty) again, where it stands.
+    /// Discards the model in place; the predictor is then [empty](Self::empty).
     pub fn clear(&mut self) {
         self.evaluator.clear();
         self.begun = false;
     }
 
-    /// The unit is still: measured error is known against the model's reference, and enters the history.
+    /// Processes a sample at rest: the error is measured against the model's reference and enters the history.
     ///
     /// Returns one correction per axis.
     #[must_use = "carries whether the corrected values can be trusted"]
@@ -125,43 +125,43 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.track_some(sample, u32::MAX)
     }
 
-    /// As [`track`](Self::track), against the true value of every axis, in its unit. Where it is absent the model's
-    /// reference stands in; where it is not finite the axis coasts.
+    /// Same as [`track`](Self::track), with the true value of every axis in `reference`, in the axis' unit. Axes beyond
+    /// the end of `reference` use the model's reference; axes whose true value is not finite coast.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_against(&mut self, sample: &Sample<'_, R>, reference: &[R]) -> &[Correction<R>] {
         self.evaluator.track_against(sample, reference, &mut self.corrections);
         self.latest()
     }
 
-    /// As [`track`](Self::track) for the axes whose bit in `tracked` is set, the first axis' bit being the lowest;
-    /// the others [coast](Self::coast).
+    /// [Tracks](Self::track) the axes whose bit in `tracked` is set (the lowest bit is the first axis) and
+    /// [coasts](Self::coast) the others.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_some(&mut self, sample: &Sample<'_, R>, tracked: u32) -> &[Correction<R>] {
         self.evaluator.track_some(sample, tracked, &mut self.corrections);
         self.latest()
     }
 
-    /// The unit moves: the error is not known, the history holds the model's own output.
+    /// Processes a sample in motion: the error is not known, so the model's own output enters the history.
     ///
-    /// It cannot run away, whatever the coefficients: the remainder is limited to twice the width of its fitted
-    /// range, and once coasting has lasted longer than it was validated for, what is subtracted of it fades to its
-    /// mean, 0, with that same time as its time constant. The physical part goes on with its inputs.
+    /// Coasting cannot diverge, whatever the coefficients: the remainder is limited to twice the width of its fitted
+    /// range. After the longest validated duration, the subtracted remainder fades to its mean, 0; its time constant is
+    /// that duration. The physical part continues with its inputs.
     ///
-    /// A measured value that is not finite is a sample that is missing: it is coasted over up to the axis' gap limit,
-    /// and then the history restarts. To go on without samples is [`forecast`](Self::forecast).
+    /// A measured value that is not finite counts as a missing sample: the axis coasts up to its gap limit, then its
+    /// history restarts. To continue without samples, call [`forecast`](Self::forecast).
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast(&mut self, sample: &Sample<'_, R>) -> &[Correction<R>] {
         self.track_some(sample, 0)
     }
 
-    /// The corrections of the latest sample, one per axis; none before the first.
+    /// Corrections of the latest sample, one per axis; empty before the first sample.
     pub fn corrections(&self) -> &[Correction<R>] {
         let n = if self.begun { self.evaluator.n_axes() } else { 0 };
         self.corrections.get(..n).unwrap_or(&[])
     }
 
-    /// The error as the model expects it one tick on, without a sample: as [`coast`](Self::coast), and for as long as
-    /// is asked, whatever the gap limit. What is `corrected` is then the latest measured value less the prediction.
+    /// Predicts the error of the next tick without a sample. Same as [`coast`](Self::coast), but not bounded by the gap
+    /// limit. `corrected` is the latest measured value minus the prediction.
     ///
     /// ```
     /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample, Term, y};
@@ -195,49 +195,48 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.latest()
     }
 
-    /// `ticks` samples are missing. Up to each axis' gap limit they are coasted, beyond it the history restarts;
-    /// time goes on for the inputs either way. Takes one step more than the longest gap limit or lag has ticks,
-    /// however many are missing.
+    /// Advances over `ticks` missing samples. Each axis coasts up to its gap limit, then its history restarts; time
+    /// advances for the inputs either way. Takes at most one step more than the longest gap limit or lag has ticks.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
         self.evaluator.skip(ticks, &mut self.corrections);
         self.latest()
     }
 
-    /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be
-    /// called before the first sample.
+    /// Starts the clocks at `ticks` after power-on, so that a model loaded later has the right phase of the warm-up. Call
+    /// it before the first sample.
     pub fn begin_after(&mut self, ticks: u32) {
         self.evaluator.begin_after(ticks);
     }
 
-    /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what
-    /// is known of the sensor beside the model.
+    /// Lowers the full scale of an axis to `full_scale`, in its unit, for a sensor that saturates earlier than the model
+    /// states. Values that are not positive or not below the present full scale have no effect.
     pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
         self.evaluator.limit_full_scale(axis, full_scale);
     }
 
-    /// As at power-on: history, inputs and clocks start anew.
+    /// Returns to the state at power-on: history, inputs and clocks are reset, the model stays.
     pub fn reset(&mut self) {
         self.evaluator.reset();
     }
 
-    /// u(n) of an input, scaled, as of the last sample; `None` if there is no such input.
+    /// Value u(n) of an input at the last sample, scaled; `None` if there is no such input.
     pub fn input(&self, index: usize) -> Option<R> {
         self.evaluator.input(index)
     }
 
-    /// The evaluator in it.
+    /// The evaluator that holds the model and its state.
     #[cfg(feature = "coasts")]
     pub fn evaluator(&self) -> &Evaluator<R, AXES, INPUTS, TERMS, HISTORY> {
         &self.evaluator
     }
 
-    /// How many axes the model has.
+    /// Number of axes of the model.
     pub fn n_axes(&self) -> usize {
         self.evaluator.n_axes()
     }
 
-    /// For an image: the evaluator that takes it, while nothing is said of a sample.
+    /// The evaluator, for loading an image; the corrections of the last sample are discarded.
     pub(crate) fn begin(&mut self) -> &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY> {
         self.begun = false;
         &mut self.evaluator

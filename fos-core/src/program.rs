@@ -1,4 +1,4 @@
-//! The terms of a model, compiled to what the hot path needs and nothing else.
+//! The terms of a model, compiled for the hot path.
 //!
 //! Order of evaluation, the same everywhere: p = 0 + t₁ + t₂ + …, r̂ = a0 + t₁ + t₂ + …, each term
 //! ((c·f₁)·f₂)·f₃; within a part first all terms of degree 1, then 2, then 3, each in the order of the model.
@@ -10,31 +10,32 @@ use heapless::Vec;
 use crate::history::Window;
 use crate::{Channel, Factor, MAX_DEGREE, ModelError, Scalar, Term};
 
-/// The largest degree of a term that is evaluated.
+/// Largest degree of a term in this build.
 pub(crate) const DEGREES: usize = if cfg!(feature = "products") { MAX_DEGREE } else { 1 };
 
-/// Third factors; none without products.
+/// Third factors of the cubic terms; empty without the feature `products`.
 #[cfg(feature = "products")]
 type Thirds<const TERMS: usize> = Vec<u16, TERMS>;
 #[cfg(not(feature = "products"))]
 type Thirds<const TERMS: usize> = Vec<u16, 0>;
 
-/// A part of an axis' model, p or r̂: which of the terms it has.
+/// A part of an axis' model, p or r̂: its constant and the number of its terms by degree.
 #[derive(Debug, Clone)]
 pub(crate) struct Part<R> {
-    /// The sum begins with it: 0 or a0.
+    /// Initial value of the sum: 0 or a0.
     start: R,
     // of degree 1, then 2, then 3
     n_linear: u16,
     n_quadratic: u16,
     n_cubic: u16,
-    /// Where the third factors of its cubic terms begin.
+    /// Index of the first third factor of its cubic terms.
     first_third: u16,
     pub(crate) is_empty: bool,
     has_products: bool,
 }
 
-/// A term whose factors are places in the history. A third factor, which few have, is kept apart.
+/// A term with its factors as places in the history. Third factors, which are rare, are stored in
+/// [`Program::thirds`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Record<R> {
     coefficient: R,
@@ -61,15 +62,15 @@ impl<R: Scalar> Record<R> {
     }
 }
 
-/// The terms of all axes: of each axis the physical part, then the stochastic part.
+/// The terms of all axes: for each axis the physical part, then the stochastic part.
 #[derive(Debug, Clone)]
 pub(crate) struct Program<R, const TERMS: usize> {
     records: Vec<Record<R>, TERMS>,
-    /// Of the cubic terms, in their order.
+    /// Third factors of the cubic terms, in their order.
     thirds: Thirds<TERMS>,
 }
 
-/// Where a sample's values lie in the history: inputs first, then the remainders of the axes.
+/// Layout of a sample in the history: inputs first, then the remainders of the axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Layout {
     pub(crate) n_inputs: usize,
@@ -77,7 +78,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Places from the remainder of the first axis, about to be written, back to `factor` of `axis`.
+    /// Number of places from the next write, the remainder of the first axis, back to `factor` of `axis`.
     fn back(&self, axis: usize, factor: Factor) -> usize {
         let lag = usize::from(factor.lag) * (self.n_inputs + self.n_axes);
         match factor.channel {
@@ -145,8 +146,8 @@ impl<R: Scalar, const TERMS: usize> Program<R, TERMS> {
 }
 
 impl<R: Scalar> Part<R> {
-    /// The value of the part, whose records are the first of `records`, and those after it; its constant, were they too
-    /// few.
+    /// Returns the value of the part, whose records come first in `records`, and the records after it. With too few
+    /// records, which cannot happen, it returns the constant.
     #[inline(always)]
     pub(crate) fn evaluate<'r, const N: usize>(
         &self,
@@ -175,7 +176,7 @@ impl<R: Scalar> Part<R> {
         }
     }
 
-    /// The same of several histories side by side: in each lane the same operations in the same order.
+    /// Evaluates several histories, one per lane, each with the operations and order of [`evaluate`](Self::evaluate).
     #[cfg(feature = "coasts")]
     #[inline(always)]
     pub(crate) fn evaluate_lanes<'r, const LANES: usize, const N: usize>(
@@ -215,8 +216,8 @@ impl<R: Scalar> Part<R> {
         (sum.map(R::end), left)
     }
 
-    /// `sum` and the terms with more than one factor, and the records after them. A function of its own, so that its
-    /// loops have the registers to themselves.
+    /// Adds the terms with more than one factor to `sum`; returns it with the records after them. Not inlined, so that its
+    /// loops have all registers.
     #[inline(never)]
     fn products<'r, const N: usize>(
         &self,

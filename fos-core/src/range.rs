@@ -1,49 +1,49 @@
-//! Was this value seen while fitting? A polynomial is trusted, and evaluated, only where it was fitted.
+//! Ranges of the data of a fit: a polynomial is evaluated only within the range that it was fitted on.
 
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::{Real, Scalar};
 
-/// The smallest and the largest value of a quantity in the data that a model was fitted to.
+/// Smallest and largest value of a quantity in the data that a model was fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range<R> {
-    /// Smallest value seen while fitting.
+    /// Smallest value in the data of the fit.
     pub low: R,
-    /// Largest value seen while fitting.
+    /// Largest value in the data of the fit.
     pub high: R,
 }
 
 impl<R: Scalar> Range<R> {
-    /// From `low` to `high`.
+    /// The range `low ..= high`.
     pub const fn new(low: R, high: R) -> Self {
         Self { low, high }
     }
 
-    /// −10³⁰ … 10³⁰: for what is not to be limited. No sum of a model that is run gets there.
+    /// −10³⁰ … 10³⁰, which disables a limit: no intermediate sum of an accepted model reaches it.
     pub fn unlimited() -> Self {
         Self { low: R::from_f64(-1e30), high: R::from_f64(1e30) }
     }
 
-    /// Finite, and the right way round.
+    /// True if both ends are finite and `low ≤ high`.
     #[inline(never)]
     pub fn is_valid(&self) -> bool {
         self.low.is_finite() && self.high.is_finite() && self.low <= self.high
     }
 
-    /// The largest magnitude in the range.
+    /// Largest magnitude in the range.
     pub(crate) fn magnitude(&self) -> R {
         let (low, high) = (self.low.abs(), self.high.abs());
         if low > high { low } else { high }
     }
 
-    /// Whether `value` lies in the range; NaN does not.
+    /// True if `value` lies in the range; false for NaN.
     #[inline(always)]
     pub(crate) fn contains(&self, value: R) -> bool {
         value >= self.low && value <= self.high
     }
 
-    /// `value` limited to the range; NaN gives its low end.
+    /// `value` limited to the range; the low end for NaN.
     #[inline]
     pub(crate) fn limit(&self, value: R) -> R {
         value.limit(self.low, self.high)
@@ -51,7 +51,7 @@ impl<R: Scalar> Range<R> {
 }
 
 impl<R: Real> Range<R> {
-    /// Widened on both sides by `share` of its width.
+    /// The range widened on either side by `share` of its width.
     #[inline(never)]
     pub(crate) fn widened(&self, share: f64) -> Self {
         let margin = R::from_f64(share) * (self.high - self.low);
@@ -59,7 +59,7 @@ impl<R: Real> Range<R> {
     }
 }
 
-/// One copy for all records that have ranges: inlined into each it would be twice the flash.
+/// Not inlined: one copy serves all records with ranges; inlining it into each would double the flash.
 impl<'de, R: Deserialize<'de>> Deserialize<'de> for Range<R> {
     #[inline(never)]
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

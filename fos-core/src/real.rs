@@ -1,15 +1,15 @@
-//! The scalar: f32 on the device, f32 and f64 on the host, fixed point where there is no float; one source for all.
+//! The scalar: f32 on the device, f32 and f64 on the host, fixed point without an FPU; one source for all.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::arithmetic::Arithmetic;
 
-/// What a model is evaluated in: a [`Real`], or [`Fixed`](crate::Fixed).
+/// Arithmetic in which a model is evaluated: a [`Real`], or [`Fixed`](crate::Fixed).
 ///
 /// Per sample only `+`, `−`, `×` and comparisons are used, in a fixed order and never fused, so that every
-/// machine gives the same bits. There is no division on purpose: what divides is inverted once, when a model is built,
-/// in [`Built`](Self::Built).
+/// machine gives the same bits. There is deliberately no division: divisors are inverted once, in
+/// [`Built`](Self::Built), when a model is built.
 pub trait Scalar:
     Arithmetic
     + PartialOrd
@@ -20,10 +20,10 @@ pub trait Scalar:
     + Neg<Output = Self>
     + 'static
 {
-    /// Of the models that it evaluates: itself, if that is a float.
+    /// Float of the models that this scalar evaluates; a float evaluates models of its own type.
     type Stored: Real;
-    /// In which the constants of a model are computed, once, when it is built: as exact as they are kept. A device with
-    /// floats of 32 bits links no arithmetic of 64.
+    /// Float in which the constants of a model are computed when it is built; as precise as the constants are stored.
+    /// With f32, a device links no 64-bit arithmetic.
     type Built: Real;
 
     /// 0.
@@ -39,25 +39,25 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// The value nearest to `value`; exact up to 2²⁴ in f32.
     fn from_u32(value: u32) -> Self;
-    /// The same value, or nearest to it, as f64.
+    /// The f64 nearest to the value.
     fn to_f64(self) -> f64;
-    /// The value nearest to that of a model or a log.
+    /// The value nearest to a number of a model or log.
     fn of(stored: Self::Stored) -> Self;
-    /// The same value, or nearest to it, as a model or a log has it.
+    /// The number nearest to the value in the float of models and logs.
     fn stored(self) -> Self::Stored;
-    /// `code` × `unit`: what a sensor's code stands for.
+    /// `code` × `unit`, the physical value of a sensor's code.
     fn of_code(code: i16, unit: Self::Stored) -> Self;
-    /// A sum of values, or of squares, as a model has it.
+    /// A sum of values or squares in the float of the model.
     fn sum_stored(sum: Self::Sum) -> Self::Stored;
-    /// The sum nearest to that.
+    /// The sum nearest to a number of a model.
     fn sum_of(stored: Self::Stored) -> Self::Sum;
-    /// Neither NaN nor infinite.
+    /// True if the value is neither NaN nor infinite.
     fn is_finite(self) -> bool;
 
     /// The absolute value; NaN stays NaN.
     fn abs(self) -> Self;
 
-    /// `self` if it lies in `low ..= high`, else the bound it is beyond; NaN gives `low`.
+    /// `self` limited to `low ..= high`; `low` for NaN.
     #[inline]
     fn limit(self, low: Self, high: Self) -> Self {
         if self > high {
@@ -72,9 +72,9 @@ pub trait Scalar:
 
 /// A float: the scalar of models.
 pub trait Real: Scalar<Stored = Self, Built = Self> + Div<Output = Self> {
-    /// The whole part; the nearest u32 to what is none, 0 of NaN.
+    /// The integer part, saturated to the range of u32; 0 for NaN.
     fn to_u32(self) -> u32;
-    /// √x, correctly rounded: for constants, whatever the features.
+    /// √x, correctly rounded; for constants, independent of the features.
     fn square_root(self) -> Self;
 }
 
@@ -146,12 +146,12 @@ macro_rules! float {
 float!(f32, libm::sqrtf);
 float!(f64, libm::sqrt);
 
-/// Finite and above 0.
+/// True if the value is finite and above 0.
 pub(crate) fn is_positive<R: Real>(value: R) -> bool {
     value.is_finite() && value > R::ZERO
 }
 
-/// The value nearest to it in another scalar; one of 32 bits stays what it is, without arithmetic of 64.
+/// The nearest value in another scalar. An f32 stays unchanged, without 64-bit arithmetic.
 #[inline]
 pub(crate) fn scalar<S: Scalar, R: Scalar>(value: S) -> R {
     R::from_f64(value.to_f64())

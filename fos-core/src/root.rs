@@ -1,12 +1,11 @@
-//! The square root, for what is asked now and then; no step needs one.
+//! The square root, for occasional queries; no step needs one.
 //!
-//! libm's, or with the feature `micromath` that crate's: an approximation, and the same one on host and device
+//! Uses libm, or with the feature `micromath` the approximation of that crate, the same on host and device
 //! (docs/decisions/micromath.md).
 
-/// √x. NaN for what has none; 0 below the smallest normal number.
+/// √x. NaN for negative numbers and NaN; 0 below the smallest normal number.
 ///
-/// micromath works on the bits of a positive normal number and takes anything else for one, so nothing else gets
-/// there.
+/// micromath computes with the bits of x as a positive normal number, so every other number is handled here.
 pub(crate) fn sqrt(x: f32) -> f32 {
     if x.is_nan() || x < 0.0 {
         f32::NAN
@@ -33,12 +32,12 @@ fn normal(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Largest relative error: of a correctly rounded square root half a unit in the last place, of micromath's
-    /// what the sweep finds, rounded up.
+    /// Largest relative error: half a unit in the last place for a correctly rounded square root; for micromath the result
+    /// of the sweep, rounded up.
     const BOUND: f64 = if cfg!(feature = "micromath") { 0.0607 } else { 6.0e-8 };
 
     #[test]
-    fn is_as_good_as_stated_over_twelve_decades() {
+    fn error_is_within_bound_over_twelve_decades() {
         const STEPS: u32 = 1_000_000;
         let (mut worst, mut at) = (0.0, 0.0);
         for step in 0..=STEPS {
@@ -55,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_root_has_none() {
+    fn handles_special_values() {
         for x in [-1.0, -f32::MIN_POSITIVE, f32::NEG_INFINITY, f32::NAN] {
             assert!(sqrt(x).is_nan(), "{x}");
         }
@@ -70,10 +69,10 @@ mod tests {
         );
     }
 
-    /// Why what a model is built from is libm's, whatever the features (docs/decisions/micromath.md).
+    /// Shows why the constants of a model come from libm, independent of the features (docs/decisions/micromath.md).
     #[cfg(feature = "micromath")]
     #[test]
-    fn micromath_would_spoil_a_line_and_dent_a_time_constant() {
+    fn micromath_is_too_coarse_for_model_constants() {
         use micromath::F32Ext;
 
         let mut worst = 0.0_f64;
@@ -86,7 +85,7 @@ mod tests {
         std::println!("1 − e^(−T/τ) at 200 Hz, τ to 1000 s: off by up to {:.3} %", 100.0 * worst);
         assert!(worst > 1e-4, "{worst:e}");
 
-        // a line is a phasor that is rotated every sample: one that is not of length 1 grows or dies
+        // a spectral line is a phasor rotated every sample: if the rotation is not of length 1, it grows or decays
         let (mut low, mut high) = (1.0_f64, 1.0_f64);
         for step in 1..1000 {
             let angle = core::f32::consts::PI * step as f32 / 1000.0;

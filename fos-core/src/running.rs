@@ -1,4 +1,4 @@
-//! A transform at work: its coefficients and its state.
+//! Coefficients and state of a transform.
 
 use crate::exponential::exp_m1;
 use crate::real::scalar;
@@ -31,13 +31,13 @@ impl<R: Scalar> LowPass<R> {
         self.value()
     }
 
-    /// Its state.
+    /// State of the low-pass.
     #[cfg(feature = "coasts")]
     pub(crate) fn slow(&self) -> R::Slow {
         self.slow
     }
 
-    /// The same of states side by side.
+    /// Updates one state per lane.
     #[cfg(feature = "coasts")]
     #[inline(always)]
     pub(crate) fn update_lanes<const LANES: usize>(
@@ -53,7 +53,7 @@ impl<R: Scalar> LowPass<R> {
         values
     }
 
-    /// As many updates with the same `x`, in closed form.
+    /// Equivalent of `ticks` updates with the same `x`, in closed form.
     fn skip(&mut self, x: R, ticks: u32) {
         let (x, value) = (x.stored(), self.value().stored());
         self.start_at(R::of(value + (x - value) * self.closed(ticks)));
@@ -63,9 +63,9 @@ impl<R: Scalar> LowPass<R> {
         scalar(R::gain_to_f64(self.gain))
     }
 
-    /// The share of the distance to one and the same x that so many updates close: 1 − (1 − g)ⁿ, built up from
-    /// h(a + b) = h(a) + h(b) − h(a)·h(b) in at most 32 doublings. 1 − g itself would cost a small gain its digits:
-    /// with τ = 1000 s at 200 Hz and f32 half a percent of the time constant.
+    /// Share of the distance to a constant x that n updates close: 1 − (1 − g)ⁿ, built up from
+    /// h(a + b) = h(a) + h(b) − h(a)·h(b) in at most 32 doublings. Computing 1 − g would lose digits of a small gain: with
+    /// τ = 1000 s at 200 Hz and f32, 0.5 % of the time constant.
     fn closed(&self, ticks: u32) -> R::Stored {
         let (mut closed, mut doubled, mut left) = (R::Stored::ZERO, self.gain(), ticks);
         while left > 0 {
@@ -79,7 +79,7 @@ impl<R: Scalar> LowPass<R> {
     }
 }
 
-/// The coefficients and the state of a transform.
+/// A transform with its coefficients and state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Running<R: Scalar> {
     Identity,
@@ -97,7 +97,7 @@ pub(crate) enum Running<R: Scalar> {
         play: R,
     },
     Absolute,
-    /// Falls from 1 to 0 as a low-pass does, and as precisely.
+    /// A low-pass from 1 towards 0, for its precision.
     Decay(LowPass<R>),
     Time {
         period: R::Gain,
@@ -170,7 +170,7 @@ impl<R: Scalar> Running<R> {
         Self::Oscillator { rotation, phasor: Complex::ONE, wants_sine }
     }
 
-    /// Starts a transform with memory as if `x` had been there for ever.
+    /// Starts a transform with memory in the steady state of a constant `x`.
     pub(crate) fn start_at(&mut self, x: R) {
         match self {
             Self::LowPass(low_pass) | Self::Rate { low_pass, .. } => low_pass.start_at(x),
@@ -183,7 +183,7 @@ impl<R: Scalar> Running<R> {
         }
     }
 
-    /// As at power-on.
+    /// Returns to the state at power-on.
     pub(crate) fn reset(&mut self) {
         match self {
             Self::Decay(low_pass) => low_pass.start_at(R::ONE),
@@ -193,7 +193,7 @@ impl<R: Scalar> Running<R> {
         }
     }
 
-    /// One sample: u(n) from x(n).
+    /// Computes u(n) from x(n).
     #[inline]
     pub(crate) fn update(&mut self, x: R) -> R {
         match self {
@@ -227,13 +227,13 @@ impl<R: Scalar> Running<R> {
         }
     }
 
-    /// `ticks` samples that are missing, x taken to have stayed: the same as as many updates, in bounded time.
+    /// Advances over `ticks` missing samples with x constant: equivalent to `ticks` updates, in bounded time.
     pub(crate) fn skip(&mut self, x: R, ticks: u32) {
         match self {
             Self::Identity | Self::Absolute | Self::Backlash { .. } => {}
             Self::LowPass(low_pass) | Self::Rate { low_pass, .. } => low_pass.skip(x, ticks),
             Self::Variance { mean, variance } => {
-                // deviations go on as d·qᵏ, q = 1 − g: v(n) = qⁿ·(v + d²·q·(1 − qⁿ))
+                // deviations decay as d·qᵏ, q = 1 − g: v(n) = qⁿ·(v + d²·q·(1 − qⁿ))
                 let (deviation, closed) = ((x - mean.value()).stored(), mean.closed(ticks));
                 let fed = deviation * deviation * (R::Stored::ONE - mean.gain()) * closed;
                 let left = (variance.value().stored() + fed) * (R::Stored::ONE - closed);
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_low_pass_reaches_a_step_by_its_time_constant() {
+    fn low_pass_has_its_time_constant() {
         let mut low_pass = running(Transform::LowPass { tau_s: 2.0_f64 });
         low_pass.start_at(0.0);
         let after_tau = (0..400).map(|_| low_pass.update(1.0)).last().unwrap();
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_low_pass_has_no_dead_band_in_f32() {
+    fn long_low_pass_has_no_dead_band_in_f32() {
         let (mut single, mut double) = (
             running(Transform::LowPass { tau_s: 1000.0_f32 }),
             running(Transform::LowPass { tau_s: 1000.0_f64 }),
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_is_the_slope_of_a_ramp() {
+    fn rate_is_the_slope_of_a_ramp() {
         let mut rate = running(Transform::Rate { tau_s: 1.0_f64 });
         rate.start_at(0.0);
         let slope = (1..4000).map(|n| rate.update(0.3 * n as f64 * PERIOD_S)).last().unwrap();
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn a_variance_is_that_of_a_sine() {
+    fn variance_of_a_sine_is_one_half() {
         let mut variance = running(Transform::Variance { tau_s: 5.0_f64 });
         variance.start_at(0.0);
         let value = (0..40_000).map(|n| variance.update((n as f64 * 0.7).sin())).last().unwrap();
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn an_oscillator_keeps_its_amplitude_and_phase_for_an_hour() {
+    fn oscillator_keeps_amplitude_and_phase_for_an_hour() {
         let mut sine = running(Transform::Sine { frequency_hz: 16.37_f32 });
         let mut worst = 0.0_f64;
         for n in 0..720_000_u32 {
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn skipping_equals_as_many_updates_with_the_same_value() {
+    fn skip_equals_updates_with_a_constant_value() {
         let transforms = [
             Transform::Identity,
             Transform::LowPass { tau_s: 0.8_f64 },
@@ -359,7 +359,7 @@ mod tests {
             for n in 0..50 {
                 stepped.update(1.0 + 0.1 * (n as f64).sin());
             }
-            // backlash is not moved by a value that stays
+            // backlash does not change with a constant value
             stepped.update(1.5);
             let mut skipped = stepped;
             (0..777).for_each(|_| {
@@ -372,8 +372,8 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_transform_keeps_its_time_constant_in_f32() {
-        // its factor per sample, 1 − 5e-6, was rounded to f32: half a percent of the time constant was lost
+    fn slow_transform_keeps_its_time_constant_in_f32() {
+        // rounding the factor per sample, 1 − 5e-6, to f32 would lose 0.5 % of the time constant
         for stepwise in [true, false] {
             let mut decay = running(Transform::Decay { tau_s: 1000.0_f32 });
             let mut low_pass = running(Transform::LowPass { tau_s: 1000.0_f32 });

@@ -1,10 +1,10 @@
-//! Transforms at work where the identity is the only one: without the feature `transforms`.
+//! Replacement for `running.rs` without the feature `transforms`: the identity is the only transform.
 
 use core::marker::PhantomData;
 
 use crate::{Scalar, Transform};
 
-/// u = x, without coefficients or state: a model with another transform has been refused.
+/// u = x, without coefficients or state: models with another transform were rejected.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Running<R: Scalar>(PhantomData<R>);
 

@@ -1,23 +1,24 @@
-//! Is the device at rest? Decides between tracking and coasting.
+//! Stillness detector: decides between tracking and coasting.
 
 use serde::{Deserialize, Serialize};
 
 use crate::real::is_positive;
 use crate::{ModelError, Real, Scalar};
 
-/// Windows that must be quiet in a row before the unit counts as still.
+/// Number of consecutive quiet windows after which the device counts as still.
 const QUIET_WINDOWS: u8 = 2;
 
-/// Variances beyond the limit times this end stillness; between the two the state stays as it is (hysteresis).
+/// Factor on the variance limits beyond which stillness ends; between the limits and this the state stays (hysteresis).
 const HYSTERESIS: f64 = 2.0;
 
-/// A single sample this many standard deviations away ends stillness at once: those of the limit, which is of three
-/// axes together. Of three equal normal axes the sum of squares is then 3·7² variances of one, which noise at the
-/// limit never reaches (chi-squared, 3 degrees of freedom: once in 10³¹); limits are set several times above the
-/// noise, and a tap is far beyond.
+/// Distance of a single sample that ends stillness at once, in standard deviations of the limit, which is the sum over
+/// three axes. For three equal normal axes that is a sum of squares of 3·7² variances of one axis, which noise at the
+/// limit never reaches (chi-squared, 3 degrees of freedom: once in 10³¹). Limits are set several times above the noise,
+/// and a tap is far beyond them.
 const JUMP: f64 = 7.0;
 
-/// When a unit counts as still. All limits are sums over three axes.
+/// Limits within which a device counts as still. The variances are sums over three axes; the deviation is the length of
+/// the vector.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StillnessLimits<R> {
@@ -25,12 +26,12 @@ pub struct StillnessLimits<R> {
     pub window: u16,
     /// Largest variance of the specific force within a window, (m/s²)².
     pub accel_variance: R,
-    /// Largest variance of the rate within a window, (rad/s)².
+    /// Largest variance of the angular rate within a window, (rad/s)².
     pub gyro_variance: R,
-    /// Rate that the gyros show at rest, rad/s: their offsets.
+    /// Output of the gyros at rest, rad/s: their offsets.
     pub gyro_at_rest: [R; 3],
-    /// Largest distance of a window's mean rate from it, rad/s. A slow steady turn has no variance; this and the
-    /// change of gravity between windows are what tells it from a bias.
+    /// Largest distance of the mean rate of a window from `gyro_at_rest`, rad/s. A slow steady rotation has no variance;
+    /// this limit and the change of gravity between windows distinguish it from a bias.
     pub gyro_deviation: R,
 }
 
@@ -44,8 +45,8 @@ impl<R: Real> StillnessLimits<R> {
     }
 }
 
-/// Sums of one triad over the window under way, taken from a value near its own so that f32 keeps its digits: while the
-/// unit is still the mean of the window before, else the first sample.
+/// Sums of one triad over the current window. Values are taken relative to an origin, so that f32 keeps its digits: the
+/// mean of the previous window while the device is still, otherwise the first sample.
 #[derive(Debug, Clone, Copy)]
 struct Triad<R: Scalar> {
     origin: [R; 3],
@@ -63,8 +64,8 @@ impl<R: Scalar> Triad<R> {
         (self.origin, self.sum, self.sum_of_squares) = (origin, [R::NOTHING; 3], R::NOTHING);
     }
 
-    /// How far a value is from the origin, and the square of it.
-    // axis after axis, not a loop: it runs with every sample
+    /// Deviation of a value from the origin, and the sum of its squares.
+    // unrolled: it runs for every sample
     #[inline(always)]
     fn deviation(&self, [x, y, z]: [R; 3]) -> ([R; 3], R::Sum) {
         let [origin_x, origin_y, origin_z] = self.origin;
@@ -79,7 +80,7 @@ impl<R: Scalar> Triad<R> {
         self.sum_of_squares = R::plus(self.sum_of_squares, square);
     }
 
-    /// Ends the window; its variance, and the square of how far its mean is from that of the window before.
+    /// Ends the window. Returns its variance and the squared distance of its mean from that of the previous window.
     fn end(&mut self, per_window: R::Stored) -> (R::Stored, R::Stored) {
         let (mut square_of_mean, mut shift) = (R::Stored::ZERO, R::Stored::ZERO);
         for ((sum, origin), mean) in self.sum.iter().zip(self.origin).zip(self.mean.iter_mut()) {
@@ -94,8 +95,8 @@ impl<R: Scalar> Triad<R> {
     }
 }
 
-/// Says for every sample whether the unit is still: quiet for two windows in a row, and moving again at the first
-/// window or the first sample that is not quiet. Constant memory.
+/// Decides for every sample whether the device is still: after two consecutive quiet windows, until the first window or
+/// sample that is not quiet. Constant memory.
 #[derive(Debug, Clone)]
 pub struct StillnessDetector<R: Scalar> {
     limits: StillnessLimits<R::Stored>,
@@ -105,12 +106,12 @@ pub struct StillnessDetector<R: Scalar> {
     filled: u16,
     quiet_windows: u8,
     still: bool,
-    /// Furthest that a sample may be from the origin of the window, squared: of accelerometers, of gyros.
+    /// Largest squared distance of a sample from the origin of the window: accelerometers, gyros.
     jump: [R::Sum; 2],
 }
 
 impl<R: Scalar> StillnessDetector<R> {
-    /// A detector, moving until shown otherwise.
+    /// A detector in the moving state.
     ///
     /// # Errors
     ///
@@ -129,15 +130,15 @@ impl<R: Scalar> StillnessDetector<R> {
         })
     }
 
-    /// One sample: specific force in m/s², rate in rad/s. Whether the unit is still now.
+    /// Processes a sample: specific force in m/s², angular rate in rad/s. Returns true if the device is still.
     ///
-    /// A value that is not finite means moving, and starts the window anew.
+    /// A value that is not finite counts as motion and restarts the window.
     pub fn update(&mut self, accel: [R; 3], gyro: [R; 3]) -> bool {
         let ([ax, ay, az], [gx, gy, gz]) = (accel, gyro);
         self.update_six(&[ax, ay, az, gx, gy, gz])
     }
 
-    /// The same: specific force x, y, z, then rate x, y, z.
+    /// Same as [`update`](Self::update), with specific force x, y, z, then angular rate x, y, z in one array.
     pub fn update_six(&mut self, measured: &[R; 6]) -> bool {
         let [ax, ay, az, gx, gy, gz] = *measured;
         let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
@@ -149,7 +150,7 @@ impl<R: Scalar> StillnessDetector<R> {
         }
         let (accel, gyro) = (self.accel.deviation(accel), self.gyro.deviation(gyro));
         let [accel_limit, gyro_limit] = self.jump;
-        // what is not finite is below no limit
+        // false for values that are not finite
         if !(accel.1 <= accel_limit && gyro.1 <= gyro_limit) {
             return self.disturbed();
         }
@@ -163,8 +164,8 @@ impl<R: Scalar> StillnessDetector<R> {
         self.still
     }
 
-    /// While the unit is still a window is taken from the mean of the one before, and a sample too far from that ends the
-    /// stillness; else from its first sample, and only what is not finite ends it.
+    /// Sets the origin of a window: the mean of the previous one while the device is still, and then a sample too far from
+    /// it ends stillness; otherwise the first sample, without such a limit.
     #[inline(never)]
     fn begin_window(&mut self, accel: [R; 3], gyro: [R; 3]) {
         if self.still {
@@ -180,7 +181,7 @@ impl<R: Scalar> StillnessDetector<R> {
         }
     }
 
-    /// Samples are missing: nothing is known of the time between.
+    /// Ends stillness and restarts the window, for example after missing samples. Returns false.
     pub fn disturbed(&mut self) -> bool {
         (self.filled, self.quiet_windows, self.still) = (0, 0, false);
         false

@@ -1,11 +1,11 @@
-//! What a model is a sum of: terms, each a coefficient times a product of delayed samples.
+//! Terms, the summands of a model: a coefficient times a product of delayed samples.
 
 use serde::{Deserialize, Serialize};
 
-/// The highest degree of a term: the paper's cross-product degree (CP) is 1, 2 or 3 here.
+/// Highest degree of a term. The degree is the paper's cross-product degree (CP).
 pub const MAX_DEGREE: usize = 3;
 
-/// Which of a sample's values a [`Factor`] delays.
+/// Series that a [`Factor`] delays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Channel {
@@ -17,13 +17,13 @@ pub enum Channel {
 
 /// One delayed sample: r(n − lag) or u_i(n − lag), paper eq. 14.
 ///
-/// An output needs `lag ≥ 1`: the present is what is predicted. An input may have lag 0.
+/// An output needs `lag ≥ 1`, because its present value is being predicted. An input may have lag 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Factor {
-    /// What is delayed: the output of the axis, or an input.
+    /// Output of the axis, or an input.
     pub channel: Channel,
-    /// By how many samples.
+    /// Delay, samples.
     pub lag: u16,
 }
 
@@ -46,7 +46,7 @@ pub const fn u(input: u8, lag: u16) -> Factor {
 /// assert_eq!((LINEAR.factors().len(), CROSS.factors().len()), (1, 2));
 /// ```
 ///
-/// A wrong one does not compile:
+/// An invalid term does not compile:
 ///
 /// ```compile_fail
 /// use fos_core::{Term, y};
@@ -54,14 +54,14 @@ pub const fn u(input: u8, lag: u16) -> Factor {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term<R> {
-    /// The coefficient, in scaled units.
+    /// Coefficient, in scaled units.
     pub coefficient: R,
     factors: [Factor; MAX_DEGREE],
     degree: u8,
 }
 
 impl<R: Copy> Term<R> {
-    /// A term known when the program is written.
+    /// A term that is known at compile time.
     ///
     /// # Panics
     ///
@@ -73,7 +73,7 @@ impl<R: Copy> Term<R> {
         }
     }
 
-    /// A term from outside data; `None` on no factor, more than [`MAX_DEGREE`], or an output at lag 0.
+    /// A term from external data; `None` on no factor, more than [`MAX_DEGREE`], or an output at lag 0.
     pub const fn try_new(coefficient: R, factors: &[Factor]) -> Option<Self> {
         let (first, second, third, degree) = match *factors {
             [a] => (a, y(0), y(0), 1),
@@ -96,7 +96,7 @@ impl<R: Copy> Term<R> {
         Term { coefficient, factors: self.factors, degree: self.degree }
     }
 
-    /// Its factors, in the order of multiplication.
+    /// Factors, in the order of multiplication.
     pub fn factors(&self) -> &[Factor] {
         self.factors.get(..usize::from(self.degree)).unwrap_or(&[])
     }
@@ -106,7 +106,7 @@ const fn is_present_output(factor: Factor) -> bool {
     matches!(factor.channel, Channel::Output) && factor.lag == 0
 }
 
-/// Without the places for factors that it does not have.
+/// Omits the unused places for factors.
 #[cfg(feature = "defmt")]
 impl<R: Copy + defmt::Format> defmt::Format for Term<R> {
     fn format(&self, f: defmt::Formatter<'_>) {

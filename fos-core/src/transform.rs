@@ -1,10 +1,10 @@
-//! The causal transforms of constant memory through which a logged quantity becomes an input.
+//! Causal transforms in constant memory, which turn a logged quantity into an input.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Real;
 
-/// A causal transform of constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
+/// A causal transform in constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
 ///
 /// Time constants are in seconds and frequencies in hertz; they become coefficients when the model is built.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -12,8 +12,8 @@ use crate::Real;
 pub enum Transform<R> {
     /// u = x.
     Identity,
-    /// Low-pass: s ← s + (1 − e^(−T/τ))·(x − s), u = s; starts at the first x (of a
-    /// remainder: at 0).
+    /// Low-pass: s ← s + (1 − e^(−T/τ))·(x − s), u = s. Starts at the first x; a low-pass of
+    /// a remainder starts at 0.
     LowPass {
         /// Time constant τ, s.
         tau_s: R,
@@ -28,7 +28,7 @@ pub enum Transform<R> {
         /// Time constant τ of the exponential window, s.
         tau_s: R,
     },
-    /// Backlash: u = b − x with the play b ← limit(b, x − r, x + r): how far a worn gear lags behind x.
+    /// Backlash: u = b − x with the play b ← limit(b, x − r, x + r), the lag of a worn gear behind x.
     Backlash {
         /// Half width r of the play, in units of the logged quantity.
         half_width: R,
@@ -55,12 +55,12 @@ pub enum Transform<R> {
 }
 
 impl<R: Real> Transform<R> {
-    /// It depends on time alone and takes no logged quantity.
+    /// True if the transform depends on time alone and takes no logged quantity.
     pub fn is_clock(&self) -> bool {
         matches!(self, Self::Decay { .. } | Self::Time | Self::Sine { .. } | Self::Cosine { .. })
     }
 
-    /// The parameter, if there is one, is finite and positive (a half width may be 0).
+    /// True if the parameter, if there is one, is finite and positive (a half width may be 0).
     pub fn is_valid(&self) -> bool {
         match *self {
             Self::Identity | Self::Absolute | Self::Time => true,

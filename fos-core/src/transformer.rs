@@ -1,14 +1,13 @@
-//! A transform at work: its state, and where it starts.
+//! A transform with its state and its start value.
 
 #[cfg(feature = "coasts")]
 use crate::running::LowPass;
 use crate::running::Running;
 use crate::{Scalar, Transform};
 
-/// A [`Transform`] with its state: what an input of a model runs, and what a host that looks for inputs runs.
+/// A [`Transform`] with its state. The inputs of a model use it, and the host uses it to search for inputs.
 ///
-/// It starts at the first finite value as if that had been there for ever: until then nothing is known of the
-/// quantity, and what comes out is the transform of 0.
+/// It starts in the steady state of the first finite value. Before that it returns the transform of 0.
 ///
 /// ```
 /// use fos_core::{Transform, Transformer};
@@ -22,25 +21,24 @@ use crate::{Scalar, Transform};
 #[cfg_attr(not(feature = "transforms"), allow(unreachable_pub, reason = "for inputs alone"))]
 pub struct Transformer<R: Scalar> {
     running: Running<R>,
-    /// The last finite x; none before the first.
+    /// Last finite x; `None` before the first.
     held: Option<R>,
 }
 
 #[cfg(feature = "transforms")]
 impl<R: Scalar> Transformer<R> {
-    /// The transform at power-on, for a sample period in seconds. The logged values are taken as they are: centre 0,
-    /// scale 1.
+    /// The transform at power-on, for a sample period in seconds. Logged values are not scaled (centre 0, scale 1).
     pub fn new(transform: &Transform<R::Stored>, period_s: f64) -> Self {
         Self::scaled(transform, period_s, R::Stored::ZERO, R::Stored::ONE)
     }
 
-    /// One sample: u(n) from x(n). A value that is not finite stands for the last one before it.
+    /// Computes u(n) from x(n). A value that is not finite is replaced by the last finite one.
     #[inline]
     pub fn update(&mut self, x: R) -> R {
         self.advance(x.is_finite().then_some(x))
     }
 
-    /// `ticks` missing samples, x taken to have stayed; in bounded time.
+    /// Advances over `ticks` missing samples with x constant, in bounded time.
     pub fn skip(&mut self, ticks: u32) {
         self.pass(None, ticks);
     }
@@ -57,19 +55,19 @@ impl<R: Scalar> Transformer<R> {
         Self { running: Running::new(transform, period_s, centre, scale), held: None }
     }
 
-    /// As at power-on.
+    /// Returns to the state at power-on.
     pub(crate) fn reset(&mut self) {
         self.held = None;
         self.running.reset();
     }
 
-    /// Starts at `x`, whatever comes first.
+    /// Starts in the steady state of `x`, independent of the first value.
     pub(crate) fn start_at(&mut self, x: R) {
         self.running.start_at(x);
         self.held = Some(x);
     }
 
-    /// One sample with a finite x, or without one: it is taken to have stayed.
+    /// Computes u(n) from a finite x, or from the last one if there is none.
     #[inline]
     pub(crate) fn advance(&mut self, x: Option<R>) -> R {
         if let Some(x) = x {
@@ -81,7 +79,7 @@ impl<R: Scalar> Transformer<R> {
         self.running.update(self.held.unwrap_or(R::ZERO))
     }
 
-    /// The low-pass that it runs, if it is one that has begun.
+    /// The low-pass, if that is the transform and it has started.
     #[cfg(feature = "coasts")]
     pub(crate) fn low_pass(&self) -> Option<&LowPass<R>> {
         match &self.running {
@@ -90,7 +88,7 @@ impl<R: Scalar> Transformer<R> {
         }
     }
 
-    /// `ticks` missing samples, x taken to have stayed, or with an `x` to have been that; in bounded time.
+    /// Advances over `ticks` missing samples, in bounded time. x is constant: the given one or the last.
     pub(crate) fn pass(&mut self, x: Option<R>, ticks: u32) {
         self.running.skip(x.or(self.held).unwrap_or(R::ZERO), ticks);
     }

@@ -1,14 +1,14 @@
-//! Sine and cosine of a turn, small where a device pays for every byte of flash: by halving, a short series and doubling
-//! back, as e^x − 1 is (exponential.rs); they agree with libm's to 10⁻¹⁴.
+//! Sine and cosine with little flash. Method: halving, a short series and doubling back, as for e^x − 1
+//! (exponential.rs). They agree with libm to 10⁻¹⁴.
 
-/// Below this the series is cut off after terms of relative size 10⁻¹⁷.
+/// Largest argument of the series, in radians: the truncated terms have a relative size of 10⁻¹⁷.
 const SMALL: f64 = 1.0 / 32.0;
 
-/// Sine and cosine of a turn of so many cycles, 0 or more: sin 2a = 2·sin a·cos a, cos 2a − 1 = −2·sin² a.
+/// Sine and cosine of an angle in cycles, 0 or more, by doubling: sin 2a = 2·sin a·cos a, cos 2a − 1 = −2·sin² a.
 pub(crate) fn sin_cos_of_cycles(cycles: f64) -> (f64, f64) {
-    // whole turns do nothing
+    // whole cycles have no effect
     let part = cycles - f64::from(cycles as u32);
-    // beyond 2³² turns a tick there is nothing to tell; nor of a NaN
+    // beyond 2³² cycles, and for NaN, the angle is set to 0
     let (mut a, mut doublings) = (if part < 1.0 { part * core::f64::consts::TAU } else { 0.0 }, 0);
     while a > SMALL {
         a *= 0.5;
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sine_and_cosine_agree_with_libm() {
+    fn agrees_with_libm() {
         let mut worst: f64 = 0.0;
         for n in 0..200_000 {
             let cycles = f64::from(n) * 7.7e-6;

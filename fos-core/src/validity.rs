@@ -1,4 +1,4 @@
-//! Whether a corrected value can be trusted, and why not.
+//! Validity of a corrected value: the reasons not to trust it.
 
 use core::fmt;
 
@@ -6,24 +6,23 @@ use bitflags::{Flags, bitflags};
 use serde::{Serialize, Serializer};
 
 bitflags! {
-    /// Everything that speaks against trusting a [`Correction`](crate::Correction); empty when nothing does.
+    /// Reasons not to trust a [`Correction`](crate::Correction); empty if it is valid.
     ///
-    /// It is computed for every axis and every sample and travels with the numbers it concerns. Storage and telemetry
-    /// have its bits.
+    /// Computed for every axis and sample and returned with the values. Storage and telemetry hold its bits.
     #[must_use = "a correction must not be used without asking whether it is valid"]
     #[derive(Clone, Copy, PartialEq, Eq, Default)]
     pub struct Validity: u16 {
         /// The history is not full yet: only the physical part is subtracted.
         const WARMING_UP = 1;
-        /// Some of the history is the model's own prediction, not measurement: normal while coasting and for a few
-        /// samples after it. The innovation of such a sample is not one-step.
+        /// Part of the history is the model's own prediction, not measurement. Normal while coasting and until the
+        /// history is measured again. The innovation of such a sample is not a one-step error.
         const OWN_HISTORY = 1 << 1;
-        /// Coasting for longer than the model was validated for: the stochastic part fades out.
+        /// Coasting has lasted longer than the model was validated for: the stochastic part fades out.
         const COASTING_TOO_LONG = 1 << 2;
-        /// The remainder is far outside what was seen while fitting; it was limited before it entered the history.
+        /// The remainder is far outside its fitted range; it was limited before it entered the history.
         const OUTPUT_OUT_OF_RANGE = 1 << 3;
-        /// An input, or the inputs together, are outside what was seen while fitting; the model was evaluated at the edge
-        /// of the range.
+        /// An input, or the physical part as a whole, is outside its fitted range; the model was evaluated at the edge of
+        /// the range.
         const INPUT_OUT_OF_RANGE = 1 << 4;
         /// The measured value is NaN or infinite; the last corrected value is repeated.
         const NOT_FINITE = 1 << 5;
@@ -35,15 +34,15 @@ bitflags! {
         const STUCK = 1 << 8;
         /// There was no sample.
         const MISSING = 1 << 9;
-        /// The model does not have this axis: nothing was taken out.
+        /// The model does not have this axis: nothing was subtracted.
         const NOT_MODELLED = 1 << 10;
-        /// At rest the three accelerometers together, corrected, were further from gravity than as measured: the model
-        /// was fitted to something else. A predictor does not look at axes together; a hub does.
+        /// At rest, the corrected vector of the three accelerometers was further from gravity than the measured one: the
+        /// model was fitted to other data. Set by a hub; a predictor does not combine axes.
         const AWAY_FROM_GRAVITY = 1 << 11;
     }
 }
 
-/// How people are told the reasons, in the order of the bits.
+/// Readable names of the reasons, in the order of the bits.
 const NAMES: [&str; Validity::FLAGS.len()] = [
     "warming up",
     "own history",
@@ -60,11 +59,11 @@ const NAMES: [&str; Validity::FLAGS.len()] = [
 ];
 
 impl Validity {
-    /// Nothing speaks against it.
+    /// No reason against the value.
     pub const VALID: Validity = Validity::empty();
 
-    /// Nothing speaks against it. A coasted value is an extrapolation and not valid: [`OWN_HISTORY`](Self::OWN_HISTORY)
-    /// speaks against it.
+    /// True if there is no reason against the value. A coasted value is an extrapolation and not valid: it has
+    /// [`OWN_HISTORY`](Self::OWN_HISTORY).
     #[inline]
     pub const fn is_valid(self) -> bool {
         self.is_empty()
@@ -76,7 +75,7 @@ impl Validity {
         if applies { reason } else { Validity::VALID }
     }
 
-    /// The reasons that apply, as people are told them: "warming up".
+    /// Readable names of the reasons that apply, for example "warming up".
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         Self::FLAGS
             .iter()
@@ -86,7 +85,7 @@ impl Validity {
     }
 }
 
-/// As its bits.
+/// Serialised as its bits.
 impl Serialize for Validity {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.bits().serialize(serializer)
@@ -107,7 +106,7 @@ impl fmt::Debug for Validity {
     }
 }
 
-/// As [`Debug`](fmt::Debug) has it.
+/// Same text as [`Debug`](fmt::Debug).
 #[cfg(feature = "defmt")]
 impl defmt::Format for Validity {
     fn format(&self, f: defmt::Formatter<'_>) {
@@ -116,7 +115,7 @@ impl defmt::Format for Validity {
         }
         let mut separator = "";
         for name in self.names() {
-            // as text: derived formats around this one ask for quotes
+            // as text: derived formats around this one would add quotes
             defmt::write!(f, "{=str:a}{=str:a}", separator, name);
             separator = ", ";
         }
@@ -128,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn people_are_told_the_name_of_every_bit() {
+    fn every_bit_has_a_readable_name() {
         assert_eq!(Validity::all().bits(), (1 << NAMES.len()) - 1, "no bit between two reasons");
         for (bit, (name, reason)) in Validity::all().iter_names().enumerate() {
             assert_eq!(reason.bits(), 1 << bit);

@@ -1,6 +1,6 @@
 //! A hub on a BMI323 over SPI, blocking: the loop of a firmware without an executor.
 //!
-//! It compiles for a host too, where there is no such sensor.
+//! It also compiles for a host, where no sensor answers.
 
 use core::convert::Infallible;
 
@@ -9,23 +9,23 @@ use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::{Hub, HubError, Output};
 use fos_embedded::sample_source::{Bmi323, Counts, Imu, SampleSource, SourceError};
 
-/// What it needs of the board.
+/// Peripherals and clock of the board.
 struct Board<S, D> {
     spi: S,
     delay: D,
-    /// A clock that only goes forward, µs.
+    /// A monotonic clock, µs.
     now_us: fn() -> u64,
-    /// Sleeps for about so long; up to 250 ms are lost to nothing, for the FIFO keeps that much.
+    /// Sleeps for about this long; up to 250 ms lose no samples, because the FIFO buffers them.
     sleep_ms: fn(u32),
 }
 
-/// `image` is the stored model; `use_output` gets every sample, 200 a second; `tell` gets every error of the bus or the
-/// part, and how many there have been.
+/// Runs the loop. `image` is the stored model; `use_output` is called for every sample, 200 times per second; `report` for
+/// every error of the bus or the part, with the counts.
 fn run<S: SpiDevice, D: DelayNs>(
     board: Board<S, D>,
     image: &[u8],
     mut use_output: impl FnMut(&Output),
-    mut tell: impl FnMut(SourceError<S::Error>, Counts),
+    mut report: impl FnMut(SourceError<S::Error>, Counts),
 ) -> Result<Infallible, HubError> {
     // room for 16 inputs, 128 terms, 256 values of history
     let mut hub: Hub<16, 128, 256> = Hub::new(Bmi323::<Blocking<S>, Blocking<D>>::scales());
@@ -39,12 +39,12 @@ fn run<S: SpiDevice, D: DelayNs>(
                     use_output(hub.update(raw));
                 }
                 if !samples.is_empty() && !source.has_more() {
-                    hub.clock(now_us); // by which the sensor's true sample rate is found
+                    hub.clock(now_us); // measures the sensor's true sampling rate
                 }
             }
-            // every one may pass: go on polling
-            Some(Err(error)) => tell(error, source.counts()),
-            // not done yet, which over `Blocking` does not happen
+            // possibly temporary: continue polling
+            Some(Err(error)) => report(error, source.counts()),
+            // pending, which does not happen over `Blocking`
             None => {}
         }
         if !source.has_more() {
@@ -53,7 +53,7 @@ fn run<S: SpiDevice, D: DelayNs>(
     }
 }
 
-/// A bus that is not there.
+/// A bus without a device.
 struct NoBus;
 
 impl embedded_hal::spi::ErrorType for NoBus {
@@ -72,7 +72,7 @@ impl DelayNs for NoBus {
 
 fn main() {
     let board = Board { spi: NoBus, delay: NoBus, now_us: || 0, sleep_ms: |_| {} };
-    let tell = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
-    let Err(refused) = run(board, b"not a model", |output| println!("{:?}", output.gyro()), tell);
+    let report = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
+    let Err(refused) = run(board, b"not a model", |output| println!("{:?}", output.gyro()), report);
     println!("on a host there is neither a sensor nor an image: {refused}");
 }

@@ -1,4 +1,4 @@
-//! A gyro whose bias follows its temperature: the hub takes the bias out, at rest and in a turn.
+//! A gyro whose bias depends on temperature: the hub removes the bias, at rest and during a rotation.
 //!
 //! ```text
 //! cargo run -p fos-embedded --example hub                                         # here
@@ -6,8 +6,8 @@
 //! cargo run -p fos-embedded --example hub --target riscv32imafc-unknown-none-elf  # and on RISC-V
 //! ```
 //!
-//! The model is compiled in; `fos export --rust` writes such a one of what it has fitted. One that comes as an
-//! image, from flash or over the air, goes through [`Hub::load`].
+//! The model is compiled in, in the form that `fos export --rust` writes. A model image, from flash or over the air, is
+//! loaded with [`Hub::load`].
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -22,7 +22,7 @@ use fos_core::{
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
 
-/// What the codes of the sensor mean; its driver in `sample_source` says so too.
+/// Scales of the sensor's codes; a driver in `sample_source` provides them.
 const SCALES: Scales = Scales {
     accel_mps2: 0.001_197, // ±4 g
     gyro_rads: 0.000_305,  // ±500 dps
@@ -32,12 +32,12 @@ const SCALES: Scales = Scales {
     values: FittedOn::Raw,
 };
 
-/// 0.02 rad/s at 25 °C, and 0.001 rad/s more with every kelvin.
+/// True bias: 0.02 rad/s at 25 °C, plus 0.001 rad/s per kelvin.
 fn bias_rads(celsius: f32) -> f32 {
     0.02 + 0.001 * (celsius - 25.0)
 }
 
-/// What a fit would find of that: 0.025 rad/s at 30 °C, and a scaled unit, 0.005 rad/s, with every 5 K.
+/// Model that a fit would find: 0.025 rad/s at 30 °C, plus one scaled unit (0.005 rad/s) per 5 K.
 static GYRO_Z: AxisModel<'_, f32> = AxisModel {
     parameters: AxisParameters {
         axis: Axis::Gz,
@@ -81,7 +81,7 @@ static MODEL: Model<'_, f32> = Model {
     axes: &[GYRO_Z],
 };
 
-/// The sensor at rest or in a turn about z, while it warms from 25 °C to 35 °C in 20 s.
+/// A sample at rest or during a rotation about z, while the sensor warms from 25 °C to 35 °C in 20 s.
 fn sample(n: u16, rate_rads: f32) -> RawSample {
     let celsius = 25.0 + 10.0 * f32::from(n) / 4000.0;
     RawSample {
@@ -100,7 +100,7 @@ fn run() {
     for n in 0..4000 {
         let rate_rads = if n < 2000 { 0.0 } else { 0.5 };
         let output = hub.update(&sample(n, rate_rads));
-        // rest is known after two windows of half a second, a turn at once
+        // rest is detected after two windows of half a second, a rotation at once
         assert_eq!(output.still, (199..2000).contains(&n), "sample {n}");
         measured = measured.max((output.measured[5] - rate_rads).abs());
         corrected = corrected.max((output.gyro()[2] - rate_rads).abs());

@@ -1,6 +1,6 @@
 //! A hub on an LSM6DSV16X over I2C, asynchronous: the task of a firmware with an executor.
 //!
-//! It compiles for a host too, where there is no such sensor.
+//! It also compiles for a host, where no sensor answers.
 
 use core::convert::Infallible;
 
@@ -9,15 +9,15 @@ use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, HubError, Output};
 use fos_embedded::sample_source::{Address, Counts, Imu, Lsm6dsv16x, SampleSource, SourceError};
 
-/// `now_us` is a clock that only goes forward, `image` the stored model; `use_output` gets every sample, 200 a second;
-/// `tell` gets every error of the bus or the part, and how many there have been.
+/// Runs the loop. `now_us` is a monotonic clock, `image` the stored model; `use_output` is called for every sample, 200
+/// times per second; `report` for every error of the bus or the part, with the counts.
 async fn run<B: I2c, D: DelayNs + Clone>(
     bus: B,
     mut delay: D,
     now_us: fn() -> u64,
     image: &[u8],
     mut use_output: impl FnMut(&Output),
-    mut tell: impl FnMut(SourceError<B::Error>, Counts),
+    mut report: impl FnMut(SourceError<B::Error>, Counts),
 ) -> Result<Infallible, HubError> {
     // room for 16 inputs, 128 terms, 256 values of history
     let mut hub: Hub<16, 128, 256> = Hub::new(Lsm6dsv16x::<B, D>::scales());
@@ -31,11 +31,11 @@ async fn run<B: I2c, D: DelayNs + Clone>(
                     use_output(hub.update(raw));
                 }
                 if !samples.is_empty() && !source.has_more() {
-                    hub.clock(now_us); // by which the sensor's true sample rate is found
+                    hub.clock(now_us); // measures the sensor's true sampling rate
                 }
             }
-            // every one may pass: go on polling
-            Err(error) => tell(error, source.counts()),
+            // possibly temporary: continue polling
+            Err(error) => report(error, source.counts()),
         }
         if !source.has_more() {
             delay.delay_ms(50).await;
@@ -43,7 +43,7 @@ async fn run<B: I2c, D: DelayNs + Clone>(
     }
 }
 
-/// A bus that is not there.
+/// A bus without a device.
 #[derive(Clone)]
 struct NoBus;
 
@@ -66,9 +66,9 @@ impl DelayNs for NoBus {
 }
 
 fn main() {
-    let tell = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
-    let task = run(NoBus, NoBus, || 0, b"not a model", |output| println!("{:?}", output.gyro()), tell);
-    // an executor's turn
+    let report = |error, counts: Counts| println!("{error}; {} transfers have failed", counts.bus);
+    let task = run(NoBus, NoBus, || 0, b"not a model", |output| println!("{:?}", output.gyro()), report);
+    // in place of an executor
     let Some(Err(refused)) = poll_once(task) else { unreachable!("it ends before it waits for anything") };
     println!("on a host there is neither a sensor nor an image: {refused}");
 }

@@ -1,4 +1,4 @@
-//! Model images in flash: an update, a cut of power in the middle of the next one, and the way back.
+//! Model images in flash: updates, the rollback, and recovery after one slot was lost.
 //!
 //! ```text
 //! cargo run -p fos-embedded --example store
@@ -16,7 +16,7 @@ use fos_embedded::store::ModelStore;
 
 const PAGE: u32 = 4096;
 
-/// A flash; on a board it is the HAL's. An asynchronous one needs no `Blocking`, and what it does is awaited.
+/// A flash; on a board that of the HAL. An asynchronous flash needs no `Blocking`; its operations are awaited.
 struct Flash(Vec<u8>);
 
 impl ErrorType for Flash {
@@ -53,7 +53,7 @@ impl NorFlash for Flash {
     }
 }
 
-/// An image as it comes over the air, here of a model of one term.
+/// An image as received over the air, here of a model with one term.
 fn image(coefficient: f32) -> Vec<u8> {
     let parameters = AxisParameters {
         axis: Axis::Gz,
@@ -93,12 +93,12 @@ fn main() {
     assert_eq!(poll_once(store.load()), Some(Ok(Some(&second[..]))), "the newest is what a hub loads");
     assert_eq!(poll_once(store.load_previous()), Some(Ok(Some(&first[..]))), "and the way back is there");
 
-    // what is no image is refused before anything is written
+    // an invalid image is rejected before anything is written
     let half = &second[..second.len() / 2];
     assert!(poll_once(store.store(half)).expect("done at once").is_err());
     assert_eq!(poll_once(store.load()), Some(Ok(Some(&second[..]))));
 
-    // flash that lost its charge, or a write that was cut: the other slot is still there
+    // flash that lost its charge, or an interrupted write: the other slot is still valid
     let mut flash = store.release().0;
     flash.0[2 * PAGE as usize..].fill(0x55);
     let mut store: ModelStore<_, 2056> = ModelStore::new(Blocking(flash), 0..4 * PAGE).expect("whole pages");

@@ -1,4 +1,4 @@
-//! What a hub says, as frames over a serial line: everything, or the seconds around an alarm.
+//! Telemetry of a hub over a serial line: every sample, or only the seconds around an alarm.
 //!
 //! ```text
 //! cargo run -p fos-embedded --example telemetry > stream && fos record stream -o log.parquet
@@ -40,20 +40,20 @@ fn main() -> Result<(), TelemetryError<ErrorKind>> {
         period_s: 0.005,
         values: FittedOn::Raw,
     };
-    // without a model: what a first log is recorded with
+    // without a model, as for recording a first log
     let mut hub: Hub<0, 0, 2> = Hub::new(scales);
-    // the columns of what is logged beside the axes; `Info` is that of the image, if there is one
+    // columns of the logged quantities other than the axes; `Info` is that of the image, if there is one
     let columns = hub.columns::<64>(&Info::default()).expect("`temp_c` fits");
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: HUB_AXES, quantities: &columns };
 
-    // frames of up to 320 bytes: README of host-fit's `record` says what becomes of them
+    // frames of up to 320 bytes; `fos record` on the host turns them into a log
     let mut recorder: Recorder<_, 320> = Recorder::new(Line);
     for n in 0..1000 {
         let output = *hub.update(&raw(n));
         recorder.sample(&start, Snapshot::<1>::new(&output, &hub.logged()).frame())?;
     }
 
-    // 1 s before an alarm and 2 s after it, for a line or a battery that cannot take everything
+    // 1 s before an alarm and 2 s after it, for a line or battery with too little capacity for every sample
     let mut alarmed: AlarmRecorder<_, 320, 1, 200> = AlarmRecorder::new(recorder, 400);
     for n in 1000..3000 {
         let output = *hub.update(&raw(n));
@@ -65,7 +65,7 @@ fn main() -> Result<(), TelemetryError<ErrorKind>> {
     Ok(())
 }
 
-/// A sensor at rest, whose FIFO runs over once.
+/// A sensor at rest whose FIFO overruns once.
 fn raw(n: u16) -> RawSample {
     let noise = (n % 7) as i16 - 3;
     RawSample {

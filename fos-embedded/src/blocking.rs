@@ -1,4 +1,4 @@
-//! One source for blocking and asynchronous drivers: a blocking peripheral as an asynchronous one.
+//! Adapter from blocking to asynchronous peripherals, so that drivers need one source only.
 //!
 //! ```
 //! use embedded_hal_async::i2c::I2c;
@@ -23,12 +23,13 @@ use embedded_hal::{i2c, spi};
 #[cfg(feature = "store")]
 use embedded_storage::nor_flash;
 
-/// A blocking bus, delay or flash as an asynchronous one whose operations are done when they return.
+/// A blocking bus, delay or flash as an asynchronous one, whose operations complete at the first poll.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Blocking<T>(pub T);
 
-/// What a future gives that is done when it is first asked, as those over [`Blocking`] are; `None` from any other.
+/// Polls a future once and returns its output; `None` if it is pending. Futures over [`Blocking`] complete at the first
+/// poll.
 pub fn poll_once<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => Some(output),
@@ -40,7 +41,7 @@ impl<T: i2c::ErrorType> i2c::ErrorType for Blocking<T> {
     type Error = T::Error;
 }
 
-// every operation by itself: a HAL may do better than its own general transaction
+// every operation is forwarded: a HAL may implement it better than by its general transaction
 impl<A: i2c::AddressMode, T: i2c::I2c<A>> embedded_hal_async::i2c::I2c<A> for Blocking<T> {
     async fn read(&mut self, address: A, bytes: &mut [u8]) -> Result<(), Self::Error> {
         self.0.read(address, bytes)

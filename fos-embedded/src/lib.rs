@@ -1,22 +1,22 @@
 #![doc = include_str!("../README.md")]
 //!
-//! # What is here
+//! # Contents
 //!
-//! - [`sample_source`]: complete samples from a six-axis sensor, and what went wrong on the way; two real parts
-//!   behind the features `bmi323` and `lsm6dsv16x`.
-//! - [`hub`]: six axes over shared inputs: what an application calls.
-//! - [`raw`]: raw codes of a sensor, and what they mean.
-//! - [`streams`]: samples of gyros, accelerometers and a thermometer that have stamps of their own, as of a phone.
+//! - [`sample_source`]: complete samples from a six-axis sensor, with fault handling; drivers for two parts behind the
+//!   features `bmi323` and `lsm6dsv16x`.
+//! - [`hub`]: six axes over shared inputs, the interface for an application.
+//! - [`raw`]: raw codes of a sensor and their scales.
+//! - [`streams`]: resampling of gyros, accelerometers and thermometer with separate timestamps, as in a phone.
 //! - `store`: model images in flash, two slots, the newest valid one wins; behind the feature `store`.
-//! - [`telemetry`]: samples and what the model made of them, as frames over any byte stream.
-//! - [`blocking`]: blocking buses, delays and flash under all of this.
+//! - [`telemetry`]: samples and corrections as frames over any byte stream.
+//! - [`blocking`]: adapter for blocking buses, delays and flash.
 //! - `c_api`: the same for C, behind the feature `c-api`; its manual is `include/fos.h`.
-//! - `test_log`: logs as test firmware reads them, with digests of what came out, behind the feature `test-log`.
-//! - [`test_vector`]: known samples, and the bits that a hub must make of them.
+//! - `test_log`: logs for test firmware, with digests of the output, behind the feature `test-log`.
+//! - [`test_vector`]: known samples with the bits that a hub must compute from them.
 #![no_std]
 #![deny(unsafe_code)]
 
-// on a host a C program takes the panic handler of std; on the device it is `c_api::panic`
+// on a host a C program uses the panic handler of std; on the device, that of `c_api::panic`
 #[cfg(any(test, all(feature = "c-api", not(target_os = "none"))))]
 extern crate std;
 

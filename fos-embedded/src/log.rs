@@ -1,6 +1,6 @@
-//! Log messages: defmt's with the feature of that name, on the target; elsewhere nothing.
+//! Log messages: through defmt with the feature `defmt` on the target, otherwise none.
 //!
-//! On a host there is nothing that takes them, and a program with one would not link.
+//! On a host there is no defmt logger, and a program with log messages would not link.
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
 macro_rules! info {
@@ -12,7 +12,7 @@ macro_rules! warn {
     ($($message:tt)*) => { defmt::warn!($($message)*) };
 }
 
-// the values count as used
+// the expressions count as used, without a warning
 
 #[cfg(not(all(feature = "defmt", target_os = "none")))]
 macro_rules! info {

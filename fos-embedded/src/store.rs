@@ -1,9 +1,9 @@
-//! Model images in flash: two slots, the newest valid one wins.
+//! Model images in flash: two slots, of which the newest valid one is used.
 //!
-//! Each slot is a range of pages of its own, kept by `sequential-storage`: checksums, wear levelling, repair after a
-//! cut of power. An update goes into the slot that is not in use and is read back; the slot in use is not touched,
-//! whatever happens to the power or to worn pages of the other one. Afterwards the image before can still be returned
-//! to. A blocking flash goes through [`Blocking`](crate::blocking::Blocking).
+//! Each slot is a separate range of pages, managed by `sequential-storage`: checksums, wear levelling, repair after a
+//! power loss. An update is written to the slot that is not in use and read back; the slot in use is not touched, so it
+//! survives power loss and worn pages of the other slot. The previous image remains available for a rollback. A blocking
+//! flash needs the adapter [`Blocking`](crate::blocking::Blocking).
 //!
 //! ```
 //! # use embedded_storage_async::nor_flash::NorFlash;
@@ -23,25 +23,25 @@ use fos_core::{Image, ImageError};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage, SerializationError, Value};
 
-/// Bytes before the image in a slot: its number, counted up with every update.
+/// Bytes before the image in a slot: its number, incremented with every update.
 const NUMBER: usize = 4;
 
-/// The key of the only item of a slot.
+/// Key of the only item of a slot.
 const KEY: u8 = 0;
 
-/// Why an image cannot be stored or loaded. After every error the image that was valid before still is.
+/// Reason why an image cannot be stored or loaded. After every error the previously valid image is still valid.
 #[derive(Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError<E> {
-    /// The range is not whole pages, or fewer than four.
+    /// The range does not consist of whole pages, or has fewer than four.
     Range,
-    /// It is no image that this version of fos runs.
+    /// The bytes are not an image that this version of fos runs.
     Image(ImageError),
-    /// It does not fit: so many bytes do, into the buffer and the flash.
+    /// The image is too long; holds the limit in bytes, from buffer and flash.
     TooLong(usize),
-    /// It was written and did not read back: worn flash.
-    NotKept,
-    /// The flash, or its contents beyond repair.
+    /// The image was written but did not read back: worn flash.
+    VerifyFailed,
+    /// The flash failed, or its contents cannot be repaired.
     Flash(sequential_storage::Error<E>),
 }
 
@@ -51,9 +51,9 @@ impl<E> From<sequential_storage::Error<E>> for StoreError<E> {
     }
 }
 
-/// Model images in a range of flash. `BYTES` is the length of its buffer: that of the longest image and 8 bytes,
-/// rounded up to the word of the flash. An image fits a page, or half of one if a slot has two pages alone: when the first is
-/// full, the image in it moves to the second, and the new one goes behind it.
+/// Model images in a range of flash. `BYTES` is the length of the buffer: the longest image plus 8 bytes, rounded up to the
+/// word of the flash. An image must fit a page, or half a page if a slot has only two: when the first page is full, its
+/// image moves to the second and the new one is written after it.
 pub struct ModelStore<F: NorFlash, const BYTES: usize> {
     flash: F,
     slots: [Range<u32>; 2],
@@ -64,7 +64,7 @@ pub struct ModelStore<F: NorFlash, const BYTES: usize> {
 #[repr(align(4))]
 struct Buffer<const BYTES: usize>([u8; BYTES]);
 
-/// What is stored in a slot.
+/// Item stored in a slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Record<'a> {
     number: [u8; NUMBER],
@@ -88,7 +88,7 @@ impl<'a> Value<'a> for Record<'a> {
     }
 }
 
-/// What a slot holds: the number and length of its image.
+/// Number and length of the image in a slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
     slot: usize,
@@ -97,11 +97,11 @@ struct Held {
 }
 
 impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
-    /// Over `range` of `flash`, in bytes: whole pages, at least four; half of them for each slot.
+    /// Creates a store in `range` of `flash`, in bytes: at least four whole pages, half of them for each slot.
     ///
     /// # Errors
     ///
-    /// [`StoreError::Range`].
+    /// [`StoreError::Range`] if the range does not consist of whole pages, or has fewer than four.
     pub fn new(flash: F, range: Range<u32>) -> Result<Self, StoreError<F::Error>> {
         let page = F::ERASE_SIZE as u32;
         let pages = range.end.saturating_sub(range.start) / page;
@@ -113,12 +113,12 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         Ok(Self { flash, slots, buffer: Buffer([0; BYTES]) })
     }
 
-    /// Stores an image; from then on it is the newest. It is read back before the other one gives way. A slot with something
-    /// else in it is erased first.
+    /// Stores an image as the newest, in the slot not in use, and reads it back. A slot with foreign contents is erased
+    /// first.
     ///
     /// # Errors
     ///
-    /// It is no valid image, it is too long, or the flash does not keep it. The newest image is then what it was.
+    /// The bytes are not a valid image, the image is too long, or the flash fails. The newest image is then unchanged.
     pub async fn store(&mut self, image: &[u8]) -> Result<(), StoreError<F::Error>> {
         Image::parse(image).map_err(StoreError::Image)?;
         let length = NUMBER + image.len();
@@ -130,44 +130,44 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let number = newest.map_or(0, |held| held.number.wrapping_add(1));
         let slot = newest.map_or(0, |held| 1 - held.slot);
         let record = Record { number: number.to_le_bytes(), image };
-        // a worn page may not keep it: so often that the page is full and the next one is taken
+        // a worn page may lose the image: repeat until the page is full and the next one is used
         for _ in 0..F::ERASE_SIZE / length + 2 {
             let (mut map, buffer) = self.map(slot)?;
             match map.store_item(buffer, &KEY, &record).await {
                 Ok(()) => {}
                 Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
-                // something else was there before, and the slot is not the one in use
+                // foreign contents; the slot is not in use
                 Err(_) => {
                     warn!("slot {=usize}: erased, beyond repair", slot);
                     map.erase_all().await?;
                     map.store_item(buffer, &KEY, &record).await?;
                 }
             }
-            let kept: Option<Record<'_>> = map.fetch_item(buffer, &KEY).await?;
-            if kept == Some(record) {
+            let read_back: Option<Record<'_>> = map.fetch_item(buffer, &KEY).await?;
+            if read_back == Some(record) {
                 info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
                 return Ok(());
             }
             warn!("slot {=usize}: an image did not read back", slot);
         }
-        Err(StoreError::NotKept)
+        Err(StoreError::VerifyFailed)
     }
 
-    /// The newest valid image.
+    /// Reads the newest valid image; `None` if there is none.
     ///
     /// # Errors
     ///
-    /// The flash. A slot that is damaged, or that holds what this version of fos does not run, is passed over.
+    /// The flash fails. A slot that is damaged, or whose image this version of fos does not run, is passed over.
     pub async fn load(&mut self) -> Result<Option<&[u8]>, StoreError<F::Error>> {
         let Some(newest) = self.newest().await? else { return Ok(None) };
         self.image_of(newest).await
     }
 
-    /// The image before the newest, if its slot is still valid: what to return to if an update proves wrong.
+    /// Reads the image before the newest, if its slot is still valid, for a rollback after a bad update.
     ///
     /// # Errors
     ///
-    /// The flash.
+    /// The flash fails.
     pub async fn load_previous(&mut self) -> Result<Option<&[u8]>, StoreError<F::Error>> {
         let Some(newest) = self.newest().await? else { return Ok(None) };
         match self.held(1 - newest.slot).await? {
@@ -176,24 +176,24 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         }
     }
 
-    /// The flash, for another use; the images stay in it.
+    /// Returns the flash for another use; the images stay in it.
     pub fn release(self) -> F {
         self.flash
     }
 
-    /// Bytes of the longest image that the buffer and a slot take.
+    /// Length of the longest image that the buffer and a slot can hold, bytes.
     fn longest(&self) -> usize {
         let word = F::WRITE_SIZE.max(F::READ_SIZE);
-        // a word before and behind what a page holds says how full it is
+        // a word at the start and one at the end of a page hold its state
         let page = F::ERASE_SIZE.saturating_sub(2 * word);
         let pages = self.slots[0].len() / F::ERASE_SIZE;
         let place = if pages < 3 { page / 2 / word * word } else { page };
         let item = place.saturating_sub(Map::<F>::item_overhead_size() as usize).min(BYTES);
-        // the map puts the key in front
+        // the map writes the key first
         item.saturating_sub(NUMBER + 1)
     }
 
-    /// The map of a slot, and the buffer that it works in.
+    /// The map of a slot and its work buffer.
     fn map(&mut self, slot: usize) -> Result<Opened<'_, F>, StoreError<F::Error>> {
         let config = MapConfig::try_new(self.slots[slot].clone()).map_err(|_| StoreError::Range)?;
         Ok((Map::new(&mut self.flash, config, Cache::new_uncached()), &mut self.buffer.0))
@@ -202,14 +202,14 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
     async fn newest(&mut self) -> Result<Option<Held>, StoreError<F::Error>> {
         let (first, second) = (self.held(0).await?, self.held(1).await?);
         Ok(match (first, second) {
-            // numbers wrap: the newer is less than half a turn ahead
+            // numbers wrap: the newer one is less than 2³¹ ahead
             (Some(first), Some(second)) if first.number.wrapping_sub(second.number) < 1 << 31 => Some(first),
             (_, Some(second)) => Some(second),
             (first, None) => first,
         })
     }
 
-    /// What a slot holds, if it is a valid image. One that is damaged beyond repair holds nothing.
+    /// Number and length of the image in a slot; `None` if it has no valid image or is damaged beyond repair.
     async fn held(&mut self, slot: usize) -> Result<Option<Held>, StoreError<F::Error>> {
         let (mut map, buffer) = self.map(slot)?;
         let record: Option<Record<'_>> = match map.fetch_item(buffer, &KEY).await {
@@ -237,7 +237,7 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
     }
 }
 
-/// Where it lies, not what it holds: that is in the flash.
+/// Formats the place of the slots, not the images, which are in the flash.
 #[cfg(feature = "defmt")]
 impl<F: NorFlash, const BYTES: usize> defmt::Format for ModelStore<F, BYTES> {
     fn format(&self, f: defmt::Formatter<'_>) {
@@ -245,7 +245,7 @@ impl<F: NorFlash, const BYTES: usize> defmt::Format for ModelStore<F, BYTES> {
     }
 }
 
-/// The map of a slot, and the buffer that it works in.
+/// The map of a slot and its work buffer.
 type Opened<'f, F> = (Map<'f, F>, &'f mut [u8]);
 
 type Map<'f, F> = MapStorage<u8, &'f mut F, Cache<Uncached, Uncached, Uncached, u8>>;

@@ -1,4 +1,4 @@
-//! Samples for the hub of streams that have stamps of their own, as the sensor hub of a phone gives them: [`Streams`].
+//! Samples for the hub from streams with separate timestamps, as from the sensor hub of a phone: [`Streams`].
 
 use fos_core::align::{Aligner, Counts, Joined, Refused, SET_BACK_AFTER, Stream};
 
@@ -8,11 +8,11 @@ use crate::raw::{Faults, SiSample};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Periods {
-    /// Of the gyros, and so of the hub: one of its ticks. 0: nothing is passed over, and nothing counts as skipped.
+    /// Period of the gyros, which is one tick of the hub. With 0, no sample is passed over and none counts as skipped.
     pub gyro_ns: u64,
-    /// Of the accelerometers.
+    /// Period of the accelerometers.
     pub accel_ns: u64,
-    /// Of the thermometer; 0 if there is none.
+    /// Period of the thermometer; 0 if there is none.
     pub temperature_ns: u64,
 }
 
@@ -20,44 +20,44 @@ pub struct Periods {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StampedSample {
-    /// As the gyros were stamped, ns.
+    /// Timestamp of the gyros, ns.
     pub stamp_ns: i64,
-    /// For [`Hub::update_si`](crate::hub::Hub::update_si).
+    /// Sample for [`Hub::update_si`](crate::hub::Hub::update_si).
     pub sample: SiSample,
 }
 
-/// What did not go into a sample as it came, each held at its highest value.
+/// Counts of samples that did not enter a sample of the hub unchanged; each saturates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StreamCounts {
-    /// Of the gyros.
+    /// Counts of the gyros.
     pub gyro: Counts,
-    /// Of the accelerometers. `missing` counts samples that were then passed over too.
+    /// Counts of the accelerometers. `missing` includes rows that were then passed over.
     pub accel: Counts,
-    /// Of the thermometer; as of the accelerometers.
+    /// Counts of the thermometer. `missing` includes rows that were then passed over.
     pub temperature: Counts,
-    /// Samples of the gyros that came faster than their period.
+    /// Gyro samples passed over because they came faster than the period.
     pub passed_over: u32,
 }
 
-/// Gyros, accelerometers and a thermometer, each with stamps of its own (ns of one clock), as samples of one sensor.
+/// Resamples gyros, accelerometers and a thermometer with separate timestamps (ns of one clock) to samples of one sensor.
 ///
-/// The gyros lead: every sample of theirs is one for the hub, with what the others have at its stamp ([`Aligner`], which
-/// says what holds of order, batches and clocks). What is missing is NaN, which the hub says: the accelerometers where
-/// one of their samples is lost, the temperature where it is older than three of its periods, gyros that came as NaN.
+/// The gyros lead: every gyro sample becomes a sample of the hub, with the values of the other streams at its timestamp.
+/// [`Aligner`] documents the guarantees on order, batches and clocks. Missing values are NaN, which the hub flags:
+/// accelerometers where one of their samples was lost, a temperature older than three of its periods, gyro samples with NaN.
 ///
-/// - **Skipped ticks** are those of the stamps: with D from the sample before and the period P, round(D/P) − 1. That is
-///   counted from sample to sample, so that a sensor whose clock is some percent off loses none.
-/// - **A faster rate**, because another client asked for it: a sample is passed over, and counted, if the one after it,
-///   should it come as this one did, is nearer to a period after the last that was given: 2D + d < 2P, with d from the
-///   stamp before. Of n times the rate every n-th remains; of rates in between, steps between 2/3 and 4/3 P. There is no
-///   filter: noise above the band of the nominal rate is folded into it.
-/// - **A clock that was set back** (the last 8 stamps of the gyros increase, but none is above the newest before): the
-///   sample says [`Faults::RESET`], so that the hub measures its rate anew, and has the 7 as skipped that were refused
-///   until that was certain. How long it took by another clock nobody knows here.
+/// - **Skipped ticks** follow from the timestamps: with the distance D from the previous sample and the period P,
+///   round(D/P) − 1. Counting from sample to sample, a sensor whose clock is a few percent off loses none.
+/// - **A faster rate**, requested by another client: a sample is passed over, and counted, if the following one, at the same
+///   distance d as this one from its predecessor, will be nearer to one period after the last returned sample:
+///   2D + d < 2P. At n times the rate every n-th sample remains; at rates in between, steps are 2/3 to 4/3 P. There is no
+///   filter: noise above the band of the nominal rate aliases into it.
+/// - **A clock that was set back** (the last 8 gyro timestamps increase, but none is above the newest before them): the
+///   sample has [`Faults::RESET`], so that the hub restarts its rate measurement, and counts as skipped the 7 samples
+///   that were rejected until then. The true duration of the interruption is unknown.
 ///
-/// `DEPTH` samples of gyros and accelerometers are queued: a batch must go in, and when the accelerometers die samples come
-/// that much later. No heap and no panic. With a depth of 64 it is 3,504 bytes (64-bit).
+/// The queues hold `DEPTH` samples of gyros and accelerometers: a batch must fit, and if the accelerometers die the output
+/// is delayed by as many samples. No heap and no panic. With a depth of 64 the size is 3,504 bytes (64-bit).
 ///
 /// ```
 /// use fos_embedded::streams::{Periods, Streams};
@@ -89,62 +89,62 @@ pub struct Streams<const DEPTH: usize> {
     passed_over: u32,
 }
 
-/// Stamps of the gyros, ns.
+/// Timestamps of the gyros, ns.
 #[derive(Debug, Clone, Copy)]
 struct Last {
-    /// Of the last sample that was given.
+    /// Last returned sample.
     given: i64,
-    /// Of the last sample, given or passed over.
+    /// Last sample, returned or passed over.
     came: i64,
 }
 
 impl<const DEPTH: usize> Streams<DEPTH> {
-    /// Nothing yet, of streams with these periods.
+    /// Empty streams with these periods.
     pub fn new(periods: &Periods) -> Self {
         let mut streams = Self::without_periods();
         streams.set_periods(periods);
         streams
     }
 
-    /// With periods of 0 until they are set. May be in a `static`, and is made in place.
+    /// Empty streams with periods of 0 until they are set. Usable in a `static`, without a copy on the stack.
     pub const fn without_periods() -> Self {
         Self { aligner: Aligner::without_periods(), gyro_ns: 0, last: None, passed_over: 0 }
     }
 
-    /// Other periods, from the next sample on: what a stream was asked for has changed. The period of the gyros is to stay
-    /// that of the hub's scales.
+    /// Sets the periods from the next sample on, after the requested rate of a stream has changed. The period of the gyros
+    /// must remain that of the hub's scales.
     pub fn set_periods(&mut self, periods: &Periods) {
         self.gyro_ns = periods.gyro_ns;
         self.aligner.set_follower_period(0, ticks(periods.accel_ns));
         self.aligner.set_slow_period(0, ticks(periods.temperature_ns));
     }
 
-    /// Takes a rate x, y, z, rad/s. Call [`Self::next`] after it until there is nothing more: pushed into a full queue, it
-    /// takes the place of the oldest, which is lost and counted.
+    /// Adds an angular rate x, y, z, rad/s. Call [`Self::next`] afterwards until it returns `None`: a full queue drops its
+    /// oldest sample, which is counted.
     ///
     /// # Errors
-    /// Its stamp does not increase; it is not taken. Or a value is not finite; it is taken as a sample without gyros.
+    /// [`Refused::NotIncreasing`]: the sample is rejected. [`Refused::NotFinite`]: the sample remains, with the gyros missing.
     pub fn push_gyro(&mut self, stamp_ns: i64, rate: [f32; 3]) -> Result<(), Refused> {
         self.aligner.push_lead(stamp_ns, rate)
     }
 
-    /// Takes a specific force x, y, z, m/s².
+    /// Adds a specific force x, y, z, m/s².
     ///
     /// # Errors
-    /// Its stamp does not increase, or a value is not finite; it is not taken.
+    /// The timestamp does not increase, or a value is not finite: the sample is rejected.
     pub fn push_accel(&mut self, stamp_ns: i64, force: [f32; 3]) -> Result<(), Refused> {
         self.aligner.push_follower(0, stamp_ns, force)
     }
 
-    /// Takes a temperature of the sensor, °C; before the samples of the gyros that it is for.
+    /// Adds a temperature of the sensor, °C. Push it before the gyro samples that it applies to.
     ///
     /// # Errors
-    /// Its stamp does not increase, or it is not finite; it is not taken.
+    /// The timestamp does not increase, or the value is not finite: it is rejected.
     pub fn push_temperature(&mut self, stamp_ns: i64, celsius: f32) -> Result<(), Refused> {
         self.aligner.push_slow(0, stamp_ns, celsius)
     }
 
-    /// The next sample, as soon as nothing that may still come can change it, or the queue of the gyros is full.
+    /// Returns the next sample, once no later value can change it or the queue of the gyros is full.
     #[expect(
         clippy::should_implement_trait,
         reason = "none is not the end: there may be more after the next push"
@@ -153,12 +153,13 @@ impl<const DEPTH: usize> Streams<DEPTH> {
         self.first(Aligner::pop)
     }
 
-    /// The next sample with what there is, without waiting for the accelerometers: for the end, or before a long sleep.
+    /// Returns the next sample with the values available, without waiting for the accelerometers: at the end, or before a
+    /// long sleep.
     pub fn flush(&mut self) -> Option<StampedSample> {
         self.first(Aligner::flush)
     }
 
-    /// What was refused, missing, lost or passed over.
+    /// Counts of rejected, missing, dropped and passed-over samples.
     pub fn counts(&self) -> StreamCounts {
         StreamCounts {
             gyro: self.aligner.counts(Stream::Lead),
@@ -168,12 +169,12 @@ impl<const DEPTH: usize> Streams<DEPTH> {
         }
     }
 
-    /// The first that is not passed over of the rows that `row` takes out.
+    /// Returns the first row from `row` that is not passed over, as a sample.
     fn first(
         &mut self,
         row: impl Fn(&mut Aligner<f32, 1, 1, DEPTH>) -> Option<Joined<f32, 1, 1>>,
     ) -> Option<StampedSample> {
-        // as many as there can be
+        // the largest possible number of rows
         for _ in 0..=DEPTH {
             let row = row(&mut self.aligner)?;
             if let Some((skipped, faults)) = self.step(row.stamp) {
@@ -192,7 +193,7 @@ impl<const DEPTH: usize> Streams<DEPTH> {
         None
     }
 
-    /// Skipped ticks and faults of a sample of the gyros; none if it is to be passed over.
+    /// Skipped ticks and faults of a gyro sample; `None` if it is passed over.
     fn step(&mut self, stamp: i64) -> Option<(u32, Faults)> {
         let step = match self.last {
             None => (0, Faults::empty()),
@@ -220,7 +221,7 @@ impl<const DEPTH: usize> defmt::Format for Streams<DEPTH> {
     }
 }
 
-/// As the aligner takes a period.
+/// A period in ticks of the aligner, saturated.
 fn ticks(period_ns: u64) -> i64 {
     i64::try_from(period_ns).unwrap_or(i64::MAX)
 }

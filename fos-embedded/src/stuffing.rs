@@ -1,29 +1,28 @@
 //! COBS (consistent overhead byte stuffing, Cheshire and Baker 1999) as postcard writes it, into a slice.
 //!
-//! The same bytes as postcard's own `Cobs<Slice>`. That finds its way back to the length of a block by an index which
-//! it asserts, and although the assertion always holds the compiler cannot see it: an image with telemetry would keep
-//! a panic (`.ci/c device`).
+//! The output equals that of postcard's own `Cobs<Slice>`. That asserts the index of the length of a block; the assertion
+//! always holds, but the compiler cannot prove it, so firmware with telemetry would contain a panic (`.ci/c device`).
 
 use postcard::ser_flavors::Flavor;
 use postcard::{Error, Result};
 
-/// A block has at most so many bytes, its length among them.
+/// Longest block, bytes, its length byte included.
 const LONGEST: u8 = 0xff;
 
-/// Frames into a slice: blocks that begin with their length and have no zero in them, then a zero.
-pub(crate) struct Stuffing<'b> {
+/// Encodes a frame into a slice: blocks without zeros that begin with their length, then a zero.
+pub(crate) struct CobsEncoder<'b> {
     buffer: &'b mut [u8],
     written: usize,
-    /// Where the length of the block under way goes, and what it is.
+    /// Index of the length byte of the current block; `length` is its value.
     block: usize,
     length: u8,
 }
 
-impl<'b> Stuffing<'b> {
+impl<'b> CobsEncoder<'b> {
     pub(crate) fn new(buffer: &'b mut [u8]) -> Result<Self> {
-        let mut stuffing = Self { buffer, written: 0, block: 0, length: 0 };
-        stuffing.begin()?;
-        Ok(stuffing)
+        let mut encoder = Self { buffer, written: 0, block: 0, length: 0 };
+        encoder.begin()?;
+        Ok(encoder)
     }
 
     fn put(&mut self, byte: u8) -> Result<()> {
@@ -43,7 +42,7 @@ impl<'b> Stuffing<'b> {
     }
 }
 
-impl<'b> Flavor for Stuffing<'b> {
+impl<'b> Flavor for CobsEncoder<'b> {
     type Output = &'b mut [u8];
 
     fn try_push(&mut self, byte: u8) -> Result<()> {
@@ -74,7 +73,7 @@ mod tests {
 
     use super::*;
 
-    fn stuffed<F: Flavor>(flavor: Result<F>, data: &[u8]) -> Result<F::Output> {
+    fn encode<F: Flavor>(flavor: Result<F>, data: &[u8]) -> Result<F::Output> {
         let mut flavor = flavor?;
         for byte in data {
             flavor.try_push(*byte)?;
@@ -83,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn writes_what_postcard_writes_and_stops_where_it_stops() {
+    fn output_equals_postcard_for_every_capacity() {
         let mut random = 1_u32;
         for length in (0..20).chain(250..260).chain(500..515) {
             for zero_in in [1, 3, 200, u32::MAX] {
@@ -94,10 +93,10 @@ mod tests {
                     })
                     .collect();
                 let mut room = vec![0; 600];
-                let expected = stuffed(Cobs::try_new(Slice::new(&mut room)), &data).expect("room").to_vec();
+                let expected = encode(Cobs::try_new(Slice::new(&mut room)), &data).expect("room").to_vec();
                 for capacity in 0..expected.len() + 2 {
                     let mut buffer = vec![0xa5; capacity];
-                    let found = stuffed(Stuffing::new(&mut buffer), &data).ok();
+                    let found = encode(CobsEncoder::new(&mut buffer), &data).ok();
                     assert_eq!(found.as_deref(), (capacity >= expected.len()).then_some(&expected[..]));
                 }
                 let mut decoded = expected;

@@ -1,28 +1,28 @@
-//! Known samples, and the bits that a hub must make of them: does what runs here compute what was exported?
+//! Test vectors: known samples with the bits that a hub must compute from them, to verify an exported model on the device.
 //!
-//! `fos export` writes one with every model as source. Bits are compared, not values: the same source on a
-//! machine with IEEE 754 arithmetic gives the same bits, so any difference is one of model, compiler or memory.
+//! `fos export` writes one with every model exported as source. Bits are compared, not values: on every machine with
+//! IEEE 754 arithmetic the same source gives the same bits, so a difference comes from the model, the compiler or memory.
 
 use core::fmt;
 
 use crate::hub::{AXES, Hub, HubError, Motion, Output};
 use crate::raw::{Faults, RawSample, Scales};
 
-/// Samples, and what a hub makes of them from its first tick on.
+/// Samples and the expected output of a hub from its first tick on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TestVector<'a> {
-    /// What the codes mean: the hub is made with them. They need not be those of the real sensor.
+    /// Scales to create the hub with. They need not be those of the real sensor.
     pub scales: Scales,
-    /// The axes that are compared: 0, 1, 2 accelerometer x, y, z; 3, 4, 5 gyro x, y, z.
+    /// Compared axes: 0, 1, 2 accelerometer x, y, z; 3, 4, 5 gyro x, y, z.
     pub channels: &'a [u8],
-    /// The model's quantities that the application gives, by their index in the model.
+    /// Indices in the model of the quantities that the application gives.
     pub given: &'a [u8],
-    /// The samples, in their order; the hub was just loaded.
+    /// Samples in order, for a hub that was just loaded.
     pub samples: &'a [TestSample],
-    /// Bits of what is given before each sample: `samples × given`, row = sample.
+    /// Bits of the quantities given before each sample: `samples × given`, row = sample.
     pub given_bits: &'a [u32],
-    /// What must come out: `samples × channels`, row = sample.
+    /// Expected output: `samples × channels`, row = sample.
     pub expected: &'a [Expected],
 }
 
@@ -30,45 +30,45 @@ pub struct TestVector<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TestSample {
-    /// As the application says; stillness is not detected.
+    /// Motion state set by the application; the detector is not used.
     pub motion: Motion,
     /// Ticks without a sample before this one.
     pub skipped: u32,
     /// Codes of accelerometer x, y, z, gyro x, y, z.
     pub codes: [i16; AXES],
-    /// Code of the thermometer; none where it is invalid.
+    /// Code of the thermometer; `None` if invalid.
     pub temperature: Option<i16>,
 }
 
-/// What an axis must come to, as bits of f32.
+/// Expected output of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Expected {
-    /// Corrected value, m/s² or rad/s.
+    /// Corrected value, m/s² or rad/s, as bits of f32.
     pub corrected: u32,
-    /// Innovation; 0x7FC00000 (NaN) where there is none.
+    /// Innovation as bits of f32; 0x7FC00000 (NaN) if there is none.
     pub innovation: u32,
-    /// What speaks against trusting it: [`Validity::bits`](fos_core::Validity::bits).
+    /// Bits of the validity: [`Validity::bits`](fos_core::Validity::bits).
     pub validity: u16,
 }
 
-/// What is wrong with a model, or with the machine it runs on.
+/// Fault of a model, or of the machine it runs on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CheckError {
-    /// The hub does not take the model.
+    /// The hub rejects the model.
     Load(HubError),
-    /// This sample, from 0, is the first that comes to something else.
+    /// Index, from 0, of the first sample with a different output.
     Deviates(usize),
 }
 
 impl TestVector<'_> {
-    /// Runs the samples through `hub`, made with the vector's scales and just loaded with its model. Afterwards the
-    /// hub stands where the samples have brought it.
+    /// Runs the samples through `hub`, which must be created with the vector's scales and just loaded with its model. The
+    /// hub keeps the state after the last sample.
     ///
     /// # Errors
     ///
-    /// Index of the first sample of which one bit is not as expected.
+    /// Index of the first sample with a bit that is not as expected.
     pub fn run<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
         hub: &mut Hub<INPUTS, TERMS, HISTORY>,
@@ -82,7 +82,7 @@ impl TestVector<'_> {
             hub.set_motion(Some(sample.motion));
             let output = hub.update(&sample.raw());
             for channel in self.channels {
-                // an expectation that is not there is not met
+                // a missing expectation counts as a difference
                 if expected.next() != Expected::of(output, *channel).as_ref() {
                     return Err(n);
                 }
@@ -93,7 +93,7 @@ impl TestVector<'_> {
 }
 
 impl TestSample {
-    /// The sample as a sensor gives it.
+    /// The sample in the form of a sensor.
     pub fn raw(&self) -> RawSample {
         let [ax, ay, az, gx, gy, gz] = self.codes;
         RawSample {
@@ -107,7 +107,7 @@ impl TestSample {
 }
 
 impl Expected {
-    /// Of an output; none if there is no such channel.
+    /// Values of one channel of an output; `None` if there is no such channel.
     pub fn of(output: &Output, channel: u8) -> Option<Self> {
         let axis = output.corrections.get(usize::from(channel))?;
         Some(Self {

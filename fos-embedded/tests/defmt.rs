@@ -1,6 +1,6 @@
 //! Every public type of both crates can be logged.
 //!
-//! What a log says is seen on the target alone: `.ci/device defmt`.
+//! The text of the log exists only on the target: `.ci/device defmt` checks it.
 
 use std::any::type_name;
 use std::collections::BTreeSet;
@@ -68,14 +68,14 @@ impl NorFlash for NoFlash {
 
 type Part = Lsm6dsv16x<Blocking<Mock>, Blocking<NoopDelay>>;
 
-/// The file and name of a type. It compiles only if the type can be logged.
+/// File and name of a type. Compiles only if the type can be logged.
 fn named<T: defmt::Format>(file: &str) -> String {
     let whole = type_name::<T>();
     let path = whole.split('<').next().unwrap_or(whole);
     format!("{file} {}", path.rsplit("::").next().unwrap_or(path))
 }
 
-/// The same of types that only a scalar names.
+/// File and name of a type that is reachable only through a scalar.
 fn named_gain<R: Scalar>(file: &str) -> String
 where
     R::Gain: defmt::Format,
@@ -90,7 +90,7 @@ where
     named::<R::Slow>(file)
 }
 
-/// All of them.
+/// File and name of all types that can be logged.
 fn loggable() -> BTreeSet<String> {
     let types = [
         named::<align::Counts>("fos-core/align/counts.rs"),
@@ -195,10 +195,10 @@ fn loggable() -> BTreeSet<String> {
     types.into()
 }
 
-/// Behind a feature for hosts: no device has one to log.
+/// Types of a feature for hosts, which no device logs.
 const OF_HOSTS: [&str; 1] = ["fos-core/evaluator/coasts.rs Coasts"];
 
-/// The file and name of every type that the lines of `source` make public.
+/// File and name of every public type in the lines of `source`.
 fn public_types<'s>(file: &'s str, source: &'s str) -> impl Iterator<Item = String> + 's {
     source.lines().filter_map(move |line| {
         let line = line.trim_start();
@@ -238,7 +238,7 @@ fn every_public_type_can_be_logged() {
 }
 
 #[test]
-fn a_type_that_is_forgotten_is_found() {
+fn detects_types_missing_from_the_list() {
     let source =
         "/// Text.\npub struct New<T> {\n    pub enum Inner;\npub(crate) struct Own;\nstruct Private;\n";
     let found: Vec<_> = public_types("a.rs", source).collect();

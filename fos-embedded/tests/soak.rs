@@ -1,5 +1,5 @@
-//! A day of sensor time through hub and store, with random faults and model updates: nothing wanders, nothing leaks,
-//! and a unit that is restarted from its flash says what the one says that ran all along.
+//! A day of sensor time through hub and store, with random faults and model updates: no drift, no leak, and a device
+//! restarted from its flash gives the same output as one that ran without interruption.
 
 mod models;
 
@@ -18,7 +18,7 @@ use fos_embedded::store::ModelStore;
 use fos_testkit::flash::{Flash, PAGE, PAGES};
 use models::{PHYSICAL, Random, SCALES, SIX, SPREAD, STOCHASTIC, TestHub, limits, parameters};
 
-/// Counts what a thread allocates, and what it holds: tests that run beside it are none of its business.
+/// Counts the allocations and the held bytes per thread, so that parallel tests do not matter.
 struct Counting;
 
 thread_local! {
@@ -26,19 +26,19 @@ thread_local! {
     static HELD_BYTES: Cell<usize> = const { Cell::new(0) };
 }
 
-// SAFETY: the system's own, which a counter beside it does not change
+// SAFETY: forwards to the system allocator; the counters do not affect it
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATED.set(ALLOCATED.get() + 1);
         HELD_BYTES.set(HELD_BYTES.get().wrapping_add(layout.size()));
-        // SAFETY: as of this function
+        // SAFETY: guaranteed by the caller
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // what another thread gave it may be more than it allocated itself
+        // a thread may free more than it allocated, if it received memory of another
         HELD_BYTES.set(HELD_BYTES.get().wrapping_sub(layout.size()));
-        // SAFETY: as of this function
+        // SAFETY: guaranteed by the caller
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -46,38 +46,39 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const TICKS_A_SECOND: u64 = 200;
+const TICKS_PER_SECOND: u64 = 200;
 
-/// The longest lag of the model.
+/// Longest lag of the model, samples.
 const DEPTH: u64 = 2;
 
-/// The time constant of its memories, s.
+/// Time constant of its low-passes, s.
 const TAU_S: f32 = 0.5;
 
-/// Without a low-pass nothing is remembered for longer, and what a restarted hub says is from then on the same bit
-/// for bit. The remainder is one sample late.
-const FORGOTTEN: u64 = DEPTH + 1;
+/// Samples after which a restarted hub without low-passes gives the same output bit for bit: the longest lag plus the
+/// delay of the remainder.
+const BITWISE_AFTER: u64 = DEPTH + 1;
 
-/// With low-passes both say the same up to this, of the noise: last bits of the low-passes, which may differ for ever
-/// (how the carried part is rounded depends on where it came from), and of an accelerometer's value of 9.81 m/s².
-const ALIKE: [f32; 2] = [1e-5, 2e-6];
+/// Tolerance with low-passes, relative to the noise and absolute: the last bits of the low-passes may differ for ever (the
+/// rounding of the carried part depends on its history), and so may those of an accelerometer's 9.81 m/s².
+const TOLERANCE: [f32; 2] = [1e-5, 2e-6];
 
-/// By then: ln(4.4/10⁻⁶) time constants, the inputs' share in the prediction being at most 0.5·4.4 and 0.2·11.
-const FADED: u64 = FORGOTTEN + (15.3 * TAU_S * TICKS_A_SECOND as f32) as u64;
+/// Samples after which a restarted hub with low-passes is within the tolerance: ln(4.4/10⁻⁶) time constants, because the
+/// inputs' share in the prediction is at most 0.5·4.4 and 0.2·11.
+const SETTLED_AFTER: u64 = BITWISE_AFTER + (15.3 * TAU_S * TICKS_PER_SECOND as f32) as u64;
 
-/// Whether an update has low-passes: every other one.
-fn remembers(number: u32) -> bool {
+/// True if an update has low-passes: every other one.
+fn has_low_passes(number: u32) -> bool {
     !number.is_multiple_of(2)
 }
 
-/// Room for the image and what the store puts around it.
+/// Store with room for the image and its overhead.
 type Store = ModelStore<Blocking<Flash>, 2048>;
 
 fn store(flash: Flash) -> Store {
     ModelStore::new(Blocking(flash), 0..(PAGES * PAGE) as u32).unwrap_or_else(|_| panic!("a range"))
 }
 
-/// Six axes over temperature and a long memory of the remainder; every update has coefficients of its own.
+/// Six axes over temperature and a long memory of the remainder; every update has different coefficients.
 fn image(number: u32) -> Vec<u8> {
     let change = (number % 1000) as f32 * 1e-4;
     let [first, second, product] = STOCHASTIC;
@@ -91,7 +92,8 @@ fn image(number: u32) -> Vec<u8> {
         source_range: Range::new(-2.0, 2.0),
         range: Range::new(-2.0, 2.0),
     };
-    let transform = if remembers(number) { Transform::LowPass { tau_s: TAU_S } } else { Transform::Identity };
+    let transform =
+        if has_low_passes(number) { Transform::LowPass { tau_s: TAU_S } } else { Transform::Identity };
     let inputs = [
         quantity(0, 25.0, 10.0, transform),
         quantity(1, 3.3, 0.1, Transform::Identity),
@@ -120,23 +122,23 @@ fn image(number: u32) -> Vec<u8> {
     encode(&model, &info, &mut [0; 2048]).expect("it fits").to_vec()
 }
 
-/// What is wrong with the unit.
+/// Deliberate defect of the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Defect {
     None,
     /// A missing sample is not counted after a fault.
     Miscounts,
-    /// The store says that it has stored an update, and has not.
+    /// The store reports success without storing an update.
     Forgets,
-    /// A restart takes the image before the newest.
+    /// A restart loads the image before the newest.
     Stale,
-    /// With every sample a little memory is not given back.
+    /// Every sample leaks a little memory.
     Leaks,
 }
 
 #[derive(Default)]
 struct Findings {
-    /// Sent, and as the hub counts them.
+    /// Ticks sent; `counted` are those counted by the hub.
     ticks: u64,
     counted: u32,
     samples: u64,
@@ -146,22 +148,22 @@ struct Findings {
     operations: usize,
     erased: [u32; PAGES],
     restarts: u32,
-    /// Restarts at a tick at which the first hub begins anew as well, in its middle without low-passes, and with: how
-    /// many were compared, over how many samples.
+    /// Compared restarts and samples: restarts at a tick at which the first hub restarts too; others without low-passes; others
+    /// with low-passes.
     compared: [(u32, u64); 3],
-    /// Samples, once measured, until the outputs of a restarted hub were those of the other for good: without
-    /// low-passes, with.
+    /// Measured samples until the outputs of a restarted hub permanently equalled those of the other: without low-passes,
+    /// with low-passes.
     settled: [u64; 2],
-    /// Of the device's code.
+    /// Allocations of the device's code.
     allocated: u64,
-    /// Of the whole run, after a tenth of it and at the end.
+    /// Held bytes of the whole run, after a tenth of it and at the end.
     held_bytes: [usize; 2],
     seconds: f64,
 }
 
 impl fmt::Display for Findings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let hours = self.ticks as f64 / (3600 * TICKS_A_SECOND) as f64;
+        let hours = self.ticks as f64 / (3600 * TICKS_PER_SECOND) as f64;
         let most = self.erased.iter().max().unwrap_or(&0);
         let [early, late] = self.held_bytes;
         write!(
@@ -169,8 +171,8 @@ impl fmt::Display for Findings {
             "{hours:.2} h of sensor time: {} ticks counted of {} sent, {} of them samples, {} faults; {} updates ({} cut \
              off), {} flash operations, at most {most} erases of a page; {} restarts: {} \
              at a model update, equal bit for bit at once, over {} samples; {} on the way, without low-passes, equal bit for \
-             bit after {} samples at the latest (stated: {FORGOTTEN}), over {}; {} with low-passes, alike after {} (stated: \
-             {FADED}), over {}; state {} bytes, {} allocations; {early} bytes are held after a tenth, \
+             bit after {} samples at the latest (stated: {BITWISE_AFTER}), over {}; {} with low-passes, alike after {} (stated: \
+             {SETTLED_AFTER}), over {}; state {} bytes, {} allocations; {early} bytes are held after a tenth, \
              {late} at the end; {:.0} s",
             self.counted,
             self.ticks,
@@ -195,7 +197,7 @@ impl fmt::Display for Findings {
     }
 }
 
-/// What happens to the sensor.
+/// Random events of the sensor.
 struct World {
     random: Random,
     samples: u64,
@@ -219,11 +221,11 @@ impl World {
     fn sample(&mut self) -> RawSample {
         self.samples += 1;
         let mut raw = self.random.at_rest();
-        // ±4 K, there and back in 100 s
+        // ±4 K, with a period of 100 s
         let turn = (self.samples / 10 % 2000) as i16;
         raw.temperature = Some(if turn < 1000 { turn } else { 2000 - turn } * 2 - 1000);
         if self.once_in(800) {
-            // one in 20 is longer than any limit
+            // one in 20 exceeds every limit
             raw.skipped = if self.once_in(20) { 1 + self.up_to(2000) } else { 1 + self.up_to(30) };
             raw.faults |= Faults::GAP;
         }
@@ -262,38 +264,38 @@ impl World {
     }
 }
 
-/// The second hub, and how far it is on its way to say what the first one says.
+/// The second hub, and the stage of its convergence to the first.
 struct Twin {
     hub: TestHub,
     stage: Stage,
-    /// Ticks of the first hub before it.
+    /// Ticks of the first hub before the second started.
     ticks: u32,
 }
 
 enum Stage {
-    /// Until samples are missing, where both begin a window of stillness.
+    /// Waiting for missing samples, where both begin a stillness window.
     Gap,
-    /// Until all axes of both hold nothing but measurements.
+    /// Waiting until the histories of both hold only measurements.
     Measured,
-    /// So many samples since.
+    /// Number of samples since then.
     Settling(u64),
-    /// Reset at the same tick as the first: compared at once.
+    /// Started at the same tick as the first: compared at once.
     Twins,
 }
 
-/// What both must say alike, bit for bit if not said otherwise. The alarms only if both were begun at once: the axes
-/// are watched in turn.
+/// Compares two outputs, bit for bit or within the tolerance. Alarms are compared only if both started at once, because the
+/// axes are monitored in turn.
 fn differ(one: &Output, other: &Output, alarms: bool, bit_for_bit: bool) -> bool {
     let values = |output: &Output| output.corrected().into_iter().chain(output.innovation());
-    let [of_noise, of_value] = ALIKE;
+    let [relative, absolute] = TOLERANCE;
     let mut pairs = values(one).zip(values(other)).zip(SPREAD.into_iter().cycle());
     let alike = pairs.all(|((one, other), spread)| {
         one.to_bits() == other.to_bits()
-            || !bit_for_bit && (one - other).abs() <= of_noise * spread + of_value
+            || !bit_for_bit && (one - other).abs() <= relative * spread + absolute
     });
     !alike
         || (one.validity(), one.still) != (other.validity(), other.still)
-        // the rate is of the last 10 s of each
+        // the rate covers the last 10 s of each
         || one.faults - Faults::RATE != other.faults - Faults::RATE
         || alarms && one.drift != other.drift
 }
@@ -305,7 +307,7 @@ fn loaded(image: &[u8], supply: f32) -> Result<TestHub, String> {
     Ok(hub)
 }
 
-/// Runs a unit for so many ticks; an error if it does not do what it must.
+/// Runs a device for `ticks`; returns an error on the first violation.
 fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
     let begun = Instant::now();
     let held_before = HELD_BYTES.get();
@@ -320,9 +322,9 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
         supply: 3.3,
         clock_off_us: 1 << 40,
     };
-    let mut unit = store(Flash::new());
+    let mut device = store(Flash::new());
     let (mut newest, mut before) = (image(0), None::<Vec<u8>>);
-    poll_once(unit.store(&newest)).expect("done at once").map_err(|error| format!("{error:?}"))?;
+    poll_once(device.store(&newest)).expect("done at once").map_err(|error| format!("{error:?}"))?;
     let mut hub = loaded(&newest, world.supply)?;
     let (mut twin, mut in_use): (Option<Twin>, u32) = (None, 0);
 
@@ -373,14 +375,14 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
             if output.tick != expected.tick.wrapping_sub(*ticks) {
                 return Err(format!("the restarted hub counts {} ticks", output.tick));
             }
-            // which update is in use decides
-            let remembers = remembers(in_use);
-            let limit = if remembers { FADED } else { FORGOTTEN };
+            // depends on the update in use
+            let with_low_passes = has_low_passes(in_use);
+            let limit = if with_low_passes { SETTLED_AFTER } else { BITWISE_AFTER };
             let differs = differ(
                 &output,
                 &expected,
                 matches!(stage, Stage::Twins),
-                !remembers || matches!(stage, Stage::Twins),
+                !with_low_passes || matches!(stage, Stage::Twins),
             );
             match stage {
                 Stage::Gap if raw.skipped > 0 => *stage = Stage::Measured,
@@ -395,13 +397,13 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
                 Stage::Settling(since) => {
                     *since += 1;
                     if differs {
-                        let settled = &mut found.settled[usize::from(remembers)];
+                        let settled = &mut found.settled[usize::from(with_low_passes)];
                         *settled = (*settled).max(*since);
                         if *since > limit {
                             return Err(format!("after {since} samples {output:?} instead of {expected:?}"));
                         }
                     } else if *since > limit {
-                        let (restarts, samples) = &mut found.compared[1 + usize::from(remembers)];
+                        let (restarts, samples) = &mut found.compared[1 + usize::from(with_low_passes)];
                         *restarts += u32::from(*since == limit + 1);
                         *samples += 1;
                     }
@@ -416,39 +418,40 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
         }
 
         if world.once_in(15_000) {
-            // the power may go while an update is stored
+            // the power may fail while an update is stored
             let number = found.updates + 1;
             let next = image(number);
-            let mut flash = unit.release().0;
+            let mut flash = device.release().0;
             if number.is_multiple_of(4) {
                 flash.power = Some((1 + world.up_to(6) as usize, number as usize / 4 % 3));
             }
-            unit = store(flash);
-            let said = if defect == Defect::Forgets && number == 3 {
+            device = store(flash);
+            let stored = if defect == Defect::Forgets && number == 3 {
                 true
             } else {
                 let allocated = ALLOCATED.get();
-                let said = poll_once(unit.store(&next)).expect("done at once").is_ok();
+                let stored = poll_once(device.store(&next)).expect("done at once").is_ok();
                 found.allocated += ALLOCATED.get() - allocated;
-                said
+                stored
             };
-            let mut flash = unit.release().0;
+            let mut flash = device.release().0;
             let cut = matches!(flash.power, Some((0, _)));
             flash.power = None;
-            unit = store(flash);
+            device = store(flash);
             found.updates = number;
             found.cuts += u32::from(cut);
-            if !said && !cut {
+            if !stored && !cut {
                 return Err(format!("update {number} was refused"));
             }
-            let kept = poll_once(unit.load()).expect("done at once").ok().flatten().map(<[u8]>::to_vec);
-            if kept.as_deref() == Some(&next) {
+            let found_image =
+                poll_once(device.load()).expect("done at once").ok().flatten().map(<[u8]>::to_vec);
+            if found_image.as_deref() == Some(&next) {
                 before = Some(std::mem::replace(&mut newest, next));
                 in_use = number;
-            } else if said || kept.as_deref() != Some(&newest) {
+            } else if stored || found_image.as_deref() != Some(&newest) {
                 return Err(format!("update {number} is not in the flash"));
             }
-            let previous = poll_once(unit.load_previous()).expect("done at once").ok().flatten();
+            let previous = poll_once(device.load_previous()).expect("done at once").ok().flatten();
             if !(previous == before.as_deref() || cut) {
                 return Err(format!("the image before update {number} is gone"));
             }
@@ -462,7 +465,7 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
             found.compared[0].0 += 1;
         } else if world.once_in(15_000) {
             let newest =
-                poll_once(unit.load()).expect("done at once").ok().flatten().ok_or("nothing is stored")?;
+                poll_once(device.load()).expect("done at once").ok().flatten().ok_or("nothing is stored")?;
             let image = before.as_deref().filter(|_| defect == Defect::Stale).unwrap_or(newest);
             twin = Some(Twin {
                 hub: loaded(image, world.supply)?,
@@ -472,63 +475,62 @@ fn soak(ticks: u64, defect: Defect) -> Result<Findings, String> {
             found.restarts += 1;
         }
     }
-    let flash = unit.release().0;
+    let flash = device.release().0;
     (found.operations, found.erased) = (flash.operations, flash.erased);
     found.held_bytes[1] = held_bytes();
     found.seconds = begun.elapsed().as_secs_f64();
     Ok(found)
 }
 
-/// What is wrong with a run, though nothing in it was.
-fn judge(found: &Findings) -> Vec<String> {
+/// Violations that show only over a whole run.
+fn violations(found: &Findings) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut must = |holds: bool, what: String| wrong.extend((!holds).then_some(what));
     must(found.faults > 0 && found.updates > 3 && found.cuts > 0, "too little happened".to_owned());
     must(found.compared.iter().all(|(restarts, _)| *restarts > 0), "nothing was compared".to_owned());
     must(found.allocated == 0, format!("the device's code allocates, {} times", found.allocated));
-    // a page is turned when it is full, one image in it is carried over; a cut update takes room, and a repair may
-    // erase
-    let a_page = (PAGE / (image(999).len() + 64)) as u32;
-    let turns = (found.updates + 1) / (a_page - 1) + 2 * found.cuts + PAGES as u32;
+    // a full page is replaced and one image moved; an interrupted update takes room, and a repair may erase
+    let images_per_page = (PAGE / (image(999).len() + 64)) as u32;
+    let turns = (found.updates + 1) / (images_per_page - 1) + 2 * found.cuts + PAGES as u32;
     let erased: u32 = found.erased.iter().sum();
     must(erased <= turns, format!("{erased} erases, at most {turns}: {:?}", found.erased));
     let [early, late] = found.held_bytes;
-    // a second image may have come, and its vector be larger than it is
+    // there may be a second image, in a vector with spare capacity
     must(late <= early + 2048, format!("memory grows: {early} bytes, then {late}"));
     wrong
 }
 
 fn check(found: &Findings) {
     println!("soak: {found}");
-    assert_eq!(judge(found), [""; 0], "{found}");
+    assert_eq!(violations(found), [""; 0], "{found}");
 }
 
 #[test]
-fn ten_minutes_of_faults_and_updates_leave_nothing_behind() {
-    check(&soak(600 * TICKS_A_SECOND, Defect::None).expect("a sound unit"));
+fn ten_minutes_of_faults_and_updates_leave_no_trace() {
+    check(&soak(600 * TICKS_PER_SECOND, Defect::None).expect("a sound unit"));
 }
 
 #[test]
 #[ignore = "a day of sensor time, in release: .ci/trust soak runs it"]
-fn a_day_of_faults_and_updates_leaves_nothing_behind() {
-    check(&soak(24 * 3600 * TICKS_A_SECOND, Defect::None).expect("a sound unit"));
+fn a_day_of_faults_and_updates_leaves_no_trace() {
+    check(&soak(24 * 3600 * TICKS_PER_SECOND, Defect::None).expect("a sound unit"));
 }
 
 #[test]
-fn a_unit_that_miscounts_forgets_restarts_from_an_old_image_or_leaks_is_found_out() {
+fn detects_miscounts_lost_updates_stale_images_and_leaks() {
     let mut found = Vec::new();
-    for (defect, says, what) in [
+    for (defect, message, what) in [
         (Defect::Miscounts, "ticks counted", "a hub whose counter is off by one after a fault"),
         (Defect::Forgets, "is not in the flash", "a store that forgets one update"),
         (Defect::Stale, "instead of", "a restart from the image before the newest"),
     ] {
-        match soak(3600 * TICKS_A_SECOND, defect) {
-            Err(error) => assert!(error.contains(says), "{defect:?}: {error}"),
+        match soak(3600 * TICKS_PER_SECOND, defect) {
+            Err(error) => assert!(error.contains(message), "{defect:?}: {error}"),
             Ok(findings) => panic!("{defect:?} is not found: {findings}"),
         }
         found.push(what);
     }
-    let leaking = judge(&soak(3600 * TICKS_A_SECOND, Defect::Leaks).expect("it runs"));
+    let leaking = violations(&soak(3600 * TICKS_PER_SECOND, Defect::Leaks).expect("it runs"));
     assert!(leaking.iter().any(|wrong| wrong.contains("allocates")), "{leaking:?}");
     assert!(leaking.iter().any(|wrong| wrong.contains("memory grows")), "{leaking:?}");
     found.push("64 bytes a sample that are not given back");

@@ -1,14 +1,14 @@
-//! What became of samples that did not go into a row as they were.
+//! Counts of the samples that did not enter a row unchanged, and the reasons.
 
-/// Why a sample was not taken, or not as it was.
+/// Reason why a sample was rejected, or entered a row as missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// There is no such stream.
+    /// The stream does not exist.
     NoSuchStream,
-    /// Its stamp is not above the newest of its stream.
+    /// The timestamp is not above the newest of its stream.
     NotIncreasing,
-    /// A value is NaN or infinite: the sample is missing.
+    /// A value is NaN or infinite: the sample counts as missing.
     NotFinite,
 }
 
@@ -24,19 +24,19 @@ impl core::fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// Counts of one stream, each held at its highest value.
+/// Counts of one stream; each saturates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
-    /// Samples whose stamp did not increase.
+    /// Samples whose timestamp did not increase.
     pub refused: u32,
     /// Samples with a value that is not finite.
     pub not_finite: u32,
-    /// Samples that a full queue lost, or a clock that was set back.
+    /// Samples dropped because the queue was full or the clock was set back.
     pub dropped: u32,
-    /// Times that the clock was set back.
+    /// Number of times the clock was set back.
     pub set_back: u32,
-    /// Rows given out without a value of the stream; of the lead see `not_finite`.
+    /// Rows without a value of the stream. 0 for the lead, whose missing rows are in `not_finite`.
     pub missing: u32,
 }
 

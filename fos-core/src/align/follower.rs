@@ -1,34 +1,34 @@
-//! A follower: three values with stamps of their own, interpolated.
+//! A follower: three values with separate timestamps, interpolated.
 
 use super::counts::{Counts, Refused};
 use super::order::distance;
 use super::queue::{Queue, Stamped};
 use crate::Real;
 
-/// Bits of a weight: as many as f32 holds exactly.
+/// Bits of a weight, the number that f32 holds exactly.
 const WEIGHT_BITS: u32 = 24;
 
 /// 2⁻²⁴.
 const WEIGHT_UNIT: f64 = 1.0 / (1_u32 << WEIGHT_BITS) as f64;
 
-/// Longest distance that is divided as it is, bits: shifted by those of the weight, and with half of the divisor added,
-/// it stays below 2⁶⁴. Nanoseconds go on for nine minutes; of more the last bits are left out.
+/// Longest distance that is divided exactly, bits: shifted left by the bits of the weight, plus half the divisor, it stays
+/// below 2⁶⁴. In nanoseconds that is nine minutes; longer distances lose their lowest bits.
 const DISTANCE_BITS: u32 = 63 - WEIGHT_BITS;
 
-/// What a follower has at a stamp of the lead.
+/// Values of a follower at a timestamp of the lead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Interpolated<R> {
-    /// Between its neighbours; all NaN where it is missing.
+    /// Interpolated values; all NaN if missing.
     pub values: [R; 3],
-    /// w, the weight of the later neighbour in units of 2⁻²⁴: 0 on a sample; `None` where it is missing.
+    /// Weight w of the later neighbour in units of 2⁻²⁴: 0 exactly at a sample; `None` if missing.
     pub weight: Option<u32>,
 }
 
 #[derive(Debug, Clone)]
 pub(super) struct Follower<R, const DEPTH: usize> {
     samples: Queue<[R; 3], DEPTH>,
-    /// Furthest that neighbours may be apart, ticks.
+    /// Maximum distance of neighbours, ticks.
     bridged: u64,
 }
 
@@ -49,17 +49,17 @@ impl<R: Real, const DEPTH: usize> Follower<R, DEPTH> {
         self.samples.push(stamp, finite.then_some(values))
     }
 
-    /// Whether nothing that may still come changes what it has at `stamp`.
+    /// True if no later sample can change the values at `stamp`.
     pub(super) fn is_certain_at(&mut self, stamp: i64) -> bool {
         let Some(newest) = self.samples.newest().filter(|newest| *newest >= stamp) else { return false };
-        // samples that are missing come with a stamp too: what comes after them may be too far to be a neighbour
+        // a sample that is not finite still has a timestamp: any later sample may be too far away to be a neighbour
         match self.samples.around(stamp) {
             (Some(before), None) if before.stamp < stamp => distance(before.stamp, newest) > self.bridged,
             _ => true,
         }
     }
 
-    /// What it has at `stamp`, which is not before that of the last call unless the lead was set back.
+    /// Returns the values at `stamp`, which does not decrease from call to call unless the clock of the lead was set back.
     pub(super) fn at(&mut self, stamp: i64) -> Interpolated<R> {
         let bridged = self.bridged;
         let found = match self.samples.around(stamp) {
@@ -75,7 +75,8 @@ impl<R: Real, const DEPTH: usize> Follower<R, DEPTH> {
     }
 }
 
-/// Between two neighbours; none if they are more than `bridged` apart, or so large that their difference is not finite.
+/// Interpolates between two neighbours; `None` if they are more than `bridged` ticks apart, or so large that their
+/// difference is not finite.
 fn between<R: Real>(
     before: &Stamped<[R; 3]>,
     after: &Stamped<[R; 3]>,
@@ -106,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_weight_is_the_nearest_of_its_unit() {
+    fn weight_is_rounded_to_nearest() {
         assert_eq!(weight(0, 7), 0);
         assert_eq!(weight(7, 7), 1 << 24);
         assert_eq!(weight(1, 3), 5_592_405); // 5592405.33

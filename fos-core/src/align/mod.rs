@@ -1,4 +1,4 @@
-//! Streams with stamps of their own, joined onto the grid of one of them: [`Aligner`].
+//! Resampling of streams with separate timestamps to the time base of one of them: [`Aligner`].
 
 mod counts;
 mod follower;
@@ -21,10 +21,10 @@ pub use follower::Interpolated;
 pub use order::SET_BACK_AFTER;
 pub use slow::{HELD_PERIODS, Held, SLOW_DEPTH};
 
-/// Joins streams with stamps of their own onto the grid of one of them, the *lead*, whose samples are not touched.
+/// Resamples streams with separate timestamps to the time base of one of them, the *lead*, whose samples stay unchanged.
 ///
-/// Its clock is the caller's: stamps are ticks of it (nanoseconds, say), anywhere in `i64`, and a tick means nothing
-/// more here. Offsets between clocks are the caller's too, who adds them to the stamps.
+/// The clock is the caller's: timestamps are its ticks (for example nanoseconds), anywhere in `i64`. The caller also
+/// corrects offsets between clocks, by adding them to the timestamps.
 ///
 /// - A **follower** (three values with one stamp) is interpolated between its neighbours a and b at t₀ < t < t₁:
 ///
@@ -33,26 +33,27 @@ pub use slow::{HELD_PERIODS, Held, SLOW_DEPTH};
 ///   x = a + 2⁻²⁴ w (b − a)
 ///   ```
 ///
-///   It is missing where its neighbours are more than 1.5 of its periods apart: a sample is lost there. At a stamp of its
-///   own it is that sample, to the bit. White noise is left with (1 − w)² + w² of its variance: [`Interpolated::weight`].
-/// - A **slow** channel (one value: a thermometer, the supply) has the newest value that is not of later, and how old it
-///   is; it is missing when older than [`HELD_PERIODS`] of its periods.
+///   It is missing where its neighbours are more than 1.5 of its periods apart, because a sample was lost. At a timestamp
+///   of its own it equals that sample bit for bit. Interpolation reduces the variance of white noise by the factor
+///   (1 − w)² + w²; see [`Interpolated::weight`].
+/// - A **slow** channel (one value: temperature, supply voltage) holds its newest value at or before t, with its age. It
+///   is missing when older than [`HELD_PERIODS`] of its periods.
 ///
-/// What is missing is NaN, and says so. What holds:
+/// Missing values are NaN, with a weight or age of `None`. Guarantees:
 ///
-/// - **Any order, any batches.** Streams may come sample by sample or in batches, and in any order between them: while no
-///   queue is full and no clock is set back, what comes out is the same bits. A lead sample is given out when what every
-///   follower has at its stamp is certain; slow channels are not waited for, so theirs must have come before.
-/// - **No stall.** When the queue of the lead is full its oldest sample is given out with what there is: a sensor that died
-///   delays by `DEPTH` samples.
-/// - **Nothing is lost uncounted** ([`Counts`]). A stamp that does not increase within its stream is refused. A sample with a
-///   value that is not finite is missing: of the lead, the row is there and its values are NaN.
-/// - **Clocks that jump.** After a jump ahead or a single wild stamp, and when [`SET_BACK_AFTER`] stamps in a row were not
-///   above the newest but increase among themselves, the stream starts anew where it now is.
-/// - **The same bits everywhere**, no heap, no panic; a push or a pop takes at most a few passes over one queue.
+/// - **Any order, any batches.** Streams may arrive sample by sample or in batches, in any order between streams: the
+///   output is the same bit for bit while no queue is full and no clock is set back. A row is returned as soon as no later
+///   sample of a follower can change it. Slow channels are not waited for: push their values first.
+/// - **No stall.** When the queue of the lead is full, its oldest row is returned with the values available: a dead sensor
+///   delays the output by at most `DEPTH` samples.
+/// - **Every lost sample is counted** ([`Counts`]). A timestamp that does not increase within its stream is rejected. A
+///   sample with a value that is not finite is missing; for the lead, the row remains, with NaN.
+/// - **Clock jumps.** After a jump ahead, or a single wild timestamp, a stream recovers when [`SET_BACK_AFTER`] consecutive
+///   timestamps were not above the newest but increased among themselves: it restarts at the last of them.
+/// - **The same bits on every machine**, no heap, no panic; a push or a pop takes at most a few passes over one queue.
 ///
-/// `DEPTH` samples of the lead and of each follower are queued, and [`SLOW_DEPTH`] of each slow channel: a batch of each must
-/// go in. In f32 with one follower, one slow channel and a depth of 32 it is 1,928 bytes (64-bit).
+/// The queues hold `DEPTH` samples of the lead and of each follower, and [`SLOW_DEPTH`] of each slow channel; a batch must
+/// fit. In f32, with one follower, one slow channel and a depth of 32, the size is 1,928 bytes (64-bit).
 ///
 /// ```
 /// use fos_core::align::Aligner;
@@ -76,23 +77,23 @@ pub struct Aligner<R, const FOLLOWERS: usize, const SLOW: usize, const DEPTH: us
     lead: Deque<Stamped<[R; 3]>, DEPTH>,
     order: Order,
     counts: Counts,
-    /// Leads at the front that no follower is waited for, since their clock was set back behind them.
-    hurried: usize,
+    /// Number of samples at the front that were queued before the lead's clock was set back: they wait for no follower.
+    before_set_back: usize,
     followers: [Follower<R, DEPTH>; FOLLOWERS],
     slow: [Slow<R>; SLOW],
 }
 
-/// A row: a sample of the lead, and what the others have at its stamp.
+/// A row: a sample of the lead, with the values of the other streams at its timestamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Joined<R, const FOLLOWERS: usize, const SLOW: usize> {
-    /// As the lead stamped it.
+    /// Timestamp of the lead, ticks.
     pub stamp: i64,
-    /// As the lead measured it; all NaN if any was not finite.
+    /// Measured values of the lead; all NaN if any was not finite.
     pub lead: [R; 3],
-    /// Every follower there.
+    /// Interpolated values of every follower.
     pub followers: [Interpolated<R>; FOLLOWERS],
-    /// Every slow channel there.
+    /// Held value of every slow channel.
     pub slow: [Held<R>; SLOW],
 }
 
@@ -100,11 +101,11 @@ pub struct Joined<R, const FOLLOWERS: usize, const SLOW: usize> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Stream {
-    /// The one whose stamps are the grid.
+    /// The stream whose timestamps are the common time base.
     Lead,
-    /// A follower, the first is 0.
+    /// A follower by index, from 0.
     Follower(usize),
-    /// A slow channel, the first is 0.
+    /// A slow channel by index, from 0.
     Slow(usize),
 }
 
@@ -127,7 +128,7 @@ impl<R, const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize> defmt::Fo
 impl<R: Real, const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize>
     Aligner<R, FOLLOWERS, SLOW, DEPTH>
 {
-    /// With the period of every follower and of every slow channel, ticks.
+    /// Creates an aligner with the period of every follower and slow channel, ticks.
     pub fn new(follower_periods: [i64; FOLLOWERS], slow_periods: [i64; SLOW]) -> Self {
         let mut aligner = Self::without_periods();
         for (follower, period) in aligner.followers.iter_mut().zip(follower_periods) {
@@ -139,91 +140,90 @@ impl<R: Real, const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize>
         aligner
     }
 
-    /// With periods of 0 until they are set: whatever is not at a stamp of the lead is missing. May be in a `static`, and is
-    /// made in place.
+    /// Creates an aligner with periods of 0: until they are set, every value that is not exactly at a timestamp of the lead
+    /// is missing. Usable in a `static`, without a copy on the stack.
     pub const fn without_periods() -> Self {
         const { assert!(DEPTH >= 2, "a follower needs two samples to be interpolated between") };
         Self {
             lead: Deque::new(),
             order: Order::NEW,
             counts: Counts::NONE,
-            hurried: 0,
+            before_set_back: 0,
             followers: [const { Follower::NEW }; FOLLOWERS],
             slow: [const { Slow::NEW }; SLOW],
         }
     }
 
-    /// Another period for a follower, ticks, by which its neighbours are judged from the next row on; nothing without
-    /// such a follower.
+    /// Sets the period of a follower, ticks, from the next row on. No effect if the follower does not exist.
     pub fn set_follower_period(&mut self, follower: usize, period: i64) {
         if let Some(follower) = self.followers.get_mut(follower) {
             follower.set_period(period);
         }
     }
 
-    /// Another period for a slow channel, ticks, by which its age is judged from the next row on; nothing without such a
-    /// channel.
+    /// Sets the period of a slow channel, ticks, from the next row on. No effect if the channel does not exist.
     pub fn set_slow_period(&mut self, slow: usize, period: i64) {
         if let Some(slow) = self.slow.get_mut(slow) {
             slow.set_period(period);
         }
     }
 
-    /// Takes a sample of the lead. Call [`Self::pop`] after it until there is nothing more: pushed into a full queue, it
-    /// takes the place of the oldest, which is lost and counted.
+    /// Adds a sample of the lead. Call [`Self::pop`] afterwards until it returns `None`: a full queue drops its oldest
+    /// sample, which is counted.
     ///
     /// # Errors
-    /// Its stamp does not increase; it is not taken. Or a value is not finite; it is taken as a row whose lead is missing.
+    /// [`Refused::NotIncreasing`]: the sample is rejected. [`Refused::NotFinite`]: the row remains, with the lead missing.
     pub fn push_lead(&mut self, stamp: i64, values: [R; 3]) -> Result<(), Refused> {
         match self.order.arrive(stamp) {
             Arrival::InOrder => {}
             Arrival::Refused => return self.counts.refuse(),
             Arrival::SetBack => {
                 self.counts.set_back();
-                self.hurried = self.lead.len();
+                self.before_set_back = self.lead.len();
             }
         }
         let finite = values.iter().all(|value| value.is_finite());
         let value = if finite { values } else { [R::from_f64(f64::NAN); 3] };
         if self.lead.is_full() {
             let _ = self.lead.pop_front();
-            self.hurried = self.hurried.saturating_sub(1);
+            self.before_set_back = self.before_set_back.saturating_sub(1);
             self.counts.drop_samples(1);
         }
-        let _ = self.lead.push_back(Stamped { stamp, value }); // there is room
+        let _ = self.lead.push_back(Stamped { stamp, value }); // never full here
         if finite { Ok(()) } else { self.counts.miss() }
     }
 
-    /// Takes a sample of a follower.
+    /// Adds a sample of a follower.
     ///
     /// # Errors
-    /// There is no such follower, its stamp does not increase, or a value is not finite; it is not taken.
+    /// The follower does not exist, the timestamp does not increase, or a value is not finite: the sample is rejected.
     pub fn push_follower(&mut self, follower: usize, stamp: i64, values: [R; 3]) -> Result<(), Refused> {
         self.followers.get_mut(follower).ok_or(Refused::NoSuchStream)?.push(stamp, values)
     }
 
-    /// Takes a value of a slow channel.
+    /// Adds a value of a slow channel.
     ///
     /// # Errors
-    /// There is no such channel, its stamp does not increase, or the value is not finite; it is not taken.
+    /// The channel does not exist, the timestamp does not increase, or the value is not finite: it is rejected.
     pub fn push_slow(&mut self, slow: usize, stamp: i64, value: R) -> Result<(), Refused> {
         self.slow.get_mut(slow).ok_or(Refused::NoSuchStream)?.push(stamp, value)
     }
 
-    /// The next row, as soon as nothing that may still come can change it, or the queue of the lead is full.
+    /// Returns the next row, once no later sample of a follower can change it or the queue of the lead is full.
     pub fn pop(&mut self) -> Option<Joined<R, FOLLOWERS, SLOW>> {
         let stamp = self.lead.front()?.stamp;
-        let waits = self.hurried == 0 && !self.lead.is_full();
+        let waits = self.before_set_back == 0 && !self.lead.is_full();
         if waits && !self.followers.iter_mut().all(|follower| follower.is_certain_at(stamp)) {
             return None;
         }
         self.flush()
     }
 
-    /// The next row with what there is, without waiting for any follower: for the end, or before a long sleep.
+    /// Returns the next row with the values available, without waiting for followers: at the end of a log, or before a
+    /// long sleep.
     pub fn flush(&mut self) -> Option<Joined<R, FOLLOWERS, SLOW>> {
         let Stamped { stamp, value: lead } = self.lead.pop_front()?;
-        self.hurried = self.hurried.saturating_sub(1);
+        self.before_set_back = self.before_set_back.saturating_sub(1);
         Some(Joined {
             stamp,
             lead,
@@ -232,7 +232,7 @@ impl<R: Real, const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize>
         })
     }
 
-    /// What was refused, missing or lost of a stream, and how often it was missing in a row; all 0 without such a stream.
+    /// Counts of rejected, missing and dropped samples of a stream, and of the rows without it; all 0 if it does not exist.
     pub fn counts(&self, stream: Stream) -> Counts {
         let counts = match stream {
             Stream::Lead => Some(self.counts),

@@ -1,37 +1,37 @@
-//! Stamps of one stream: they increase, or the clock was set back.
+//! Order of the timestamps of one stream: increasing, unless the clock was set back.
 
-/// So many stamps in a row that are not above the newest, but increase among themselves, are a clock that was set back:
-/// samples out of order come one or two at a time, and at 26 Hz, the slowest that inertial sensors run at, it is a third of
-/// a second.
+/// Number of consecutive timestamps, not above the newest but increasing among themselves, after which the clock counts
+/// as set back. Samples out of order come one or two at a time; at 26 Hz, the lowest rate of inertial sensors, eight
+/// samples take 0.3 s.
 pub const SET_BACK_AFTER: u8 = 8;
 
-/// Ticks from one stamp to a later one, which may be more than an `i64` holds.
+/// Ticks from one timestamp to a later one; the difference may exceed an `i64`.
 pub(super) fn distance(from: i64, to: i64) -> u64 {
     to.wrapping_sub(from).cast_unsigned()
 }
 
-/// The order of a stream.
+/// Classifies the timestamps of a stream.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Order {
     newest: Option<i64>,
-    /// The last stamp that was refused, and how many there were in a row that increase.
+    /// The last refused timestamp; `in_a_row` counts the consecutive refused ones that increase.
     refused: i64,
     in_a_row: u8,
 }
 
-/// What a stamp is.
+/// Classification of a timestamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrival {
     InOrder,
     Refused,
-    /// The stream starts anew with it.
+    /// The clock was set back: the stream restarts at this timestamp.
     SetBack,
 }
 
 impl Order {
     pub(super) const NEW: Self = Self { newest: None, refused: 0, in_a_row: 0 };
 
-    /// The highest stamp since the clock was last set back.
+    /// Highest timestamp since the clock was last set back.
     pub(super) fn newest(&self) -> Option<i64> {
         self.newest
     }

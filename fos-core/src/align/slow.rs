@@ -1,31 +1,31 @@
-//! A slow channel: its newest value, and how old it is.
+//! A slow channel: its newest value and the age of it.
 
 use super::counts::{Counts, Refused};
 use super::order::distance;
 use super::queue::Queue;
 use crate::Real;
 
-/// A value that is older than so many periods of its channel is missing: one read that is late and one that fails are
-/// nothing to a temperature or a supply, that a third does not come means that nothing does.
+/// Age, in periods of its channel, above which a value counts as missing. One late and one failed read do not matter for
+/// a temperature or supply voltage; if the third fails too, the channel is taken as dead.
 pub const HELD_PERIODS: u32 = 3;
 
-/// Values of a slow channel that are queued: a batch of 0.2 s of a thermometer of 26 Hz has five.
+/// Capacity of the queue of a slow channel, values: a batch of 0.2 s from a thermometer at 26 Hz has five.
 pub const SLOW_DEPTH: usize = 8;
 
-/// What a slow channel has at a stamp of the lead.
+/// Value of a slow channel at a timestamp of the lead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Held<R> {
-    /// The newest that is not of later; NaN where it is missing.
+    /// Newest value at or before the timestamp; NaN if missing.
     pub value: R,
-    /// How old it is, ticks; `None` where it is missing.
+    /// Age of the value, ticks; `None` if missing.
     pub age: Option<i64>,
 }
 
 #[derive(Debug, Clone)]
 pub(super) struct Slow<R> {
     values: Queue<R, SLOW_DEPTH>,
-    /// Oldest that is held, ticks.
+    /// Maximum age of a held value, ticks.
     oldest: u64,
 }
 
@@ -44,7 +44,7 @@ impl<R: Real> Slow<R> {
         self.values.push(stamp, value.is_finite().then_some(value))
     }
 
-    /// What it has at `stamp`, which is not before that of the last call unless the lead was set back.
+    /// Returns the value at `stamp`, which does not decrease from call to call unless the clock of the lead was set back.
     pub(super) fn at(&mut self, stamp: i64) -> Held<R> {
         let (newest, _) = self.values.around(stamp);
         let held = newest.filter(|newest| newest.stamp <= stamp);

@@ -1,7 +1,7 @@
-//! A model into an evaluator: checked, and compiled to what a step needs.
+//! Loads a model into an evaluator: checks it and compiles it for the step.
 
 use super::Evaluator;
-use super::building::Building;
+use super::building::ModelHeader;
 use crate::axis::{AxisProgram, RunningAxis};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
@@ -12,11 +12,11 @@ use crate::{Channel, Input, Model, ModelError, Real, Scalar, Term, Transform};
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
-    /// Takes a model in place, of which it keeps its own compiled copy; history, inputs and clocks start anew.
+    /// Compiles a model in place, and resets history, inputs and clocks.
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the model, or that there is no room for; it is then without a model.
+    /// The first fault of the model, or the first capacity that it exceeds; the evaluator is then [empty](Self::empty).
     pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         let loaded = self.fill(model);
         if loaded.is_err() {
@@ -26,7 +26,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 
     fn fill(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
-        self.begin(Building {
+        self.begin(ModelHeader {
             period_s: model.period_s,
             n_quantities: model.quantities.len(),
             n_inputs: model.inputs.len(),
@@ -45,36 +45,36 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(())
     }
 
-    /// Without inputs and axes; all of them must be added before it is used.
-    pub(crate) fn begin(&mut self, building: Building) -> Result<(), ModelError> {
-        if !is_positive(scalar::<_, R::Built>(building.period_s)) {
+    /// Starts a model without inputs and axes; add all of them before the first step.
+    pub(crate) fn begin(&mut self, header: ModelHeader) -> Result<(), ModelError> {
+        if !is_positive(scalar::<_, R::Built>(header.period_s)) {
             return Err(ModelError::Period);
         }
-        if building.n_axes == 0 {
+        if header.n_axes == 0 {
             return Err(ModelError::NoAxis);
         }
-        if building.n_axes > AXES {
-            return Err(ModelError::TooManyAxes { found: building.n_axes, capacity: AXES });
+        if header.n_axes > AXES {
+            return Err(ModelError::TooManyAxes { found: header.n_axes, capacity: AXES });
         }
-        if building.n_inputs > INPUTS {
-            return Err(ModelError::TooManyInputs { found: building.n_inputs, capacity: INPUTS });
+        if header.n_inputs > INPUTS {
+            return Err(ModelError::TooManyInputs { found: header.n_inputs, capacity: INPUTS });
         }
         self.clear();
-        self.building = building;
+        self.header = header;
         Ok(())
     }
 
     #[inline(never)]
     pub(crate) fn add_input(&mut self, input: &Input<R::Stored>) -> Result<(), ModelError> {
-        input.check(self.inputs.len(), self.building.n_quantities, self.building.n_axes)?;
+        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes)?;
         if !cfg!(feature = "transforms") && input.transform != Transform::Identity {
             return Err(ModelError::TransformNotBuilt { input: self.inputs.len() });
         }
         if !input.fits::<R>() {
             return Err(ModelError::InputNotInFixedPoint { input: self.inputs.len() });
         }
-        let too_many = ModelError::TooManyInputs { found: self.building.n_inputs, capacity: INPUTS };
-        self.inputs.push(RunningInput::new(input, self.building.period_s)).map_err(|_| too_many)
+        let too_many = ModelError::TooManyInputs { found: self.header.n_inputs, capacity: INPUTS };
+        self.inputs.push(RunningInput::new(input, self.header.period_s)).map_err(|_| too_many)
     }
 
     #[inline(never)]
@@ -86,49 +86,49 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
         parameters.check(axis)?;
-        let mut seen = Seen::new(parameters);
-        self.look_at(physical.clone(), true, &mut seen)?;
-        self.look_at(stochastic.clone(), false, &mut seen)?;
-        let Seen { depth, inputs_used, .. } = seen;
-        self.check_bounded(parameters, &seen)?;
+        let mut bounds = TermBounds::new(parameters);
+        self.check_terms(physical.clone(), true, &mut bounds)?;
+        self.check_terms(stochastic.clone(), false, &mut bounds)?;
+        let TermBounds { depth, inputs_used, .. } = bounds;
+        self.check_bounded(parameters, &bounds)?;
 
-        let layout = Layout { n_inputs: self.building.n_inputs, n_axes: self.building.n_axes };
+        let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
         let physical = self.program.append::<HISTORY>(R::ZERO, physical, axis, layout)?;
         let stochastic =
             self.program.append::<HISTORY>(R::of(parameters.constant), stochastic, axis, layout)?;
         self.push_axis(parameters, AxisProgram { physical, stochastic, inputs_used, depth })
     }
 
-    // apart from what its terms need, so that the stack of one is not below the other's
+    // a function of its own, so that its stack frame and that of the terms do not add up
     #[inline(never)]
     fn push_axis(
         &mut self,
         parameters: &AxisParameters<R::Stored>,
         program: AxisProgram<R>,
     ) -> Result<(), ModelError> {
-        // asked before: what is not pushed would come back, a second axis on the stack
+        // checked first: a failed push returns the axis, and a second one would lie on the stack
         if self.axes.is_full() {
-            return Err(ModelError::TooManyAxes { found: self.building.n_axes, capacity: AXES });
+            return Err(ModelError::TooManyAxes { found: self.header.n_axes, capacity: AXES });
         }
-        let _ = self.axes.push(RunningAxis::new(parameters, program, self.building.period_s));
+        let _ = self.axes.push(RunningAxis::new(parameters, program, self.header.period_s));
         if let Some(axis) = self.axes.last_mut() {
             axis.begin();
         }
         Ok(())
     }
 
-    /// Checks the terms of a part, and takes note of what they come to.
-    // once in the code, for both parts
+    /// Checks the terms of a part and updates the bounds of the axis.
+    // not inlined: one copy for both parts
     #[inline(never)]
-    fn look_at(
+    fn check_terms(
         &self,
         terms: impl Iterator<Item = Term<R::Stored>>,
         physical: bool,
-        seen: &mut Seen<R>,
+        bounds: &mut TermBounds<R>,
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
         for term in terms {
-            let index = seen.terms;
+            let index = bounds.terms;
             term.check(axis, index, physical, |input| {
                 self.inputs.get(usize::from(input)).map(RunningInput::source)
             })?;
@@ -137,35 +137,35 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             }
             let mut magnitude: R::Built = scalar(term.coefficient.abs());
             for factor in term.factors() {
-                seen.depth = seen.depth.max(factor.lag);
+                bounds.depth = bounds.depth.max(factor.lag);
                 let largest = match factor.channel {
-                    Channel::Output => seen.output,
+                    Channel::Output => bounds.output,
                     Channel::Input(input) => {
-                        seen.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
+                        bounds.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
                         let input = self.inputs.get(usize::from(input));
                         input.map_or(R::Built::MAX, |input| scalar(input.magnitude()))
                     }
                 };
                 magnitude = magnitude * larger(largest, R::Built::ONE);
             }
-            seen.magnitude = seen.magnitude + magnitude;
-            seen.terms += 1;
+            bounds.magnitude = bounds.magnitude + magnitude;
+            bounds.terms += 1;
         }
         Ok(())
     }
 
-    /// Refuses a model whose sums could overflow, so that the step needs no test for it: every partial product and
-    /// sum stays below 10³⁰ as long as inputs, p and remainder stay within their limits, and the step sees to that. The
-    /// same for a monitor.
+    /// Rejects a model whose sums could overflow, so that the step needs no test for it: every partial product and sum
+    /// stays below 10³⁰ while inputs, p and remainder stay within their limits, which the step enforces. Rejects
+    /// innovation statistics with which a monitor could overflow, too.
     fn check_bounded(
         &self,
         parameters: &AxisParameters<R::Stored>,
-        seen: &Seen<R>,
+        bounds: &TermBounds<R>,
     ) -> Result<(), ModelError> {
         let built = |value: R::Stored| -> R::Built { scalar(value) };
-        // limited, p may end as far from 0 as its limits begin
+        // if 0 is outside its limits, p is limited to the end nearest to 0
         let nearest = parameters.physical_limits().limit(R::Stored::ZERO).abs();
-        let scaled = seen.output + built(parameters.constant.abs()) + built(nearest) + seen.magnitude;
+        let scaled = bounds.output + built(parameters.constant.abs()) + built(nearest) + bounds.magnitude;
         let scale = built(parameters.scale);
         let axis = self.axes.len();
         let steady = built(parameters.offset.abs()) + built(parameters.reference.abs());
@@ -179,27 +179,27 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 }
 
-/// What the terms of an axis come to.
-struct Seen<R: Scalar> {
-    /// Within it the remainder is kept.
+/// Bounds over the terms of an axis.
+struct TermBounds<R: Scalar> {
+    /// Largest magnitude of the remainder.
     output: R::Built,
     terms: usize,
-    /// The longest lag.
+    /// Longest lag, samples.
     depth: u16,
-    /// Bit i: input i is in a term.
+    /// Bit i is set if a term uses input i.
     inputs_used: u32,
-    /// The largest sum of the magnitudes of the terms, with inputs and remainder within their limits.
+    /// Largest sum of the magnitudes of the terms, with inputs and remainder within their limits.
     magnitude: R::Built,
 }
 
-impl<R: Scalar> Seen<R> {
+impl<R: Scalar> TermBounds<R> {
     fn new(parameters: &AxisParameters<R::Stored>) -> Self {
         let output = scalar(RunningAxis::<R>::limits(parameters).magnitude());
         Self { output, terms: 0, depth: 0, inputs_used: 0, magnitude: R::Built::ZERO }
     }
 }
 
-/// No sum of a model that is run gets there.
+/// Upper bound on any intermediate sum of an accepted model.
 const BOUND: f64 = 1e30;
 
 fn larger<R: Real>(a: R, b: R) -> R {

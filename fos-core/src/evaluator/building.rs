@@ -1,8 +1,8 @@
-//! What a model announces.
+//! Header of a model: the sizes announced before its inputs and axes.
 
-/// What is known of a model before its inputs and axes are added.
+/// Period and sizes of a model, known before its inputs and axes are added.
 #[derive(Debug, Clone)]
-pub(crate) struct Building {
+pub(crate) struct ModelHeader {
     pub(crate) period_s: f64,
     pub(crate) n_quantities: usize,
     pub(crate) n_inputs: usize,

@@ -1,4 +1,4 @@
-//! Coasts of one model that began at different samples, side by side: an instruction for several of them.
+//! Parallel coasts of one model from different samples, vectorised.
 
 use heapless::Vec;
 
@@ -9,9 +9,9 @@ use crate::input::RunningInput;
 use crate::running::LowPass;
 use crate::{Scalar, Source};
 
-/// Coasts of one model, one in each lane. What each predicts is what [`Predictor::coast`](crate::Predictor::coast)
-/// predicts from the same sample on, to the last bit, as long as every axis has a finite measured value; what speaks
-/// against trusting it is not said.
+/// Parallel coasts of one model, one in each lane. Each predicts the same bits as
+/// [`Predictor::coast`](crate::Predictor::coast) from the same sample on, provided that every axis has a finite measured
+/// value. No [`Validity`](crate::Validity) is computed.
 ///
 /// ```
 /// use fos_core::{Axis, AxisModel, AxisParameters, Coasts, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample};
@@ -51,7 +51,7 @@ pub struct Coasts<
     const TERMS: usize,
     const HISTORY: usize,
 > {
-    /// The model, and how long the coasts have gone on. Its history and the state of its inputs are not used.
+    /// The model and the duration of the coasts. Its history and the state of its inputs are not used.
     common: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     inputs: Vec<Lanes<R, LANES>, INPUTS>,
     history: History<[R; LANES], HISTORY>,
@@ -62,9 +62,9 @@ pub struct Coasts<
 /// An input in every lane.
 #[derive(Debug, Clone)]
 enum Lanes<R: Scalar, const LANES: usize> {
-    /// A low-pass of the remainder of an axis, and its states.
+    /// Low-pass of the remainder of an axis (by index), and its state in every lane.
     Memory(usize, LowPass<R>, [R::Slow; LANES]),
-    /// Any other.
+    /// Any other input.
     Each([RunningInput<R>; LANES]),
 }
 
@@ -77,8 +77,8 @@ impl<
     const HISTORY: usize,
 > Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>
 {
-    /// Coasts that begin with the sample after those that `evaluator` has seen, the same in every lane. `None` where its
-    /// history holds anything but measurements.
+    /// Starts a coast in every lane from the state of `evaluator`, with the sample after its last one. `None` if its
+    /// history does not consist of measurements only.
     pub fn new(evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> Option<Self> {
         let in_lanes = |input: &RunningInput<R>| match (input.source(), input.low_pass()) {
             (Source::Remainder(axis), Some(low_pass)) => {
@@ -96,35 +96,36 @@ impl<
         coasts.begin_all(evaluator).then_some(coasts)
     }
 
-    /// Begins anew in every lane, with the sample after those that `evaluator`, of the same model, has seen. Whether it could:
-    /// nothing changes where its history holds anything but measurements.
+    /// Restarts every lane from the state of `evaluator`, which must have the same model. Returns false, and changes
+    /// nothing, if its history does not consist of measurements only.
     pub fn begin_all(&mut self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
-        if !self.is_of(evaluator) {
+        if !self.can_begin_from(evaluator) {
             return false;
         }
         self.common.axes.clone_from(&evaluator.axes);
-        (0..LANES).for_each(|lane| self.take(lane, evaluator));
+        (0..LANES).for_each(|lane| self.copy_state(lane, evaluator));
         true
     }
 
-    /// Begins in one lane alone, as [`begin_all`](Self::begin_all) has in all, and before the first step.
+    /// Restarts one lane from the state of `evaluator`, under the conditions of [`begin_all`](Self::begin_all). Call it
+    /// after that and before the first step.
     pub fn begin(&mut self, lane: usize, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
-        let is_of = lane < LANES && self.is_of(evaluator);
-        if is_of {
-            self.take(lane, evaluator);
+        let can_begin = lane < LANES && self.can_begin_from(evaluator);
+        if can_begin {
+            self.copy_state(lane, evaluator);
         }
-        is_of
+        can_begin
     }
 
-    /// Whether an evaluator has the model of these, and a history of nothing but measurements.
-    fn is_of(&self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
+    /// True if the evaluator has a model of the same size and a history of measurements only.
+    fn can_begin_from(&self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
         evaluator.axes.len() == self.common.axes.len()
             && evaluator.inputs.len() == self.inputs.len()
             && evaluator.axes.iter().all(RunningAxis::is_steady)
     }
 
-    /// The state of an evaluator into a lane: its inputs, and its history as far back as a lag reaches.
-    fn take(&mut self, lane: usize, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) {
+    /// Copies the state of an evaluator into a lane: inputs, remainders, and the history as far back as the longest lag.
+    fn copy_state(&mut self, lane: usize, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) {
         for (lanes, input) in self.inputs.iter_mut().zip(&evaluator.inputs) {
             match lanes {
                 Lanes::Memory(_, _, slow) => {
@@ -139,7 +140,7 @@ impl<
                 }
             }
         }
-        let ticks = evaluator.axes.iter().map(|axis| axis.reach() as usize).fold(0, usize::max) + 1;
+        let ticks = evaluator.axes.iter().map(|axis| axis.settling_ticks() as usize).fold(0, usize::max) + 1;
         let values = ticks * (evaluator.inputs.len() + evaluator.axes.len());
         let window = evaluator.history.window();
         let places = (1..=values.min(HISTORY)).rev().filter_map(Window::<R, HISTORY>::place);
@@ -151,8 +152,8 @@ impl<
         }
     }
 
-    /// One sample: of every logged quantity of the model its value in every lane. The predicted error of every axis in
-    /// every lane, offset included, in the axis' unit.
+    /// Advances all lanes by one sample. `quantities` holds, for every logged quantity of the model, its value in every
+    /// lane. Returns the predicted error of every axis in every lane, offset included, in the axis' unit.
     #[inline(always)]
     pub fn step(&mut self, quantities: &[[R; LANES]]) -> &[[R; LANES]] {
         let Self { common, inputs, history, remainders, predicted } = self;

@@ -1,4 +1,4 @@
-//! A model at work: inputs, terms, history and axes, one step per sample.
+//! Evaluation of a model: inputs, terms, history and axes, one step per sample.
 
 mod build;
 mod building;
@@ -13,25 +13,26 @@ use crate::input::RunningInput;
 use crate::program::Program;
 use crate::{Scalar, Source, Validity};
 
-pub(crate) use building::Building;
+pub(crate) use building::ModelHeader;
 #[cfg(feature = "coasts")]
 pub use coasts::Coasts;
 
-/// Everything logged at one instant.
+/// All values logged at one instant.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample<'a, R> {
-    /// Measured value of every axis of the model, in its order and unit. An absent one counts as missing.
+    /// Measured value of every axis, in the order and units of the model. Axes beyond the end count as missing.
     pub measured: &'a [R],
-    /// Every logged quantity of the model, in its order and unit. The last finite value stands in for NaN.
+    /// Value of every logged quantity, in the order and units of the model. NaN is replaced by the last finite value.
     pub quantities: &'a [R],
 }
 
-/// A [`Predictor`](crate::Predictor) that leaves the corrections to its caller: for one who keeps them anyway, as a hub
-/// does, and has no memory for them twice. Capacities are those of a predictor.
+/// A [`Predictor`](crate::Predictor) that writes the corrections into memory of the caller, for callers such as a hub that
+/// store them anyway. Capacities are those of a predictor.
 ///
-/// Every method that takes a sample writes one correction per axis into `corrections`, in the order of the model, and
-/// leaves the others as they are; without a place for every axis it does nothing. All else is as the predictor has it.
+/// Every method that takes a sample writes one correction per axis into the start of `corrections`, in the order of the
+/// model. If `corrections` has fewer entries than the model has axes, the method does nothing. Otherwise the behaviour is
+/// that of the predictor.
 #[derive(Debug, Clone)]
 pub struct Evaluator<
     R: Scalar,
@@ -44,10 +45,10 @@ pub struct Evaluator<
     inputs: Vec<RunningInput<R>, INPUTS>,
     axes: Vec<RunningAxis<R>, AXES>,
     history: History<R, HISTORY>,
-    building: Building,
+    header: ModelHeader,
 }
 
-/// How much of what there is, not the model.
+/// Formats the numbers of axes and inputs, not the model.
 #[cfg(feature = "defmt")]
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     defmt::Format for Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
@@ -61,12 +62,12 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
-    /// How many inputs the model has.
+    /// Number of inputs of the model.
     pub fn n_inputs(&self) -> usize {
         self.inputs.len()
     }
 
-    /// How many axes the model has.
+    /// Number of axes of the model.
     pub fn n_axes(&self) -> usize {
         self.axes.len()
     }
@@ -75,7 +76,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
 {
-    /// An evaluator without a model, which corrects nothing: what a `static` begins with, before
+    /// An evaluator without a model, which corrects nothing: initial value of a `static` before
     /// [`Image::load_evaluator`](crate::Image::load_evaluator).
     pub const fn empty() -> Self {
         const { assert!(INPUTS <= u32::BITS as usize && AXES <= u32::BITS as usize, "at most 32 of each") };
@@ -84,11 +85,11 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             inputs: Vec::new(),
             axes: Vec::new(),
             history: History::new(),
-            building: Building { period_s: 0.0, n_quantities: 0, n_inputs: 0, n_axes: 0 },
+            header: ModelHeader { period_s: 0.0, n_quantities: 0, n_inputs: 0, n_axes: 0 },
         }
     }
 
-    /// Forgets the model: [`empty`](Self::empty) again, where it stands.
+    /// Discards the model in place; the evaluator is then [empty](Self::empty).
     pub fn clear(&mut self) {
         self.program.clear();
         self.inputs.clear();
@@ -96,9 +97,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.history.clear();
     }
 
-    /// As [`Predictor::track_some`](crate::Predictor::track_some): the axes whose bit in `tracked` is set are tracked, the
-    /// others coast.
-    // the one step that a hub takes: it has the registers to itself
+    /// Tracks the axes whose bit in `tracked` is set (the lowest bit is the first axis) and coasts the others. See
+    /// [`Predictor::track_some`](crate::Predictor::track_some).
+    // not inlined: the only step that a hub runs, with all registers
     #[inline(never)]
     pub fn track_some(&mut self, sample: &Sample<'_, R>, tracked: u32, corrections: &mut [Correction<R>]) {
         let mut left = tracked;
@@ -112,7 +113,8 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         });
     }
 
-    /// As [`Predictor::track_against`](crate::Predictor::track_against).
+    /// Tracks against the true values in `reference`. See
+    /// [`Predictor::track_against`](crate::Predictor::track_against).
     pub fn track_against(
         &mut self,
         sample: &Sample<'_, R>,
@@ -122,7 +124,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         let mut references = reference.iter();
         self.step(sample, corrections, |axis, measured, correction| {
             let reference = references.next().copied().unwrap_or(axis.reference);
-            // a true value that is not a number is not known
+            // a true value that is not finite is unknown
             if reference.is_finite() {
                 axis.track_against(measured, reference, correction);
             } else {
@@ -131,7 +133,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         });
     }
 
-    /// As [`Predictor::forecast`](crate::Predictor::forecast).
+    /// Predicts the error of the next tick without a sample. See [`Predictor::forecast`](crate::Predictor::forecast).
     pub fn forecast(&mut self, quantities: &[R], corrections: &mut [Correction<R>]) {
         let measured = [R::ZERO; AXES];
         self.step(&Sample { measured: &measured, quantities }, corrections, |axis, _, correction| {
@@ -139,14 +141,14 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         });
     }
 
-    /// As [`Predictor::skip`](crate::Predictor::skip).
+    /// Advances over `ticks` missing samples. See [`Predictor::skip`](crate::Predictor::skip).
     #[cold]
     pub fn skip(&mut self, ticks: u32, corrections: &mut [Correction<R>]) {
-        // one more than any axis coasts or remembers
-        let stepped = ticks.min(self.axes.iter().map(RunningAxis::reach).fold(0, u32::max) + 1);
+        // one more than the longest gap limit or lag
+        let stepped = ticks.min(self.axes.iter().map(RunningAxis::settling_ticks).fold(0, u32::max) + 1);
         if ticks > stepped {
-            // longer than any gap limit: nothing is coasted. The steps come last, so that lagged inputs are as
-            // old as they should be.
+            // longer than any gap limit: the axes restart instead of coasting. The steps come last, so that lagged
+            // inputs have the right age.
             self.axes.iter_mut().for_each(|axis| axis.restart(ticks - stepped));
             self.pass(ticks - stepped);
         }
@@ -155,13 +157,13 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         }
     }
 
-    /// Clocks begin `ticks` after power-on: a model that is taken up later finds the sensor as warm as it is. To be
-    /// called before the first sample.
+    /// Starts the clocks at `ticks` after power-on, so that a model loaded later has the right phase of the warm-up. Call
+    /// it before the first sample.
     pub fn begin_after(&mut self, ticks: u32) {
         self.pass(ticks);
     }
 
-    /// Time goes on for the inputs. One copy for both who need it: neither is a step.
+    /// Advances the inputs. Not inlined: one copy for both callers, neither of which is on the hot path.
     #[inline(never)]
     fn pass(&mut self, ticks: u32) {
         for input in &mut self.inputs {
@@ -169,22 +171,22 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         }
     }
 
-    /// Measured values of this magnitude count as saturated on an axis, in its unit, if its model says no less: what
-    /// is known of the sensor beside the model.
+    /// Lowers the full scale of an axis to `full_scale`, in its unit, for a sensor that saturates earlier than the model
+    /// states. Values that are not positive or not below the present full scale have no effect.
     pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.limit_full_scale(full_scale);
         }
     }
 
-    /// As at power-on: history, inputs and clocks start anew.
+    /// Returns to the state at power-on: history, inputs and clocks are reset, the model stays.
     pub fn reset(&mut self) {
         self.history.clear();
         self.inputs.iter_mut().for_each(RunningInput::reset);
         self.axes.iter_mut().for_each(RunningAxis::reset);
     }
 
-    /// u(n) of an input, scaled, as of the last sample; `None` if there is no such input.
+    /// Value u(n) of an input at the last sample, scaled; `None` if there is no such input.
     pub fn input(&self, index: usize) -> Option<R> {
         if index >= self.inputs.len() {
             return None;
@@ -223,19 +225,19 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         }
         self.history.write(self.axes.iter().map(|axis| axis.remainder));
         if unusable.any() || limited {
-            self.blame(unusable, corrections);
+            self.propagate_input_flags(unusable, corrections);
         }
     }
 
-    /// Tells the axes that use them of inputs that cannot be trusted, alone or together.
+    /// Flags the corrections of the axes that use an unusable input, or whose physical part was limited.
     #[cold]
-    fn blame(&mut self, unusable: Unusable, corrections: &mut [Correction<R>]) {
+    fn propagate_input_flags(&mut self, unusable: Unusable, corrections: &mut [Correction<R>]) {
         for (axis, correction) in self.axes.iter_mut().zip(corrections) {
             correction.validity |= unusable.of(axis.inputs_used) | axis.take_limited();
         }
     }
 
-    /// One sample into every input, and the inputs into the history.
+    /// Updates every input with a sample and writes the results into the history.
     #[inline(never)]
     fn update_inputs(&mut self, quantities: &[R]) -> Unusable {
         let mut unusable = Unusable::NONE;
@@ -259,7 +261,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 }
 
-/// The inputs that speak against trusting a sample, one bit each.
+/// Inputs whose value cannot be trusted in this sample, one bit each.
 #[derive(Debug, Clone, Copy)]
 struct Unusable {
     out_of_range: u32,
@@ -274,7 +276,7 @@ impl Unusable {
         self.out_of_range | self.not_finite != 0
     }
 
-    /// What they say of an axis that uses the inputs `used`.
+    /// Flags for an axis that uses the inputs `used`.
     fn of(self, used: u32) -> Validity {
         Validity::when(used & self.out_of_range != 0, Validity::INPUT_OUT_OF_RANGE)
             | Validity::when(used & self.not_finite != 0, Validity::INPUT_NOT_FINITE)

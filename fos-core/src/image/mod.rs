@@ -1,4 +1,4 @@
-//! The stored model: header, checksum, postcard body, and a block of names that the device carries unread.
+//! The stored model: header, checksum, postcard body, and a block of names that the device does not read.
 //!
 //! docs/MODEL_FORMAT.md describes every byte.
 
@@ -20,26 +20,26 @@ pub use write::encode;
 /// The first four bytes of an image.
 pub const MAGIC: [u8; 4] = *b"FOSM";
 
-/// The format version that this crate writes, and the only one it reads.
+/// Format version that this crate writes; it reads no other.
 pub const VERSION: u16 = 1;
 
 /// Bytes before the body: magic, version, flags (0), length of the body, length of the information, checksum.
 pub const HEADER_LENGTH: usize = 20;
 
-/// Where the checksum stands in the header; it covers every byte of the image but its own four.
+/// Offset of the checksum in the header; it covers every byte of the image except its own four.
 const CHECKSUM_AT: usize = 16;
 
-/// What people want to know of a model and the device need not.
+/// Information about a model for people; the device does not need it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Info<'a> {
-    /// The sensor, as its user named it.
+    /// Name of the sensor, given by the user.
     pub sensor: &'a str,
-    /// Name and unit of every quantity, one a line, in their order.
+    /// Name and unit of every quantity, one per line, in the order of the model.
     pub quantities: &'a str,
-    /// Identifiers of the effects that the physical part describes, one a line.
+    /// Identifiers of the effects in the physical part, one per line.
     pub effects: &'a str,
-    /// Where the model comes from: data, digest, settings, program.
+    /// Provenance of the model: data, digest, settings, program.
     pub provenance: &'a str,
 }
 
@@ -62,48 +62,48 @@ struct AxisHead {
     n_stochastic: u8,
 }
 
-/// Why an image cannot be read or written.
+/// Reason why an image cannot be read or written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ImageError {
-    /// Fewer bytes than the header says, or than a header has.
+    /// Fewer bytes than a header has, or than the header states.
     Truncated {
-        /// Bytes that a header has, or that this one says.
+        /// Length of a header, or of the image according to its header, bytes.
         needed: usize,
-        /// Bytes that were given.
+        /// Length of the input, bytes.
         found: usize,
     },
-    /// It does not start with [`MAGIC`]: not an image.
+    /// The bytes do not start with [`MAGIC`]: not an image.
     Magic,
-    /// A format version that this program does not know.
+    /// Unknown format version.
     UnknownVersion(u16),
-    /// Flags that this program does not know.
+    /// Unknown flags.
     UnknownFlags(u16),
-    /// Bytes after the end of the image, or of its body or information.
+    /// Bytes after the end of the image, its body or its information.
     TrailingBytes {
-        /// Bytes that are too many.
+        /// Number of excess bytes.
         count: usize,
     },
     /// The checksum does not match: the image was damaged.
     Checksum {
-        /// What the header says, CRC-32.
+        /// CRC-32 in the header.
         stored: u32,
-        /// What the bytes come to.
+        /// CRC-32 of the bytes.
         computed: u32,
     },
-    /// The checksum is right but the body is not what the format says.
+    /// The checksum is correct but the body violates the format.
     Malformed,
     /// A term has no factor, more than three, or an output at lag 0.
     Term {
-        /// Its place in the image, from 0.
+        /// Index of the axis in the image, from 0.
         axis: usize,
-        /// The term, physical part first.
+        /// Index of the term, physical part first.
         term: usize,
     },
-    /// The model in it cannot be used.
+    /// The model in the image is rejected.
     Model(ModelError),
-    /// Writing: the buffer is too small, or there are more than 255 of something.
+    /// Writing: the buffer is too small, or there are more than 255 quantities, inputs, axes or terms of a part.
     TooLarge,
 }
 
@@ -142,7 +142,7 @@ impl From<ModelError> for ImageError {
 
 /// CRC-32 (ISO-HDLC) of everything but the checksum itself.
 fn checksum(image: &[u8]) -> u32 {
-    // without a table: an image is read once, a kilobyte of flash is for ever
+    // without a table: an image is read once, and a table would take a kilobyte of flash
     let crc = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
     let mut digest = crc.digest();
     digest.update(image.get(..CHECKSUM_AT).unwrap_or(&[]));

@@ -1,9 +1,9 @@
-//! From an image to its model. Everything is checked before anything is handed out.
+//! Reads a model from an image. Everything is checked before anything is returned.
 
 use serde::Deserialize;
 
 use super::{AxisHead, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
-use crate::evaluator::Building;
+use crate::evaluator::ModelHeader;
 use crate::{
     AxisParameters, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
     StillnessLimits, Term,
@@ -22,7 +22,7 @@ pub struct Image<'a> {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AxisImage<'a> {
-    /// Scaling, limits and what its innovation was while fitting.
+    /// Scaling, limits and innovation statistics.
     pub parameters: AxisParameters<f32>,
     /// p: terms over inputs only.
     pub physical: Terms<'a>,
@@ -42,8 +42,8 @@ impl<'a> Image<'a> {
     ///
     /// # Errors
     ///
-    /// Each thing that can be wrong has its own error; nothing is half-read. Whether the model fits a device is
-    /// found by [`predictor`](Self::predictor).
+    /// The first fault found; each kind has its own error. The capacities of the device are checked by
+    /// [`predictor`](Self::predictor).
     pub fn parse(bytes: &'a [u8]) -> Result<Self, ImageError> {
         let (header, rest) = bytes
             .split_at_checked(HEADER_LENGTH)
@@ -79,7 +79,7 @@ impl<'a> Image<'a> {
         Ok(image)
     }
 
-    /// Reads every record once, so that the iterators handed out later cannot meet a bad one.
+    /// Reads every record once, so that the iterators returned later cannot fail.
     #[inline(never)]
     fn check_form(&self) -> Result<(), ImageError> {
         let mut records = self.records;
@@ -106,28 +106,28 @@ impl<'a> Image<'a> {
         self.head.period_s
     }
 
-    /// What the measured values were while fitting.
+    /// Processing of the measured values before the fit.
     pub fn fitted_on(&self) -> FittedOn {
         self.head.fitted_on
     }
 
-    /// When the unit counts as still, if the data told.
+    /// Limits below which the device counts as still; `None` if the data did not determine them.
     pub fn stillness(&self) -> Option<StillnessLimits<f32>> {
         self.head.stillness
     }
 
-    /// Names of the sensor, its quantities and the effects in the model, and where it comes from.
+    /// Names of the sensor, its quantities and effects, and the provenance of the model.
     pub fn info(&self) -> Info<'a> {
         Records(self.information).take().unwrap_or_default()
     }
 
-    /// The logged quantities of a sample, in their order.
+    /// Logged quantities of a sample, in their order.
     pub fn quantities(&self) -> impl Iterator<Item = Quantity> + 'a {
         let mut records = self.records;
         (0..self.head.n_quantities).map_while(move |_| records.take().ok())
     }
 
-    /// The inputs, in their order.
+    /// Inputs, in the order of the model.
     pub fn inputs(&self) -> impl Iterator<Item = Input<f32>> + 'a {
         let mut records = self.records;
         for _ in 0..self.head.n_quantities {
@@ -136,7 +136,7 @@ impl<'a> Image<'a> {
         (0..self.head.n_inputs).map_while(move |_| records.take().ok())
     }
 
-    /// The axes, in their order.
+    /// Axes, in the order of the model.
     pub fn axes(&self) -> impl Iterator<Item = AxisImage<'a>> + 'a {
         let mut records = self.records;
         for _ in 0..self.head.n_quantities {
@@ -152,7 +152,7 @@ impl<'a> Image<'a> {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the model, or that the capacities have no room for.
+    /// The first fault of the model, or the first capacity that it exceeds.
     pub fn predictor<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
     ) -> Result<Predictor<R, AXES, INPUTS, TERMS, HISTORY>, ImageError>
@@ -164,11 +164,11 @@ impl<'a> Image<'a> {
         Ok(predictor)
     }
 
-    /// Gives the model to a predictor where it stands, without a copy of it; it begins as at power-on.
+    /// Loads the model into a predictor in place; it starts as at power-on.
     ///
     /// # Errors
     ///
-    /// As [`predictor`](Self::predictor); it is then without a model.
+    /// Those of [`predictor`](Self::predictor); `predictor` is then without a model.
     pub fn load<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
         predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -179,11 +179,11 @@ impl<'a> Image<'a> {
         self.load_evaluator(predictor.begin())
     }
 
-    /// The same for an evaluator.
+    /// Loads the model into an evaluator in place; it starts as at power-on.
     ///
     /// # Errors
     ///
-    /// As [`predictor`](Self::predictor); it is then without a model.
+    /// Those of [`predictor`](Self::predictor); `evaluator` is then without a model.
     pub fn load_evaluator<
         R,
         const AXES: usize,
@@ -204,7 +204,7 @@ impl<'a> Image<'a> {
         loaded
     }
 
-    // apart from the parsing before it, so that the stack of one is not below the other's
+    // a function of its own, so that its stack frame and that of the parsing do not add up
     #[inline(never)]
     fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
@@ -213,7 +213,7 @@ impl<'a> Image<'a> {
     where
         R: Scalar,
     {
-        evaluator.begin(Building {
+        evaluator.begin(ModelHeader {
             period_s: self.head.period_s,
             n_quantities: usize::from(self.head.n_quantities),
             n_inputs: usize::from(self.head.n_inputs),
@@ -246,7 +246,7 @@ impl Iterator for Terms<'_> {
     }
 }
 
-/// How much of what there is, not the model.
+/// Formats the numbers of quantities, inputs and axes, not the model.
 #[cfg(feature = "defmt")]
 impl defmt::Format for Image<'_> {
     fn format(&self, f: defmt::Formatter<'_>) {
@@ -263,7 +263,7 @@ impl defmt::Format for Image<'_> {
     }
 }
 
-/// How many are left.
+/// Formats the number of remaining terms.
 #[cfg(feature = "defmt")]
 impl defmt::Format for Terms<'_> {
     fn format(&self, f: defmt::Formatter<'_>) {
@@ -271,7 +271,7 @@ impl defmt::Format for Terms<'_> {
     }
 }
 
-/// Bytes that have not been read.
+/// Bytes that have not been read yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Records<'a>(&'a [u8]);
 
@@ -282,7 +282,7 @@ impl<'a> Records<'a> {
         Ok(record)
     }
 
-    /// A term; none if its factors do not make one.
+    /// Reads a term; `None` if its factors are invalid.
     pub(super) fn term(&mut self) -> Result<Option<Term<f32>>, ImageError> {
         let coefficient = self.take()?;
         let degree = usize::from(self.take::<u8>()?);
@@ -294,7 +294,7 @@ impl<'a> Records<'a> {
         Ok(Term::try_new(coefficient, factors))
     }
 
-    /// An axis whose form has been checked.
+    /// Reads an axis whose form has been checked.
     #[inline(never)]
     fn axis(&mut self) -> Option<AxisImage<'a>> {
         let head: AxisHead = self.take().ok()?;
@@ -311,7 +311,7 @@ impl<'a> Records<'a> {
         terms
     }
 
-    /// How many bytes they are.
+    /// Number of bytes that have not been read.
     pub(super) fn left(&self) -> usize {
         self.0.len()
     }

@@ -1,9 +1,8 @@
-//! One image for a part, and a short record for each unit: what differs between units of a part is the offset and the
+//! One image for a part, and a short record for each unit. The units of a part differ in the offset and in the
 //! coefficients of the physical part.
 //!
-//! Every value has the same place in the images of all units, and the same length. So the image of a unit is that of
-//! its part with other values in these places and a checksum of its own: [`for_unit`]. From there on it is an image
-//! like any other. docs/MODEL_FORMAT.md describes every byte.
+//! Every value has the same offset and length in the images of all units. So [`for_unit`] makes the image of a unit from
+//! that of its part: it replaces these values and the checksum. docs/MODEL_FORMAT.md describes every byte.
 
 use core::fmt;
 
@@ -15,13 +14,13 @@ use crate::{Axis, Input, Quantity};
 /// The first four bytes of a record.
 pub const UNIT_MAGIC: [u8; 4] = *b"FOSU";
 
-/// The version of records that this crate writes, and the only one it reads.
+/// Version of the records that this crate writes; it reads no other.
 pub const UNIT_VERSION: u16 = 1;
 
 /// Bytes before the name: magic, version, length of the name, checksum of the part's image, checksum.
 pub const UNIT_HEADER_LENGTH: usize = 16;
 
-/// Where the checksum stands in the header; it covers every byte of the record but its own four.
+/// Offset of the checksum in the header; it covers every byte of the record except its own four.
 const UNIT_CHECKSUM_AT: usize = 12;
 
 /// Bytes of a value, an `f32`.
@@ -36,45 +35,45 @@ pub struct UnitRecord<'a> {
     values: &'a [u8],
 }
 
-/// Why there is no image of a unit.
+/// Reason why the image of a unit cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum UnitError {
     /// The image of the part cannot be read.
     Part(ImageError),
-    /// The record has fewer bytes than its header says, or ends within a value.
+    /// The record has fewer bytes than its header states, or ends within a value.
     Truncated,
-    /// It does not start with [`UNIT_MAGIC`]: no record of a unit.
+    /// The bytes do not start with [`UNIT_MAGIC`]: not the record of a unit.
     Magic,
-    /// A version that this program does not know.
+    /// Unknown version of the record.
     UnknownVersion(u16),
     /// The checksum does not match: the record was damaged.
     Checksum {
-        /// What the header says, CRC-32.
+        /// CRC-32 in the header.
         stored: u32,
-        /// What the bytes come to.
+        /// CRC-32 of the bytes.
         computed: u32,
     },
-    /// Its name is not text.
+    /// The name is not UTF-8, or longer than 65535 bytes.
     Name,
-    /// The record belongs to another image than that of this part.
+    /// The record belongs to the image of another part.
     OtherPart {
-        /// The checksum of the image that it belongs to.
+        /// Checksum of the image that the record belongs to.
         recorded: u32,
-        /// That of the image that was given.
+        /// Checksum of the image passed in.
         given: u32,
     },
-    /// The image has another number of values than the record.
+    /// Image and record have different numbers of values.
     Count {
         /// Values in the image.
         needed: usize,
         /// Values in the record.
         found: usize,
     },
-    /// The buffer has no room.
+    /// The buffer is too small.
     TooSmall {
-        /// Bytes that it needs.
+        /// Required length, bytes.
         needed: usize,
     },
 }
@@ -110,7 +109,7 @@ impl<'a> UnitRecord<'a> {
     ///
     /// # Errors
     ///
-    /// Each thing that can be wrong has its own error.
+    /// The first fault found; each kind has its own error.
     pub fn parse(bytes: &'a [u8]) -> Result<Self, UnitError> {
         let (header, rest) = bytes.split_first_chunk::<UNIT_HEADER_LENGTH>().ok_or(UnitError::Truncated)?;
         let [m0, m1, m2, m3, v0, v1, l0, l1, p0, p1, p2, p3, c0, c1, c2, c3] = *header;
@@ -134,29 +133,29 @@ impl<'a> UnitRecord<'a> {
         Ok(Self { part: u32::from_le_bytes([p0, p1, p2, p3]), name, values })
     }
 
-    /// The unit, as its user named it.
+    /// Name of the unit, given by the user.
     pub fn name(&self) -> &'a str {
         self.name
     }
 
-    /// The checksum of the image of its part.
+    /// Checksum of the image of the part.
     pub fn part(&self) -> u32 {
         self.part
     }
 
-    /// Axis by axis its offset, in the axis' unit, and the coefficients of its physical part, scaled: in the order of
-    /// the image.
+    /// Values in the order of the image: for each axis the offset, in the axis' unit, then the coefficients of its physical
+    /// part, scaled.
     pub fn values(&self) -> impl Iterator<Item = f32> + 'a {
         self.values.as_chunks::<VALUE>().0.iter().map(|bytes| f32::from_le_bytes(*bytes))
     }
 }
 
-/// The image of a unit, in `buffer`: that of its part with the values of its record. `buffer` has room for the image of
-/// the part, and what comes out is as long. Whether the model can be used is found when it is loaded.
+/// Writes the image of a unit into `buffer`: the image `part` with the values of `record`. The result has the length of
+/// `part`, which `buffer` must hold. The model itself is checked when the image is loaded.
 ///
 /// # Errors
 ///
-/// Image or record are damaged, do not belong together, or the buffer has no room.
+/// Image or record are damaged or do not belong together, or the buffer is too small.
 ///
 /// ```
 /// use fos_core::image::{UnitError, for_unit};
@@ -165,7 +164,7 @@ impl<'a> UnitRecord<'a> {
 /// let (part, record) = (&[][..], &[][..]); // from flash
 /// match for_unit(part, record, &mut buffer) {
 ///     Ok(image) => { /* hub.load(image) */ }
-///     Err(UnitError::OtherPart { .. }) => { /* the part's own image serves until the unit's record is there */ }
+///     Err(UnitError::OtherPart { .. }) => { /* use the image of the part until the record of the unit arrives */ }
 ///     Err(_) => {}
 /// }
 /// ```
@@ -195,12 +194,12 @@ pub fn for_unit<'b>(part: &[u8], record: &[u8], buffer: &'b mut [u8]) -> Result<
     Ok(buffer)
 }
 
-/// Writes the record of a unit into `buffer`: for the image `part`, and with `values` as [`UnitRecord::values`] gives them;
-/// the part of it that was used.
+/// Writes the record of a unit for the image `part` into `buffer`, with `values` in the order of [`UnitRecord::values`].
+/// Returns the part of the buffer that was used.
 ///
 /// # Errors
 ///
-/// `part` cannot be read, it has another number of values, or the buffer has no room.
+/// `part` cannot be read or has another number of values, `name` is longer than 65535 bytes, or the buffer is too small.
 pub fn encode_unit<'b>(
     part: &[u8],
     name: &str,
@@ -232,10 +231,10 @@ pub fn encode_unit<'b>(
 }
 
 impl Image<'_> {
-    /// Where the values of a unit stand in the bytes of the image, `length` of them: axis by axis its offset, then the
-    /// coefficients of its physical part.
+    /// Offsets of the values of a unit in the image of `length` bytes: for each axis the offset, then the coefficients of
+    /// the physical part.
     fn unit_places(&self, length: usize) -> impl Iterator<Item = usize> {
-        // all of it was read before, and nothing of it can fail
+        // every record was read once by `parse`, so no read can fail
         let end = length.saturating_sub(self.information.len());
         let mut records = self.records;
         for _ in 0..self.head.n_quantities {
@@ -246,7 +245,7 @@ impl Image<'_> {
         }
         (0..self.head.n_axes).flat_map(move |_| {
             let mut before_offset = records;
-            // its axis and its reference
+            // axis and reference come before the offset
             let _ = before_offset.take::<(Axis, f32)>();
             let head = records.take::<AxisHead>().ok();
             let mut terms = records;
@@ -265,12 +264,12 @@ impl Image<'_> {
     }
 }
 
-/// The checksum in the header of an image.
+/// Checksum in the header of an image.
 fn stored_checksum(image: &[u8]) -> [u8; VALUE] {
     image.get(CHECKSUM_AT..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default()
 }
 
-/// CRC-32 (ISO-HDLC) of a record but for the checksum itself.
+/// CRC-32 (ISO-HDLC) of a record except the checksum itself.
 fn record_checksum(record: &[u8]) -> u32 {
     let crc = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
     let mut digest = crc.digest();

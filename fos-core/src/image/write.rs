@@ -1,16 +1,16 @@
-//! From a model to its image.
+//! Writes the image of a model.
 
 use serde::Serialize;
 
 use super::{AxisHead, CHECKSUM_AT, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::Model;
 
-/// Writes the image of `model` into `buffer`; the part of it that was used.
+/// Writes the image of `model` into `buffer`. Returns the part of the buffer that was used.
 ///
 /// # Errors
 ///
-/// [`ImageError::TooLarge`] if the buffer is too small, or there are more than 255 inputs, axes or terms of a part.
-/// Whether the model itself can be used is found when it is read.
+/// [`ImageError::TooLarge`] if the buffer is too small, or there are more than 255 quantities, inputs, axes or terms of a
+/// part. The model itself is checked when the image is loaded.
 pub fn encode<'b>(
     model: &Model<'_, f32>,
     info: &Info<'_>,

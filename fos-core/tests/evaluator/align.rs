@@ -1,4 +1,5 @@
-//! Streams joined one sample at a time, against a twin that has them whole; and every promise of `fos_core::align`.
+//! Resampling of streams sample by sample, compared with a twin that has whole streams; and every guarantee of
+//! `fos_core::align`.
 
 mod twin;
 
@@ -23,10 +24,10 @@ fn rows<R: Real, const F: usize, const S: usize, const D: usize>(
 }
 
 #[test]
-fn a_stamp_on_a_sample_is_that_sample_to_the_bit() {
+fn row_at_a_sample_has_its_exact_bits() {
     let mut aligner = plain();
     let odd = [f32::MIN_POSITIVE / 4.0, -0.0, 0.1];
-    // its neighbours are too far to be interpolated between
+    // the neighbours are too far apart for interpolation
     for (stamp, values) in [(0, [1.0; 3]), (500 * MS, odd), (900 * MS, [f32::MAX; 3])] {
         aligner.push_follower(0, stamp, values).unwrap();
     }
@@ -37,7 +38,7 @@ fn a_stamp_on_a_sample_is_that_sample_to_the_bit() {
 }
 
 #[test]
-fn neighbours_more_than_one_and_a_half_periods_apart_are_none() {
+fn interpolates_over_at_most_one_and_a_half_periods() {
     for (apart, found) in [(15 * MS, true), (15 * MS + 1, false)] {
         let mut aligner = plain();
         aligner.push_follower(0, 0, [0.0; 3]).unwrap();
@@ -48,7 +49,7 @@ fn neighbours_more_than_one_and_a_half_periods_apart_are_none() {
         assert_eq!(row.followers[0].values[0].is_nan(), !found);
         assert_eq!(aligner.counts(Stream::Follower(0)).missing, u32::from(!found));
     }
-    // at another rate they are neighbours again
+    // with a longer period they are neighbours again
     let mut aligner = plain();
     aligner.set_follower_period(0, 20 * MS);
     aligner.push_follower(0, 0, [0.0; 3]).unwrap();
@@ -58,7 +59,7 @@ fn neighbours_more_than_one_and_a_half_periods_apart_are_none() {
 }
 
 #[test]
-fn what_is_not_finite_is_a_missing_sample() {
+fn non_finite_samples_are_missing() {
     let mut aligner = plain();
     for (n, value) in [1.0, f32::NAN, 3.0, f32::INFINITY, 5.0].into_iter().enumerate() {
         let taken = aligner.push_follower(0, n as i64 * 10 * MS, [0.0, value, 0.0]);
@@ -81,7 +82,7 @@ fn what_is_not_finite_is_a_missing_sample() {
 }
 
 #[test]
-fn values_whose_difference_no_number_holds_are_missing() {
+fn values_with_overflowing_difference_are_missing() {
     let mut aligner = plain();
     aligner.push_follower(0, 0, [f32::MAX; 3]).unwrap();
     aligner.push_follower(0, 10 * MS, [-f32::MAX; 3]).unwrap();
@@ -90,7 +91,7 @@ fn values_whose_difference_no_number_holds_are_missing() {
 }
 
 #[test]
-fn a_stamp_that_does_not_increase_is_refused_and_counted() {
+fn rejects_and_counts_non_increasing_timestamps() {
     let mut aligner = plain();
     for stream in [Stream::Lead, Stream::Follower(0), Stream::Slow(0)] {
         let mut push = |stamp| match stream {
@@ -107,7 +108,7 @@ fn a_stamp_that_does_not_increase_is_refused_and_counted() {
 }
 
 #[test]
-fn a_follower_that_died_delays_by_the_depth_and_no_more() {
+fn dead_follower_delays_by_at_most_the_depth() {
     let mut aligner = plain();
     let mut out = Vec::new();
     for n in 0..200_i64 {
@@ -126,14 +127,14 @@ fn a_follower_that_died_delays_by_the_depth_and_no_more() {
     assert!(out[..100].iter().all(|row| row.followers[0].weight == Some(0)));
     assert!(out[100..].iter().all(|row| row.followers[0].weight.is_none()));
     assert_eq!(aligner.counts(Stream::Follower(0)).missing, 100);
-    // it comes back
+    // the follower recovers
     aligner.push_follower(0, 2000 * MS, [7.0; 3]).unwrap();
     aligner.push_lead(2000 * MS, [0.0; 3]).unwrap();
     assert_eq!(rows(&mut aligner)[0].followers[0].values, [7.0; 3]);
 }
 
 #[test]
-fn what_a_full_queue_loses_is_counted() {
+fn counts_samples_dropped_by_full_queues() {
     let mut aligner = plain();
     for n in 0..40 {
         aligner.push_follower(0, n, [0.0; 3]).unwrap();
@@ -146,7 +147,7 @@ fn what_a_full_queue_loses_is_counted() {
 }
 
 #[test]
-fn a_slow_value_is_held_for_three_of_its_periods() {
+fn holds_slow_values_for_three_periods() {
     let mut aligner = plain();
     aligner.push_slow(0, 0, 25.0).unwrap();
     aligner.push_slow(0, 7000 * MS, 26.0).unwrap();
@@ -166,8 +167,8 @@ fn a_slow_value_is_held_for_three_of_its_periods() {
     assert_eq!(aligner.flush().unwrap().slow[0].age, None);
 }
 
-/// All streams of one clock, every 10 ms from a stamp on.
-fn from(aligner: &mut Plain, start: i64, count: i64) -> Vec<Joined<f32, 1, 1>> {
+/// Pushes all streams every 10 ms from `start` on; returns the rows.
+fn push_all(aligner: &mut Plain, start: i64, count: i64) -> Vec<Joined<f32, 1, 1>> {
     let mut out = Vec::new();
     for n in 0..count {
         let stamp = start.wrapping_add(n * 10 * MS);
@@ -180,14 +181,14 @@ fn from(aligner: &mut Plain, start: i64, count: i64) -> Vec<Joined<f32, 1, 1>> {
 }
 
 #[test]
-fn a_clock_that_jumps_is_followed() {
+fn recovers_from_clock_jumps() {
     let whole = |row: &Joined<f32, 1, 1>| row.followers[0].weight.is_some() && row.slow[0].age.is_some();
     for jump in
         [-3_600_000 * MS, 3_600_000 * MS, i64::MIN / 2, i64::MAX / 2, i64::MIN, i64::MAX - 10_000 * MS]
     {
         let mut aligner = plain();
-        assert_eq!(from(&mut aligner, 0, 50).iter().filter(|row| whole(row)).count(), 50);
-        let after = from(&mut aligner, jump, 50);
+        assert_eq!(push_all(&mut aligner, 0, 50).iter().filter(|row| whole(row)).count(), 50);
+        let after = push_all(&mut aligner, jump, 50);
         let lost = if jump < 0 { usize::from(SET_BACK_AFTER) - 1 } else { 0 };
         assert_eq!(after.len(), 50 - lost, "{jump}");
         assert!(after.iter().all(whole), "{jump}");
@@ -197,16 +198,16 @@ fn a_clock_that_jumps_is_followed() {
 }
 
 #[test]
-fn a_wild_stamp_of_any_stream_passes() {
+fn recovers_from_a_wild_timestamp_in_any_stream() {
     for wild in [Stream::Lead, Stream::Follower(0), Stream::Slow(0)] {
         let mut aligner = plain();
-        from(&mut aligner, 0, 20);
+        push_all(&mut aligner, 0, 20);
         let _ = match wild {
             Stream::Lead => aligner.push_lead(i64::MAX, [0.0; 3]),
             Stream::Follower(index) => aligner.push_follower(index, i64::MAX, [0.0; 3]),
             Stream::Slow(index) => aligner.push_slow(index, i64::MAX, 0.0),
         };
-        let after = from(&mut aligner, 200 * MS, 100);
+        let after = push_all(&mut aligner, 200 * MS, 100);
         assert!(after.len() >= 90, "{wild:?}: {}", after.len());
         let last = &after[after.len() - 80..];
         let whole = |row: &Joined<f32, 1, 1>| row.followers[0].weight.is_some() && row.slow[0].age.is_some();
@@ -216,7 +217,7 @@ fn a_wild_stamp_of_any_stream_passes() {
 
 type Samples = Vec<(i64, [f64; 3])>;
 
-/// Increasing stamps a jittered period apart, some samples lost, some not finite.
+/// Samples with increasing timestamps and jitter, some lost, some not finite.
 fn stream(most: usize) -> impl Strategy<Value = (i64, Samples)> {
     let sample = (-40_i64..=40, 0_u8..12, prop::array::uniform3(-10.0_f64..10.0));
     (8_i64..200, -500_i64..500, prop::collection::vec(sample, 0..=most)).prop_map(
@@ -234,7 +235,7 @@ fn stream(most: usize) -> impl Strategy<Value = (i64, Samples)> {
     )
 }
 
-/// Pushes all samples, of which stream next as `order` says, and compares every row with the twin.
+/// Pushes all samples, with the streams in the order `order`, and compares every row with the twin.
 fn any_order<R: Real>(
     lead: &[(i64, [f64; 3])],
     followers: &[(i64, Samples); 2],
@@ -253,7 +254,7 @@ fn any_order<R: Real>(
     }
     let mut queues = [lead.iter(), first.iter(), second.iter()];
     let mut out = Vec::new();
-    // what is not pushed in the drawn order comes at the end
+    // samples left over by the drawn order come at the end
     for stream in
         order.iter().map(|choice| usize::from(choice % 3)).chain([0, 1, 2].into_iter().flat_map(|s| [s; 64]))
     {
@@ -303,9 +304,10 @@ proptest! {
         any_order::<f64>(&lead, &followers, &slow, &order)?;
     }
 
-    /// Any stamps, any values: no panic, every row of the lead comes out once or is counted, and what has a weight is finite.
+    /// Any timestamps and values: no panic, every row of the lead is returned once or counted, and values with a weight are
+    /// finite.
     #[test]
-    fn whatever_comes_in_nothing_is_lost_uncounted(
+    fn every_lost_sample_is_counted_for_any_input(
         events in prop::collection::vec(
             (0_u8..8, any::<i64>(), any::<i8>(), any::<[f32; 3]>(), any::<i64>()), 0..400,
         ),

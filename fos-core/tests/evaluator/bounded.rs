@@ -1,4 +1,4 @@
-//! A coasting model cannot run away, whatever its coefficients; a model that could overflow is refused.
+//! Coasting stays bounded for all coefficients; models that could overflow are rejected.
 
 mod any_model;
 
@@ -22,8 +22,8 @@ fn warm_up<R: Real>(predictor: &mut Roomy<R>, parameters: &AxisParameters<R>) {
     }
 }
 
-/// |predicted − offset| ≤ scale·2·1 for a range of −1 … 1, and a rounding.
-fn stays_within_twice_its_range<R: Real>(model: &OwnedModel<R>, samples: u32) {
+/// Checks |predicted − offset| ≤ scale·2·1 for a range of −1 … 1, up to rounding.
+fn assert_within_twice_the_range<R: Real>(model: &OwnedModel<R>, samples: u32) {
     let parameters = &model.axes[0].parameters;
     let mut predictor = match model.predictor() {
         Ok(predictor) => predictor,
@@ -54,13 +54,13 @@ fn unstable_models_stay_within_twice_their_range_for_a_million_samples() {
         let parameters = AxisParameters { offset: 0.01, scale: 0.1, ..plain() };
         let model = OwnedModel::autoregressive(parameters, set.to_vec());
         assert!(model.predictor().is_ok());
-        stays_within_twice_its_range(&model.convert::<f32>(), 1_000_000);
-        stays_within_twice_its_range(&model, 100_000);
+        assert_within_twice_the_range(&model.convert::<f32>(), 1_000_000);
+        assert_within_twice_the_range(&model, 100_000);
     }
 }
 
 #[test]
-fn an_unstable_model_that_hits_its_limit_says_so() {
+fn flags_a_limited_unstable_model() {
     let model = OwnedModel::autoregressive(plain::<f32>(), vec![Term::new(2.0, &[y(1)])]);
     let mut predictor = model.predictor().unwrap();
     warm_up(&mut predictor, &model.axes[0].parameters);
@@ -69,7 +69,7 @@ fn an_unstable_model_that_hits_its_limit_says_so() {
 }
 
 #[test]
-fn what_could_overflow_is_refused() {
+fn rejects_models_that_could_overflow() {
     let refused = |parameters: AxisParameters<f32>, terms: Vec<Term<f32>>| {
         let result = OwnedModel::autoregressive(parameters, terms).predictor();
         assert_eq!(result.err(), Some(ModelError::Unbounded { axis: 0 }));
@@ -82,7 +82,7 @@ fn what_could_overflow_is_refused() {
     refused(AxisParameters { offset: -1e30, ..plain() }, vec![]);
     refused(AxisParameters { reference: 1e30, ..plain() }, vec![]);
     refused(AxisParameters { range: Range::new(-1e30, 0.0), ..plain() }, vec![]);
-    // p, were it 0, would be limited to that
+    // a p of 0 would be limited to this value
     refused(AxisParameters { physical_range: Range::new(1e30, 1e30), ..plain() }, vec![]);
     refused(AxisParameters { physical_range: Range::new(-1e30, -1e30), ..plain() }, vec![]);
     refused(AxisParameters { range: Range::new(-f32::MAX, f32::MAX), ..plain() }, vec![]);
@@ -92,8 +92,8 @@ fn what_could_overflow_is_refused() {
 }
 
 #[test]
-fn beyond_the_coast_limit_the_stochastic_part_fades_to_nothing() {
-    // a sustained oscillation, a slow decay, a runaway and a constant
+fn stochastic_part_fades_out_beyond_the_coast_limit() {
+    // a sustained oscillation, a slow decay, a divergence and a constant
     let sets: [(f64, &[Term<f64>]); 4] = [
         (0.0, &[Term::new(1.9, &[y(1)]), Term::new(-1.0, &[y(2)])]),
         (0.0, &[Term::new(0.99999, &[y(1)])]),
@@ -123,7 +123,7 @@ fn beyond_the_coast_limit_the_stochastic_part_fades_to_nothing() {
 }
 
 #[test]
-fn a_coast_limit_of_zero_leaves_the_physical_part_alone() {
+fn zero_coast_limit_leaves_only_the_physical_part() {
     for coast_limit_s in [0.0, -0.0] {
         let parameters = AxisParameters { coast_limit_s, offset: 0.25, constant: 0.7, ..plain() };
         let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.9_f32, &[y(1)])]);
@@ -134,7 +134,7 @@ fn a_coast_limit_of_zero_leaves_the_physical_part_alone() {
 }
 
 #[test]
-fn a_stable_model_settles_where_its_recursion_does() {
+fn stable_model_converges_to_the_fixed_point_of_its_recursion() {
     // coasting from any history: r(∞) = a0/(1 − Σa)
     let innovation = InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 };
     let parameters = AxisParameters { constant: 0.05, innovation, ..plain() };
@@ -159,7 +159,7 @@ proptest! {
     #![proptest_config(cases(100))]
 
     #[test]
-    fn any_coefficients_are_refused_or_bounded(
+    fn any_coefficients_are_rejected_or_bounded(
         picks in prop::collection::vec((adversarial(), prop::collection::vec(1_u16..=6, 1..=3)), 0..=12),
         scale in adversarial().prop_map(f64::abs), constant in adversarial(),
     ) {
@@ -168,12 +168,12 @@ proptest! {
         let parameters = AxisParameters { scale, constant, ..plain() };
         let model = OwnedModel::autoregressive(parameters, terms.collect()).convert::<f32>();
         if f32::is_normal(1.0 / model.axes[0].parameters.scale) {
-            stays_within_twice_its_range(&model, 100_000);
+            assert_within_twice_the_range(&model, 100_000);
         }
     }
 
     #[test]
-    fn any_model_with_inputs_is_refused_or_bounded(model in models(Draw::Exact), seed in any::<u64>()) {
+    fn any_model_with_inputs_is_rejected_or_bounded(model in models(Draw::Exact), seed in any::<u64>()) {
         let model = model.convert::<f32>();
         let mut predictor = model.predictor().unwrap();
         let mut noise = Noise::new(seed);

@@ -1,4 +1,4 @@
-//! Coasts side by side predict what each predicts alone, to the last bit.
+//! Parallel coasts predict the same bits as single coasts.
 #![cfg(feature = "coasts")]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,14 +9,14 @@ use proptest::prelude::*;
 
 const LANES: usize = 4;
 
-/// Samples tracked before the first coast begins, and from one to the next: the longest lag is 12.
+/// Samples tracked before the first coast, and between the starts of coasts; the longest lag is 12.
 const BEFORE: usize = 20;
 const APART: usize = 3;
 
 /// Samples of a coast.
 const LONG: usize = 60;
 
-/// A sample in scaled units, of six axes, and three quantities, of which one may be missing.
+/// A sample: six axes in scaled units and three quantities, of which any may be missing.
 type Row = ([f64; 6], [f64; 3]);
 
 fn rows() -> impl Strategy<Value = Vec<Row>> {
@@ -25,10 +25,10 @@ fn rows() -> impl Strategy<Value = Vec<Row>> {
     prop::collection::vec(row, BEFORE + LANES * APART + LONG)
 }
 
-/// Of how many models the coasts were compared.
+/// Number of models whose coasts were compared.
 static COMPARED: AtomicUsize = AtomicUsize::new(0);
 
-/// Of how many the lanes differ at the end, so that one that has the values of another is seen.
+/// Number of models whose lanes differ at the end, so that swapped lanes would be detected.
 static APART_AT_END: AtomicUsize = AtomicUsize::new(0);
 
 fn compare<R: Real>(model: &OwnedModel<R>, rows: &[Row]) -> Result<(), TestCaseError> {
@@ -49,7 +49,7 @@ fn compare<R: Real>(model: &OwnedModel<R>, rows: &[Row]) -> Result<(), TestCaseE
         let _ = predictor.track(&Sample { measured: &measured(row), quantities: &quantities(row) });
     }
     let mut alone: [_; LANES] = begun.try_into().expect("as many as lanes");
-    // of what was computed before nothing may be left
+    // earlier computations must leave no trace
     let Some(mut coasts) = Coasts::<_, LANES, _, _, _, _>::new(alone[1].evaluator()) else { return Ok(()) };
     for _ in 0..7 {
         let _ = coasts.step(&[[R::ONE; LANES]; 3]);
@@ -93,16 +93,16 @@ fn compare<R: Real>(model: &OwnedModel<R>, rows: &[Row]) -> Result<(), TestCaseE
 proptest! {
     #![proptest_config(cases(300))]
 
-    fn each_lane_has_the_bits_of_a_coast_alone(model in models(Draw::Contracting), rows in rows()) {
+    fn each_lane_equals_a_single_coast(model in models(Draw::Contracting), rows in rows()) {
         compare(&model, &rows)?;
         compare(&model.convert::<f32>(), &rows)?;
     }
 }
 
 #[test]
-fn side_by_side_as_alone() {
-    each_lane_has_the_bits_of_a_coast_alone();
-    // the others stand still, or begin from more than measurements
+fn parallel_coasts_equal_single_coasts() {
+    each_lane_equals_a_single_coast();
+    // the other models are rejected, or their history does not consist of measurements only
     let compared = COMPARED.load(Ordering::Relaxed);
     assert!(compared > 200, "{compared} of 600");
     let apart = APART_AT_END.load(Ordering::Relaxed);

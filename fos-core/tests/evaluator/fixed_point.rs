@@ -1,4 +1,4 @@
-//! In fixed point a model comes to the same as in f64, as far as docs/MATHS.md says; whatever comes in.
+//! Fixed point agrees with f64 within the bound of docs/MATHS.md, for any input.
 
 use fos_core::{
     AxisParameters, Correction, Fixed, Input, ModelError, Predictor, Quantity, Range, Sample, Scalar, Source,
@@ -12,7 +12,7 @@ use bound::{Bound, STEP, bounds};
 
 mod bound;
 
-/// As a device has it: in f32, and that in f64 to hold fixed point against, so that only the arithmetic differs.
+/// The model of a device, in f32, and the same numbers in f64 for comparison, so that only the arithmetic differs.
 fn as_stored(model: &OwnedModel<f64>) -> (OwnedModel<f32>, OwnedModel<f64>) {
     let stored = model.convert::<f32>();
     let exact = stored.convert();
@@ -23,7 +23,7 @@ fn in_fixed(model: &OwnedModel<f32>) -> Result<Roomy<Fixed>, ModelError> {
     model.borrow(Predictor::new)
 }
 
-/// One sample through both; exact in both where it has at most 23 bits after the point.
+/// Runs one sample through both; values with at most 23 fraction bits are exact in both.
 fn step<'c>(
     exact: &'c mut Roomy<f64>,
     fixed: &'c mut Roomy<Fixed>,
@@ -39,12 +39,12 @@ fn step<'c>(
     (a, b)
 }
 
-/// Rounded to a value that a sensor may give, and both scalars have.
+/// Rounds to a value that a sensor may give and both scalars can represent.
 fn given(value: f64) -> f64 {
     (value * 1024.0).round() / 1024.0
 }
 
-/// How much nearer than the bound the worst was, of predicted errors and innovations.
+/// Largest difference of predicted errors and innovations, as a share of the bound.
 #[derive(Debug, Default)]
 struct Worst {
     predicted: f64,
@@ -52,7 +52,7 @@ struct Worst {
 }
 
 impl Worst {
-    fn hold(&mut self, a: &Correction<f64>, b: &Correction<Fixed>, bound: &Bound) {
+    fn update(&mut self, a: &Correction<f64>, b: &Correction<Fixed>, bound: &Bound) {
         self.predicted = self.predicted.max((a.predicted - b.predicted.to_f64()).abs() / bound.predicted);
         if let (Some(left), Some(b), false) =
             (a.innovation, b.innovation, a.validity.contains(Validity::OWN_HISTORY))
@@ -62,7 +62,7 @@ impl Worst {
     }
 }
 
-/// Six axes with a long memory, over inputs of every kind that a temperature makes.
+/// Six axes with a long memory, over inputs with the transforms used for temperature.
 fn hour_model() -> OwnedModel<f64> {
     let temperature = |transform| Input {
         centre: 25.0,
@@ -116,7 +116,7 @@ fn hour_model() -> OwnedModel<f64> {
 }
 
 #[test]
-fn an_hour_of_rests_and_motion_is_as_near_to_f64_as_the_bound_says() {
+fn an_hour_of_rest_and_motion_stays_within_the_bound() {
     let (stored, exact_model) = as_stored(&hour_model());
     let (mut exact, mut fixed) =
         (exact_model.predictor().expect("a model"), in_fixed(&stored).expect("it fits"));
@@ -130,7 +130,7 @@ fn an_hour_of_rests_and_motion_is_as_near_to_f64_as_the_bound_says() {
         for ((value, state), axis) in measured.iter_mut().zip(&mut state).zip(&exact_model.axes) {
             *state = 0.97 * *state + 0.2 * noise.normal();
             let parameters = &axis.parameters;
-            // what the axis measures is a code
+            // the measured value is a code
             let error = parameters.offset + parameters.scale * (*state + 0.1 * (temperature - 25.0));
             *value = ((parameters.reference + error) * 4096.0).round() / 4096.0;
         }
@@ -139,16 +139,16 @@ fn an_hour_of_rests_and_motion_is_as_near_to_f64_as_the_bound_says() {
         let (a, b) = step(&mut exact, &mut fixed, tracked, &measured, &[given(temperature)]);
         for ((a, b), bound) in a.iter().zip(b).zip(&bounds) {
             assert_eq!(a.validity, b.validity, "sample {n}");
-            worst.hold(a, b, bound);
+            worst.update(a, b, bound);
         }
     }
     println!("of the bound: {worst:?}; the bound, in the axis' unit: {:?}", bounds.first());
     assert!(worst.predicted < 1.0 && worst.innovation < 1.0, "{worst:?}");
-    // a bound that is far off says nothing
+    // a bound that is far too wide would prove nothing
     assert!(worst.innovation > 0.02, "{worst:?}");
 }
 
-/// Values that a sensor may give, and those that none should.
+/// Values that a sensor may give, and some that none should.
 fn any_value() -> impl Strategy<Value = f64> {
     prop_oneof![
         20 => (-16.0..16.0).prop_map(given),
@@ -168,7 +168,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn any_model_tracks_as_near_to_f64_as_the_bound_says(
+    fn any_tracked_model_stays_within_the_bound(
         model in models(Draw::Contracting),
         samples in prop::collection::vec((prop::collection::vec((-12.0..12.0).prop_map(given), 6), prop::collection::vec((-2.0..2.0).prop_map(given), 3)), 80),
     ) {
@@ -190,7 +190,7 @@ proptest! {
         for (measured, quantities) in &samples {
             let (a, b) = step(&mut exact, &mut fixed, true, &measured[..n_axes], quantities);
             for ((a, b), bound) in a.iter().zip(b).zip(&bounds) {
-                // a value on the edge of a limit may be within it in the one and not in the other
+                // a value on the edge of a limit may be inside it in only one of the two
                 let edge = Validity::OUTPUT_OUT_OF_RANGE | Validity::INPUT_OUT_OF_RANGE;
                 prop_assert_eq!(a.validity - edge, b.validity - edge);
                 let predicted = (a.predicted - b.predicted.to_f64()).abs();
@@ -203,7 +203,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_comes_in_stays_bounded_and_is_said_as_in_f32(
+    fn output_is_bounded_and_flagged_as_in_f32_for_any_input(
         model in models(Draw::Contracting),
         samples in prop::collection::vec((any::<bool>(), prop::collection::vec(any_value(), 6), prop::collection::vec(any_value(), 3)), 60),
     ) {
@@ -223,7 +223,7 @@ proptest! {
                 prop_assert!(b.predicted.is_finite() && b.corrected.is_finite());
                 prop_assert!(b.innovation.is_none_or(Fixed::is_finite));
                 prop_assert_eq!(a.validity.contains(Validity::NOT_FINITE), b.validity.contains(Validity::NOT_FINITE) || measured.is_infinite());
-                // what is beyond 256 is at full scale, and says so
+                // values beyond 256 are at full scale, and flagged
                 if measured.abs() >= 256.0 {
                     prop_assert!(b.validity.intersects(Validity::SATURATED | Validity::NOT_FINITE), "{measured}: {b:?}");
                 }
@@ -233,7 +233,7 @@ proptest! {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_by_name() {
+fn rejects_models_beyond_the_range() {
     let model = |parameters, inputs: Vec<Input<f32>>, term: Term<f32>| OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
@@ -273,7 +273,7 @@ fn what_does_not_fit_is_refused_by_name() {
 }
 
 #[test]
-fn a_number_is_that_of_a_float_rounded_once() {
+fn conversion_from_float_rounds_once() {
     let mut noise = Noise::new(5);
     let mut values =
         vec![0.0_f32, -0.0, STEP as f32, 1e-30, f32::MIN_POSITIVE, 255.99998, -255.99998, 1.0, 0.1];
@@ -291,7 +291,7 @@ fn a_number_is_that_of_a_float_rounded_once() {
     assert!(!Fixed::NAN.is_finite() && !Fixed::NAN.abs().is_finite() && !(-Fixed::NAN).is_finite());
 }
 
-/// Half away from zero, as integers round.
+/// Rounding to nearest, halves upwards.
 trait AddHalf {
     fn add_half_and_cut(self) -> f64;
 }

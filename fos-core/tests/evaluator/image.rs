@@ -1,4 +1,4 @@
-//! The stored model: what is written is read back, and nothing else is read at all.
+//! The stored model: written images read back, and everything else is rejected.
 
 mod layout;
 
@@ -33,16 +33,16 @@ fn refusal(image: &[u8]) -> ImageError {
     error
 }
 
-// ---- what is written ----
+// ---- writing ----
 
 #[test]
-fn the_encoder_writes_what_the_format_says() {
+fn encoder_follows_the_format() {
     let expected = assemble(&bytes(&layout::body()), &bytes(&layout::information()));
     assert_eq!(example(), expected);
 }
 
 #[test]
-fn the_document_shows_the_image_that_is_written() {
+fn document_shows_the_encoded_image() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/MODEL_FORMAT.md");
     let document = std::fs::read_to_string(path).unwrap();
     let begin = "<!-- dump -->\n```text\n";
@@ -53,13 +53,13 @@ fn the_document_shows_the_image_that_is_written() {
 }
 
 #[test]
-fn the_checksum_is_that_of_ethernet() {
+fn checksum_is_crc_32_of_ethernet() {
     // the check value of CRC-32/ISO-HDLC in Williams' catalogue
     assert_eq!(crc_32(b"123456789"), 0xcbf4_3926);
 }
 
 #[test]
-fn a_buffer_that_is_too_small_is_refused_whatever_its_length() {
+fn rejects_every_buffer_that_is_too_small() {
     let image = example();
     for length in 0..image.len() {
         let mut buffer = vec![0; length];
@@ -72,7 +72,7 @@ fn a_buffer_that_is_too_small_is_refused_whatever_its_length() {
 }
 
 #[test]
-fn more_than_255_of_anything_is_refused() {
+fn rejects_more_than_255_of_anything() {
     let changes: [fn(&mut OwnedModel<f32>); 5] = [
         |model| model.quantities = vec![Quantity::Other; 256],
         |model| model.inputs = vec![model.inputs[0]; 256],
@@ -89,9 +89,9 @@ fn more_than_255_of_anything_is_refused() {
     }
 }
 
-// ---- what is read ----
+// ---- reading ----
 
-/// Drives both over the same series; equal bits.
+/// Runs both over the same series and compares the bits.
 fn assert_same(mut a: Roomy<f32>, mut b: Roomy<f32>, n_axes: usize, seed: u64) -> Result<(), TestCaseError> {
     let mut noise = Noise::new(seed);
     for n in 0..200 {
@@ -112,31 +112,31 @@ proptest! {
     #![proptest_config(cases(150))]
 
     #[test]
-    fn a_model_read_from_its_image_gives_the_same_bits(model in models(Draw::Contracting), seed in any::<u64>()) {
+    fn model_from_its_image_gives_the_same_bits(model in models(Draw::Contracting), seed in any::<u64>()) {
         let model = model.convert::<f32>();
         let image = encoded(&model, &INFO);
         let read = Image::parse(&image).unwrap();
         assert_same(read.predictor().unwrap(), model.predictor().unwrap(), model.axes.len(), seed)?;
-        // in f64 it is the f32 model, exactly
+        // in f64 the model has exactly the numbers of f32
         let wide: Roomy<f64> = read.predictor().unwrap();
         let same: Roomy<f64> = model.convert::<f64>().predictor().unwrap();
         prop_assert_eq!(format!("{wide:?}"), format!("{same:?}"));
-        // and read and written again it is the same image
+        // reading and writing again gives the same image
         prop_assert_eq!(encoded(&owned(&read), &read.info()), image);
     }
 
     #[test]
-    fn bytes_at_random_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn rejects_random_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         prop_assert!(Image::parse(&bytes).is_err());
     }
 
     #[test]
-    fn a_body_at_random_is_refused_or_runs(body in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn random_body_is_rejected_or_runs(body in prop::collection::vec(any::<u8>(), 0..300)) {
         run_if_read(&assemble(&body, &bytes(&layout::information())));
     }
 
     #[test]
-    fn an_image_changed_at_random_is_refused_or_runs(
+    fn randomly_changed_image_is_rejected_or_runs(
         changes in prop::collection::vec((20_usize..400, any::<u8>()), 1..6)
     ) {
         let mut image = example();
@@ -148,7 +148,7 @@ proptest! {
     }
 }
 
-/// Whatever is accepted can be looked at and run, and what comes out is finite.
+/// Every accepted image can be inspected and run, with finite output.
 fn run_if_read(image: &[u8]) {
     let Ok(read) = Image::parse(image) else { return };
     let _ = (owned(&read), read.info(), read.fitted_on());
@@ -161,7 +161,7 @@ fn run_if_read(image: &[u8]) {
     }
 }
 
-/// The model in an image, as the image's own iterators give it.
+/// The model in an image, read through its iterators.
 fn owned(image: &Image<'_>) -> OwnedModel<f32> {
     let axes = image.axes().map(|axis| OwnedAxis {
         parameters: axis.parameters,
@@ -177,10 +177,10 @@ fn owned(image: &Image<'_>) -> OwnedModel<f32> {
     }
 }
 
-// ---- what is refused ----
+// ---- rejection ----
 
 #[test]
-fn an_image_cut_anywhere_is_truncated() {
+fn detects_truncation_at_every_length() {
     let image = example();
     for length in 0..image.len() {
         let needed = if length < HEADER_LENGTH { HEADER_LENGTH } else { image.len() };
@@ -189,7 +189,7 @@ fn an_image_cut_anywhere_is_truncated() {
 }
 
 #[test]
-fn every_single_flipped_bit_is_refused() {
+fn rejects_every_single_bit_flip() {
     let image = example();
     for bit in 0..8 * image.len() {
         let mut flipped = image.clone();
@@ -199,7 +199,7 @@ fn every_single_flipped_bit_is_refused() {
 }
 
 #[test]
-fn what_is_not_an_image_of_this_version_is_refused_by_name() {
+fn rejects_other_magic_version_and_flags() {
     let with = |place: usize, byte: u8| {
         let mut image = example();
         image[place] = byte;
@@ -221,7 +221,7 @@ fn lengths_that_overflow_are_truncated() {
 }
 
 #[test]
-fn a_wrong_checksum_is_refused_with_both_values() {
+fn wrong_checksum_reports_both_values() {
     let mut image = example();
     let computed = u32::from_le_bytes(image[16..20].try_into().unwrap());
     image[16] ^= 0x10;
@@ -229,7 +229,7 @@ fn a_wrong_checksum_is_refused_with_both_values() {
 }
 
 #[test]
-fn bytes_too_many_are_refused_wherever_they_are() {
+fn rejects_trailing_bytes_everywhere() {
     let (body, information) = (bytes(&layout::body()), bytes(&layout::information()));
     let longer = |bytes: &[u8]| [bytes, &[0, 0][..]].concat();
     let too_many = ImageError::TrailingBytes { count: 2 };
@@ -240,7 +240,7 @@ fn bytes_too_many_are_refused_wherever_they_are() {
 }
 
 #[test]
-fn a_body_or_information_that_ends_early_is_malformed() {
+fn truncated_body_or_information_is_malformed() {
     let (body, information) = (bytes(&layout::body()), bytes(&layout::information()));
     for length in 0..body.len() {
         assert_eq!(refusal(&assemble(&body[..length], &information)), ImageError::Malformed, "{length}");
@@ -248,7 +248,7 @@ fn a_body_or_information_that_ends_early_is_malformed() {
     for length in 0..information.len() {
         assert_eq!(refusal(&assemble(&body, &information[..length])), ImageError::Malformed, "{length}");
     }
-    // a byte that moves from one to the other
+    // a byte moved from one to the other
     let (first, rest) = information.split_first().unwrap();
     assert!(Image::parse(&assemble(&[&body[..], &[*first]].concat(), rest)).is_err());
 }
@@ -263,7 +263,7 @@ fn replaced(meaning: &str, nth: usize, bytes_instead: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn an_enumeration_beyond_its_last_variant_is_malformed() {
+fn unknown_enum_variant_is_malformed() {
     for (meaning, first_unknown) in [
         ("fitted_on: Raw", 2),
         ("stillness: Some", 2),
@@ -285,7 +285,7 @@ fn an_enumeration_beyond_its_last_variant_is_malformed() {
 }
 
 #[test]
-fn a_number_that_does_not_fit_its_type_is_malformed() {
+fn number_beyond_its_type_is_malformed() {
     // 65536 and a varint that never ends, for 16 bits
     for too_large in [&[0x80, 0x80, 0x04][..], &[0xff, 0xff, 0xff]] {
         assert_eq!(refusal(&replaced("lag", 0, too_large)), ImageError::Malformed);
@@ -295,14 +295,14 @@ fn a_number_that_does_not_fit_its_type_is_malformed() {
 }
 
 #[test]
-fn a_text_that_is_not_utf_8_is_malformed() {
+fn text_other_than_utf_8_is_malformed() {
     assert_eq!(refusal(&replaced("sensor", 0, b"exampl\xff")), ImageError::Malformed);
 }
 
 #[test]
-fn a_term_that_is_none_is_refused_by_its_place() {
+fn rejects_invalid_terms_by_index() {
     let refused = |term| ImageError::Term { axis: 0, term };
-    // degree 0: the factor's bytes would be the next term's, so they go too
+    // degree 0: the bytes of the factor would belong to the next term, so they are removed too
     let mut body = layout::body();
     let degree = body.iter().position(|field| field.meaning.trim() == "degree").unwrap();
     body[degree].bytes = vec![0];
@@ -318,12 +318,12 @@ fn a_term_that_is_none_is_refused_by_its_place() {
 }
 
 #[test]
-fn a_model_that_cannot_be_used_is_refused_when_its_predictor_is_built() {
+fn building_a_predictor_rejects_unusable_models() {
     let refused = |change: fn(&mut OwnedModel<f32>)| {
         let mut model = layout::model();
         change(&mut model);
         let image = encoded(&model, &INFO);
-        // its form is right
+        // the form is correct
         assert!(Image::parse(&image).is_ok());
         match on_device(&image).map(|_| ()) {
             Err(ImageError::Model(error)) => error,
@@ -377,7 +377,7 @@ fn a_model_that_cannot_be_used_is_refused_when_its_predictor_is_built() {
     );
 }
 
-// ---- what was written once ----
+// ---- compatibility ----
 
 const FIXTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fixtures/model_v1.fosm");
 
@@ -459,12 +459,12 @@ fn fixture() -> OwnedModel<f32> {
     }
 }
 
-/// FNV-1a (Fowler, Noll, Vo) of the bits of everything that comes out over 1000 samples.
+/// FNV-1a (Fowler, Noll, Vo) of the bits of the output over 1000 samples.
 fn digest(predictor: &mut Roomy<f32>) -> u64 {
     let mut noise = Noise::new(1);
     let mut digest = 0xcbf2_9ce4_8422_2325_u64;
     for n in 0..1000_u16 {
-        // sums and products alone, so that every machine draws the same samples
+        // only sums and products, so that every machine draws the same samples
         let mut wobble = || (2.0 * noise.uniform() - 1.0) as f32;
         let measured = [9.841 + 0.008 * wobble(), -0.0123 + 0.0014 * wobble()];
         let quantities = [25.0 + f32::from(n) * 0.01, 3.3];
@@ -486,9 +486,9 @@ fn digest(predictor: &mut Roomy<f32>) -> u64 {
     digest
 }
 
-/// To write the fixture of a new version: set FOS_WRITE_FIXTURE, run this test, and keep the old file.
+/// To write the fixture of a new version, set FOS_WRITE_FIXTURE and run this test; keep the old file.
 #[test]
-fn the_fixture_of_this_version_still_reads() {
+fn fixture_of_this_version_still_reads() {
     let model = fixture();
     let image = encoded(&model, &FIXTURE_INFO);
     if std::env::var_os("FOS_WRITE_FIXTURE").is_some() {
@@ -518,5 +518,5 @@ fn the_fixture_of_this_version_still_reads() {
 
 const LENGTH: usize = 453;
 const CHECKSUM: u32 = 3_875_512_380;
-/// What this model says has these bits, on every machine and after every change of the code.
+/// Digest of the output of this model, the same on every machine and after every change of the code.
 const DIGEST: u64 = 0xb83a_d05c_fc4c_c6a5;

@@ -1,4 +1,4 @@
-//! The evaluator through its public interface.
+//! Tests of the evaluator through its public interface.
 
 mod align;
 mod bounded;

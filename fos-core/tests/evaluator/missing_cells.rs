@@ -1,12 +1,12 @@
-//! Missing cells at the edges of a logged quantity: an input of a model, and the same transform on its own, as a host
-//! runs it, start and stay alike.
+//! Missing cells of a logged quantity: an input of a model on the device and the same transform on the host start and
+//! continue alike.
 
 use fos_core::{Range, Sample, Source, Transform, Transformer};
 use fos_testkit::models::{OwnedModel, PERIOD_S, Roomy, input, plain};
 use fos_testkit::noise::Noise;
 
 const ROWS: usize = 400;
-/// Missing at first, once in between, for a while, and at the end; more than a window of any transform below.
+/// Numbers of cells missing at the start; the longest exceeds the memory of the transforms below.
 const LEADS: [usize; 4] = [0, 1, 7, 120];
 
 fn transforms() -> [Transform<f64>; 10] {
@@ -24,7 +24,7 @@ fn transforms() -> [Transform<f64>; 10] {
     ]
 }
 
-/// A temperature near 25 °C with cells missing: so many at first, single ones, a stretch, the last.
+/// A temperature near 25 °C with missing cells: `lead` at the start, single ones, a stretch, the last four.
 fn cells(lead: usize) -> Vec<f64> {
     let mut noise = Noise::new(5);
     let missing = |row: usize| row < lead || row % 50 == 3 || (200..230).contains(&row) || row >= ROWS - 4;
@@ -36,7 +36,7 @@ fn cells(lead: usize) -> Vec<f64> {
         .collect()
 }
 
-/// What an input of a model makes of them; a gap of 33 ticks lies before row 300.
+/// Values of an input of a model; a gap of 33 ticks lies before row 300.
 fn on_the_device(transform: Transform<f64>, cells: &[f64]) -> Vec<f64> {
     let source = if transform.is_clock() { Source::Clock } else { Source::Quantity(0) };
     let wide = Range::new(-1e9, 1e9);
@@ -57,7 +57,7 @@ fn on_the_device(transform: Transform<f64>, cells: &[f64]) -> Vec<f64> {
     rows.collect()
 }
 
-/// The same on its own; `start` is given the cells before the first that is known.
+/// Values of the transform alone; `start` processes the cells before the first known one.
 fn on_the_host(
     transform: Transform<f64>,
     cells: &[f64],
@@ -75,7 +75,7 @@ fn on_the_host(
     rows.collect()
 }
 
-/// Rows in which two differ by more than rounding: a device steps through the begin of a gap, a host skips it in
+/// Number of rows that differ by more than rounding: a device steps through the beginning of a gap, a host skips it in
 /// closed form.
 fn differing(a: &[f64], b: &[f64]) -> usize {
     assert_eq!(a.len(), b.len());
@@ -83,7 +83,7 @@ fn differing(a: &[f64], b: &[f64]) -> usize {
 }
 
 #[test]
-fn an_input_and_a_transform_on_its_own_start_and_stay_alike() {
+fn device_and_host_agree_on_missing_cells() {
     let (mut compared, mut control) = (0, 0);
     for transform in transforms() {
         for lead in LEADS {
@@ -93,7 +93,7 @@ fn an_input_and_a_transform_on_its_own_start_and_stay_alike() {
             assert_eq!(differing(&device, &host), 0, "{transform:?}, {lead} missing at first");
             compared += cells.len();
 
-            // what a transform with a memory started from while nothing was known: 0 °C
+            // negative control: a transform with a memory that starts at 0 °C
             let from_zero = on_the_host(transform, &cells, |transformer, _| transformer.update(0.0));
             let differs = differing(&device, &from_zero) > 0;
             let remembers = matches!(
@@ -116,7 +116,7 @@ fn an_input_and_a_transform_on_its_own_start_and_stay_alike() {
 }
 
 #[test]
-fn nothing_that_came_before_the_first_value_stays_in_a_transform() {
+fn transform_forgets_missing_cells_before_the_first_value() {
     for transform in transforms().into_iter().filter(|transform| !transform.is_clock()) {
         let all = cells(0);
         let begin = all.iter().position(|cell| cell.is_finite()).unwrap();

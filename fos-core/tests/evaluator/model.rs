@@ -1,4 +1,4 @@
-//! What a model may be, and what f32 costs.
+//! Validation of models, and the precision of f32.
 
 use fos_core::{
     Axis, AxisParameters, FittedOn, InnovationStatistics, Input, ModelError, Predictor, Quantity, Range,
@@ -7,8 +7,8 @@ use fos_core::{
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
 use fos_testkit::noise::Noise;
 
-/// A small model of everything: an input over a quantity, one over the clock, one over the remainder.
-fn sound() -> OwnedModel<f64> {
+/// A small valid model with inputs over a quantity, the clock and the remainder.
+fn valid_model() -> OwnedModel<f64> {
     OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
@@ -26,9 +26,9 @@ fn sound() -> OwnedModel<f64> {
     }
 }
 
-/// The error, in f64 and in f32.
+/// The error of the changed model, the same in f64 and f32.
 fn error(change: impl Fn(&mut OwnedModel<f64>)) -> ModelError {
-    let mut model = sound();
+    let mut model = valid_model();
     change(&mut model);
     let error = model.predictor().map(|_| ()).unwrap_err();
     assert_eq!(model.convert::<f32>().predictor().map(|_| ()).unwrap_err(), error);
@@ -37,26 +37,26 @@ fn error(change: impl Fn(&mut OwnedModel<f64>)) -> ModelError {
 }
 
 #[test]
-fn a_sound_model_is_taken() {
-    assert!(sound().predictor().is_ok() && sound().convert::<f32>().predictor().is_ok());
-    assert_eq!(sound().predictor().unwrap().n_axes(), 1);
+fn accepts_a_valid_model() {
+    assert!(valid_model().predictor().is_ok() && valid_model().convert::<f32>().predictor().is_ok());
+    assert_eq!(valid_model().predictor().unwrap().n_axes(), 1);
 }
 
 #[test]
-fn a_period_must_be_positive() {
+fn rejects_non_positive_periods() {
     for period_s in [0.0, -0.005, f64::NAN, f64::INFINITY] {
         assert_eq!(error(|model| model.period_s = period_s), ModelError::Period);
     }
 }
 
 #[test]
-fn there_must_be_an_axis() {
+fn rejects_a_model_without_axes() {
     assert_eq!(error(|model| model.axes.clear()), ModelError::NoAxis);
 }
 
 #[test]
-fn what_there_is_no_room_for_is_named() {
-    let mut model = sound();
+fn names_the_exceeded_capacity() {
+    let mut model = valid_model();
     model.axes.push(model.axes[0].clone());
     let too_many = |found, capacity| ModelError::TooManyAxes { found, capacity };
     let error = model.borrow(|model| Predictor::<f64, 1, 3, 8, 16>::new(model).map(|_| ()).unwrap_err());
@@ -65,15 +65,15 @@ fn what_there_is_no_room_for_is_named() {
     assert_eq!(error, ModelError::TooManyInputs { found: 3, capacity: 2 });
     let error = model.borrow(|model| Predictor::<f64, 2, 3, 7, 16>::new(model).map(|_| ()).unwrap_err());
     assert_eq!(error, ModelError::TooManyTerms { capacity: 7 });
-    // exactly enough of everything: u_0(n − 1) lies 5 + 3 values back
+    // capacities that fit exactly: u_0(n − 1) lies 5 + 3 values back
     assert!(model.borrow(Predictor::<f64, 2, 3, 8, 8>::new).is_ok());
     let error = model.borrow(|model| Predictor::<f64, 2, 3, 8, 4>::new(model).map(|_| ()).unwrap_err());
     assert!(matches!(error, ModelError::LagTooDeep { capacity: 4, needed: 5.., .. }), "{error:?}");
 }
 
 #[test]
-fn a_history_is_used_to_its_last_value() {
-    // lag 8 of one axis in a history of 8: the oldest value there is
+fn uses_the_history_to_its_last_value() {
+    // lag 8 of one axis in a history of 8: its oldest value
     let model = OwnedModel::autoregressive(plain(), vec![Term::new(0.5_f64, &[y(8)])]);
     let mut predictor = model.borrow(Predictor::<f64, 1, 0, 1, 8>::new).unwrap();
     for n in 0..40 {
@@ -91,7 +91,7 @@ fn a_history_is_used_to_its_last_value() {
 }
 
 #[test]
-fn a_coefficient_must_be_finite() {
+fn rejects_non_finite_coefficients() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let expected = |term| ModelError::CoefficientNotFinite { axis: 0, term };
         assert_eq!(error(|model| model.axes[0].physical[1] = Term::new(bad, &[u(0, 0)])), expected(1));
@@ -100,7 +100,7 @@ fn a_coefficient_must_be_finite() {
 }
 
 #[test]
-fn a_parameter_of_an_axis_must_be_finite_and_of_the_right_sign() {
+fn rejects_invalid_axis_parameters() {
     type Change = fn(&mut AxisParameters<f64>, f64);
     let finite: [Change; 6] = [
         |axis, value| axis.reference = value,
@@ -137,32 +137,32 @@ fn a_parameter_of_an_axis_must_be_finite_and_of_the_right_sign() {
 }
 
 #[test]
-fn a_scale_whose_inverse_overflows_is_refused() {
-    // every sample was then infinite, flagged as not finite, and the axis silent for ever
+fn rejects_scales_with_overflowing_inverse() {
+    // with such a scale every sample would be infinite and flagged as not finite
     let parameters = AxisParameters { scale: 1e-40_f32, ..plain() };
     let found = OwnedModel::autoregressive(parameters, vec![]).predictor().map(|_| ()).unwrap_err();
     assert_eq!(found, ModelError::AxisParameter { axis: 0 });
-    let mut model = sound().convert::<f32>();
+    let mut model = valid_model().convert::<f32>();
     model.inputs[0].scale = 1e-40;
     assert_eq!(model.predictor().map(|_| ()).unwrap_err(), ModelError::InputParameter { input: 0 });
 }
 
 #[test]
-fn an_unknown_input_is_refused() {
+fn rejects_unknown_inputs() {
     let unknown = |term| ModelError::UnknownInput { axis: 0, term };
     assert_eq!(error(|model| model.axes[0].physical[0] = Term::new(1.0, &[u(3, 0)])), unknown(0));
     assert_eq!(error(|model| model.axes[0].stochastic[0] = Term::new(1.0, &[y(1), u(255, 0)])), unknown(2));
 }
 
 #[test]
-fn the_physical_part_is_without_the_output() {
+fn rejects_outputs_in_the_physical_part() {
     let refused = ModelError::OutputInPhysicalPart { axis: 0, term: 0 };
     assert_eq!(error(|model| model.axes[0].physical[0] = Term::new(1.0, &[y(1)])), refused);
     assert_eq!(error(|model| model.axes[0].physical[0] = Term::new(1.0, &[u(0, 0), u(2, 0)])), refused);
 }
 
 #[test]
-fn a_parameter_of_an_input_must_be_finite_and_of_the_right_sign() {
+fn rejects_invalid_input_parameters() {
     let refused = ModelError::InputParameter { input: 1 };
     let changed = |change: fn(&mut Input<f64>)| error(|model| change(&mut model.inputs[1]));
     assert_eq!(changed(|input| input.centre = f64::NAN), refused);
@@ -188,7 +188,7 @@ fn a_parameter_of_an_input_must_be_finite_and_of_the_right_sign() {
 }
 
 #[test]
-fn a_source_must_be_there_and_fit_its_transform() {
+fn rejects_missing_or_unsuitable_sources() {
     let changed = |index: usize, source| error(|model| model.inputs[index].source = source);
     let refused = |input| ModelError::InputSource { input };
     assert_eq!(changed(0, Source::Quantity(1)), refused(0));
@@ -199,7 +199,7 @@ fn a_source_must_be_there_and_fit_its_transform() {
 }
 
 #[test]
-fn limits_of_stillness_must_be_positive() {
+fn rejects_non_positive_stillness_limits() {
     let limits = StillnessLimits {
         window: 100,
         accel_variance: 1e-4,
@@ -223,13 +223,13 @@ fn limits_of_stillness_must_be_positive() {
 }
 
 #[test]
-fn an_axis_that_could_overflow_is_refused() {
+fn rejects_axes_that_could_overflow() {
     let found = error(|model| model.axes[0].stochastic[0] = Term::new(1e35, &[y(1)]));
     assert_eq!(found, ModelError::Unbounded { axis: 0 });
 }
 
 #[test]
-fn a_term_needs_one_to_three_factors_and_no_output_at_lag_zero() {
+fn rejects_invalid_terms() {
     assert!(Term::try_new(1.0, &[]).is_none());
     assert!(Term::try_new(1.0, &[y(1); 4]).is_none());
     for factors in [&[y(0)][..], &[u(0, 0), y(0)], &[y(1), u(0, 0), y(0)]] {
@@ -238,10 +238,10 @@ fn a_term_needs_one_to_three_factors_and_no_output_at_lag_zero() {
     assert_eq!(Term::try_new(1.0, &[u(0, 0), y(1)]).unwrap().factors(), [u(0, 0), y(1)]);
 }
 
-/// Runs one and the same series through both scalars; the largest difference of what is predicted.
+/// Runs the same series through both scalars; returns the largest difference of the predictions.
 fn difference(model: &OwnedModel<f64>, samples: u32, mut series: impl FnMut(u32) -> (f32, f32)) -> f64 {
     let mut single: Roomy<f32> = model.convert().predictor().unwrap();
-    // the same numbers: what differs is the arithmetic alone
+    // the same numbers, so that only the arithmetic differs
     let mut double: Roomy<f64> = model.convert::<f32>().convert().predictor().unwrap();
     let mut worst = 0.0_f64;
     for n in 0..samples {
@@ -262,24 +262,24 @@ fn f32_and_f64_agree_over_a_hundred_thousand_samples() {
         (0.2 * noise.normal() as f32, temperature as f32)
     };
     // values up to 1 through some ten roundings of 6e-8 each
-    let worst = difference(&sound(), 100_000, series);
+    let worst = difference(&valid_model(), 100_000, series);
     assert!(worst > 0.0 && worst < 6e-7, "{worst:e}");
 }
 
 #[test]
-fn a_line_is_as_far_off_in_f32_as_its_rotation_is_rounded() {
-    let mut model = sound();
+fn error_of_a_line_in_f32_is_that_of_its_rotation() {
+    let mut model = valid_model();
     model.inputs.push(input(Source::Clock, Transform::Sine { frequency_hz: 31.7 }, 2.0));
     model.axes[0].physical = vec![Term::new(1.0, &[u(3, 0)])];
     model.axes[0].parameters.range = Range::new(-2.0, 2.0);
-    // 6e-8 rad a sample in the worst case; the other error, of the product, grows like the root of their number
+    // 6e-8 rad per sample in the worst case; the error of the product grows with the root of their number
     let mut noise = Noise::new(1);
     let worst = difference(&model, 100_000, |_| (0.2 * noise.normal() as f32, 0.0));
     assert!(worst < 0.006 + 1e-4, "{worst:e}");
 }
 
 #[test]
-fn gravity_takes_no_digits_from_an_accelerometer_in_f32() {
+fn gravity_costs_no_precision_in_f32() {
     // 9.81 has a unit in the last place of 1e-6; noise and error are 1e-4 and must keep their own digits
     let parameters = AxisParameters {
         axis: Axis::Az,
@@ -299,8 +299,8 @@ fn gravity_takes_no_digits_from_an_accelerometer_in_f32() {
 }
 
 #[test]
-fn a_converted_model_is_the_same_model() {
-    let mut model = sound();
+fn conversion_keeps_the_model() {
+    let mut model = valid_model();
     model.axes[0].parameters = AxisParameters {
         axis: Axis::Ay,
         reference: 1.0,

@@ -1,4 +1,4 @@
-//! Does the monitor stay silent on what it should, and find what it should as soon as it says?
+//! The monitor: false alarms, detection delays, and its statistics.
 
 use fos_core::{AxisParameters, Correction, InnovationStatistics, ModelError, Monitor, Real, Validity};
 use fos_testkit::models::{OwnedModel, PERIOD_S, plain};
@@ -14,7 +14,7 @@ fn monitor<R: Real>(lag_1_correlation: f64) -> Monitor<R> {
     Monitor::new(&parameters.convert(), PERIOD_S)
 }
 
-/// A correction whose innovation lies so many standard deviations of the fit from its mean.
+/// A correction whose innovation is `deviations` standard deviations of the fit from its mean.
 fn correction<R: Real>(deviations: f64) -> Correction<R> {
     let innovation = SCALE * (MEAN + VARIANCE.sqrt() * deviations);
     Correction {
@@ -38,7 +38,7 @@ fn white_innovations_raise_no_alarm() {
 }
 
 #[test]
-fn innovations_as_correlated_as_while_fitting_raise_no_alarm() {
+fn innovations_correlated_as_in_the_fit_raise_no_alarm() {
     for correlation in [-0.5_f64, 0.5, 0.8] {
         for seed in 0..2 {
             let (mut monitor, mut noise) = (monitor::<f32>(correlation), Noise::new(seed));
@@ -52,7 +52,7 @@ fn innovations_as_correlated_as_while_fitting_raise_no_alarm() {
     }
 }
 
-/// Samples until `found` after 20,000 good ones, over 50 seeds, in order.
+/// Sorted numbers of samples until `found`, after 20,000 undisturbed ones, over 50 seeds.
 fn delays(mut changed: impl FnMut(f64) -> f64, found: impl Fn(fos_core::Drift) -> bool) -> Vec<u32> {
     let mut delays: Vec<u32> = (0..50)
         .map(|seed| {
@@ -73,7 +73,7 @@ fn delays(mut changed: impl FnMut(f64) -> f64, found: impl Fn(fos_core::Drift) -
 fn a_shift_of_half_a_standard_deviation_is_found_in_about_160_samples() {
     for sign in [1.0, -1.0] {
         let delays = delays(|e| e + sign * 0.5, |drift| drift.mean);
-        // h/(shift − k) = 40/0.25; the sum's spread after it is √160/0.25 = 51 samples: 5 of it to either side
+        // h/(shift − k) = 40/0.25; the standard deviation of the sum is then √160/0.25 = 51 samples: 5 of them on either side
         assert!((120..200).contains(&delays[25]), "{delays:?}");
         assert!(delays[0] > 40 && delays[49] < 420, "{delays:?}");
     }
@@ -82,14 +82,14 @@ fn a_shift_of_half_a_standard_deviation_is_found_in_about_160_samples() {
 #[test]
 fn a_doubled_variance_is_found_in_about_120_samples() {
     let delays = delays(|e| 2.0_f64.sqrt() * e, |drift| drift.variance);
-    // h/(2 − 1.5) = 60/0.5, a little more for the limit of 16 on a square; spread √(120·8)/0.5 = 62 samples
+    // h/(2 − 1.5) = 60/0.5, slightly more because a square is limited to 16; standard deviation √(120·8)/0.5 = 62 samples
     assert!((85..165).contains(&delays[25]), "{delays:?}");
     assert!(delays[49] < 450, "{delays:?}");
 }
 
 #[test]
 fn a_single_outlier_is_no_drift() {
-    // squares were limited, the mean's sum was not: one innovation of 41 standard deviations was a shifted mean
+    // without a limit on the sum of the mean, one innovation of 41 standard deviations would be a shift of the mean
     for outlier in [41.0, -41.0, 1e3, 1e9, f64::from(f32::MAX)] {
         let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(1));
         for n in 0..20_000 {
@@ -100,7 +100,7 @@ fn a_single_outlier_is_no_drift() {
     }
 }
 
-fn the_running_statistics_are_those_of_the_data<R: Real>() {
+fn assert_running_statistics_match_the_data<R: Real>() {
     let (rho, shift, growth) = (0.6_f64, 0.2, 1.3);
     let (mut monitor, mut noise) = (monitor::<R>(0.0), Noise::new(4));
     let (mut e, mut sums) = (0.0, [0.0; 3]);
@@ -127,18 +127,18 @@ fn the_running_statistics_are_those_of_the_data<R: Real>() {
 }
 
 #[test]
-fn the_running_statistics_are_those_of_the_data_in_f32() {
-    the_running_statistics_are_those_of_the_data::<f32>();
+fn running_statistics_match_the_data_in_f32() {
+    assert_running_statistics_match_the_data::<f32>();
 }
 
 #[test]
-fn the_running_statistics_are_those_of_the_data_in_f64() {
-    the_running_statistics_are_those_of_the_data::<f64>();
+fn running_statistics_match_the_data_in_f64() {
+    assert_running_statistics_match_the_data::<f64>();
 }
 
 #[test]
-fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
-    // of the feature in use: docs/decisions/micromath.md
+fn deviation_ratio_is_the_growth_of_the_noise() {
+    // error bound of the square root with and without the feature: docs/decisions/micromath.md
     let budget = if cfg!(feature = "micromath") { 0.0607 } else { 6.0e-8 };
     for growth in [0.1, 1.0, 2.0, 30.0] {
         let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(7));
@@ -146,7 +146,7 @@ fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
             (f64::from(monitor.deviation_ratio()) - 1.0).abs() <= budget,
             "as fitted until told otherwise"
         );
-        // ten time constants: nothing is left of that 1
+        // ten time constants: the initial value of 1 has decayed
         for _ in 0..60_000 {
             let _ = monitor.update(&correction(growth * noise.normal()));
         }
@@ -161,9 +161,9 @@ fn the_ratio_of_deviations_is_how_much_the_noise_has_grown() {
 }
 
 #[test]
-fn what_a_fault_has_left_in_the_running_statistics_fades_with_their_time_constant() {
-    // what is off by `off` is off by 10⁻³ after 30 s·ln(off/10⁻³), in deviations and variances of the fit
-    let (near, samples_a_tau) = (1e-3, 30.0 / PERIOD_S);
+fn effect_of_a_fault_on_the_statistics_decays_with_their_time_constant() {
+    // a difference of `off` has decayed to 10⁻³ after 30 s·ln(off/10⁻³), in deviations and variances of the fit
+    let (near, samples_per_tau) = (1e-3, 30.0 / PERIOD_S);
     let mut longest = 0;
     for lasts in [1, 60, 2000] {
         for size in [4.0, 1e3, f64::from(f32::MAX)] {
@@ -180,16 +180,16 @@ fn what_a_fault_has_left_in_the_running_statistics_fades_with_their_time_constan
                 [mean, variance, f64::from(faulty.lag_1_correlation - clean.lag_1_correlation).abs()]
             };
             let [mean, variance, _] = differences(&clean, &faulty);
-            // a variance is that around the mean: the mean that is off goes into it, as its square and times the noise
+            // a wrong mean enters the variance with its square and with its product with the noise
             let off = variance + mean * mean + mean;
-            let samples = (samples_a_tau * (off / near).ln()).ceil() as u32;
+            let samples = (samples_per_tau * (off / near).ln()).ceil() as u32;
             for _ in 0..samples {
                 let e = correction(noise.normal());
                 let _ = (clean.update(&e), faulty.update(&e));
             }
             let left = differences(&clean, &faulty);
-            // a step down is rounded to 10⁻⁴ of it: 26 time constants may be as much longer; a correlation is off by
-            // both that it is the ratio of
+            // every step is rounded to 10⁻⁴ of itself, so 26 time constants may take 1 % longer; a correlation has the
+            // errors of both terms of its ratio
             assert!(
                 left.iter().zip([1.0, 1.0, 2.0]).all(|(left, of)| *left <= 1.01 * of * near),
                 "{lasts} samples of {size}: {left:?} after {samples}"
@@ -197,13 +197,13 @@ fn what_a_fault_has_left_in_the_running_statistics_fades_with_their_time_constan
             longest = longest.max(samples);
         }
     }
-    // 10 s as far off as a monitor counts
+    // 10 s at the largest innovation that a monitor counts
     assert!(longest < 200_000, "{longest}");
     println!("longest: {longest} samples");
 }
 
 #[test]
-fn an_innovation_that_is_no_number_is_not_counted() {
+fn ignores_non_finite_innovations() {
     let (mut clean, mut poisoned, mut noise) = (monitor::<f32>(0.0), monitor::<f32>(0.0), Noise::new(1));
     for n in 0..1000 {
         if n % 10 == 0 {
@@ -220,7 +220,7 @@ fn an_innovation_that_is_no_number_is_not_counted() {
 }
 
 #[test]
-fn an_innovation_from_own_history_or_none_is_not_counted() {
+fn ignores_absent_innovations_and_own_history() {
     let mut monitor = monitor::<f32>(0.0);
     for _ in 0..1000 {
         let _ = monitor.update(&Correction { validity: Validity::OWN_HISTORY, ..correction(5.0) });
@@ -230,7 +230,7 @@ fn an_innovation_from_own_history_or_none_is_not_counted() {
 }
 
 #[test]
-fn an_alarm_stays_until_it_is_forgotten() {
+fn alarm_stays_until_restart() {
     let mut monitor = monitor::<f32>(0.0);
     for _ in 0..500 {
         let _ = monitor.update(&correction(1.0));
@@ -244,7 +244,7 @@ fn an_alarm_stays_until_it_is_forgotten() {
     }
 }
 
-/// The numbers that a monitor gives.
+/// All numbers that a monitor returns.
 fn numbers<R: Real>(monitor: &Monitor<R>) -> [f64; 6] {
     let InnovationStatistics { mean, variance, lag_1_correlation } = monitor.statistics();
     [
@@ -257,7 +257,7 @@ fn numbers<R: Real>(monitor: &Monitor<R>) -> [f64; 6] {
     ]
 }
 
-/// Any number: of any magnitude, of any sign, and none.
+/// A number of any magnitude and sign, or NaN.
 fn any_number(noise: &mut Noise) -> f64 {
     let sign = if noise.uniform() < 0.5 { -1.0 } else { 1.0 };
     match noise.bits() % 16 {
@@ -270,9 +270,9 @@ fn any_number(noise: &mut Noise) -> f64 {
     }
 }
 
-/// Parameters drawn over all that R holds: those that a model may have, those that are refused, and those that would
-/// have given a number that is none.
-fn every_number_is_finite<R: Real>(seed: u64) -> [u32; 3] {
+/// Draws parameters over the whole range of R. Counts accepted models, rejected ones, and rejected ones whose monitor would
+/// have returned a number that is not finite.
+fn count_finite_statistics<R: Real>(seed: u64) -> [u32; 3] {
     let mut noise = Noise::new(seed);
     let (mut models, mut refused, mut would_overflow) = (0, 0, 0);
     while models < 2000 {
@@ -289,7 +289,7 @@ fn every_number_is_finite<R: Real>(seed: u64) -> [u32; 3] {
         let is_refused = match model.predictor() {
             Ok(_) => false,
             Err(ModelError::Innovation { axis: 0 } | ModelError::AxisParameter { axis: 0 }) => true,
-            // the scale, which has a bound of its own
+            // the scale has a separate bound
             Err(ModelError::Unbounded { axis: 0 }) => continue,
             Err(error) => panic!("{error}: {parameters:?}"),
         };
@@ -316,9 +316,9 @@ fn every_number_is_finite<R: Real>(seed: u64) -> [u32; 3] {
 }
 
 #[test]
-fn every_number_is_finite_whatever_model_and_innovations() {
-    let [models, refused, control] = every_number_is_finite::<f32>(11);
-    let [in_f64, refused_in_f64, _] = every_number_is_finite::<f64>(12);
+fn statistics_are_finite_for_any_model_and_innovations() {
+    let [models, refused, control] = count_finite_statistics::<f32>(11);
+    let [in_f64, refused_in_f64, _] = count_finite_statistics::<f64>(12);
     assert!(control > 0, "the same check without the refusal finds nothing: {refused} refused");
     println!(
         "attack: statistics of the monitor | {} models with means, variances and scales over all of f32, 50 innovations of any bits \
@@ -330,13 +330,13 @@ fn every_number_is_finite_whatever_model_and_innovations() {
 }
 
 #[test]
-fn a_model_whose_monitor_would_overflow_is_refused_by_name() {
+fn rejects_models_whose_monitor_would_overflow() {
     let built = |mean: f32, variance: f32, scale: f32| {
         let innovation = InnovationStatistics { mean, variance, lag_1_correlation: 0.0 };
         let parameters = AxisParameters { scale, innovation, ..plain() };
         OwnedModel::autoregressive(parameters, vec![]).predictor().err()
     };
-    // the running mean was infinite from the first sample
+    // the running mean would be infinite from the first sample on
     for (mean, variance, scale) in
         [(1e30, 1e-20, 1.0), (-1e30, 0.4, 1.0), (0.0, 1e30, 1.0), (0.0, 1e-40, 1.0), (0.0, 1.0, 1e-25)]
     {
@@ -346,7 +346,7 @@ fn a_model_whose_monitor_would_overflow_is_refused_by_name() {
             "{mean} {variance} {scale}"
         );
     }
-    // what a fit comes to, also on data without noise
+    // typical results of fits, also on data without noise
     for (mean, variance, scale) in
         [(0.0, 1.0, 1.0), (0.1, f32::MIN_POSITIVE, 1e-3), (1e-4, 2e-6, 0.02), (3.0, 1e3, 40.0)]
     {

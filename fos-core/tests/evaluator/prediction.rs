@@ -1,4 +1,4 @@
-//! One-step, k-step and free-run prediction: against values computed by another road and against a naive twin.
+//! One-step, k-step and free-run prediction, compared with independently computed values and with a naive twin.
 
 mod twin;
 
@@ -8,14 +8,14 @@ use fos_testkit::reference::{self, number};
 use proptest::prelude::*;
 use twin::{compare, events};
 
-/// A model and a series, what was computed of both, and the predictor of that model.
+/// A series, the predictor of a model, and the reference answers for both.
 struct Given {
     answers: serde_json::Value,
     series: Vec<f64>,
     predictor: Roomy<f64>,
 }
 
-/// Our own, and others' where it is at hand.
+/// Our own reference, and those of others where available.
 fn given() -> impl Iterator<Item = Given> {
     reference::each("prediction", "predict_S1_shared").map(|reference| {
         let model = &reference.answers["model"];
@@ -43,7 +43,7 @@ fn track(predictor: &mut Roomy<f64>, value: f64) -> f64 {
     value - correction.innovation.unwrap_or(f64::NAN)
 }
 
-/// The next predictions from own history; the measured value is absent and cannot leak in.
+/// The next predictions from the model's own output; the measured value is a constant 0 and cannot leak in.
 fn coast(predictor: &mut Roomy<f64>, samples: usize) -> Vec<f64> {
     (0..samples)
         .map(|_| predictor.coast(&Sample { measured: &[0.0], quantities: &[] })[0].predicted)
@@ -52,13 +52,13 @@ fn coast(predictor: &mut Roomy<f64>, samples: usize) -> Vec<f64> {
 
 fn assert_near(found: f64, expected: &serde_json::Value) {
     let expected = number(expected);
-    // theirs in 50 digits or in another order: roundings of 2^-53, which 200 steps of a damped recursion do not raise
-    // to a billionth
+    // the references use 50 digits or another order of evaluation: roundings of 2^-53, which 200 steps of a damped
+    // recursion amplify to less than 1e-9
     assert!((found / expected - 1.0).abs() < 1e-9, "{found}, expected {expected}");
 }
 
 #[test]
-fn k_step_errors_are_those_of_the_reference() {
+fn k_step_errors_match_the_reference() {
     for Given { answers, series, predictor } in given() {
         for k in [1, 5, 10] {
             let mut predictor = predictor.clone();
@@ -79,7 +79,7 @@ fn k_step_errors_are_those_of_the_reference() {
 }
 
 #[test]
-fn the_innovation_while_tracking_is_the_one_step_error() {
+fn innovation_while_tracking_is_the_one_step_error() {
     for Given { answers, series, mut predictor } in given() {
         let errors: Vec<f64> = series.iter().map(|&value| value - track(&mut predictor, value)).collect();
         // the model reaches four samples back
@@ -90,7 +90,7 @@ fn the_innovation_while_tracking_is_the_one_step_error() {
 }
 
 #[test]
-fn predictions_anchored_every_ten_samples_are_those_of_the_reference() {
+fn predictions_in_blocks_of_ten_match_the_reference() {
     for Given { answers, series, mut predictor } in given() {
         let (mut sum, mut count) = (0.0, 0);
         for (n, block) in series.chunks(10).enumerate() {
@@ -110,7 +110,7 @@ fn predictions_anchored_every_ten_samples_are_those_of_the_reference() {
 }
 
 #[test]
-fn a_free_run_is_that_of_the_reference() {
+fn free_run_matches_the_reference() {
     for Given { answers, series, mut predictor } in given() {
         for &value in &series[..10] {
             let _ = track(&mut predictor, value);
@@ -129,14 +129,14 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn a_naive_twin_gives_the_same_bits(model in models(Draw::Exact), events in events()) {
+    fn naive_twin_gives_the_same_bits(model in models(Draw::Exact), events in events()) {
         compare(&model, &events, 0.0).map_err(TestCaseError::fail)?;
     }
 
     // the recursions of low-pass and line differ from their definitions by some 2000 roundings of 2^-53 of values
     // up to 3 (Rate: over tau = 0.01 s, 300), and 20 terms of coefficient 1 over them: 1e-9 leaves a factor 10
     #[test]
-    fn a_twin_whose_transforms_are_evaluated_by_definition_agrees(
+    fn twin_with_transforms_by_definition_agrees(
         model in models(Draw::Contracting), events in events()
     ) {
         compare(&model, &events, 1e-9).map_err(TestCaseError::fail)?;

@@ -1,4 +1,4 @@
-//! Bad samples, gaps and restarts: what comes out stays finite, says so, and is forgotten.
+//! Bad samples, gaps and restarts: the output stays finite and is flagged, and their effect vanishes.
 
 use fos_core::{
     AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Scalar, Source, Term, Transform,
@@ -77,9 +77,9 @@ fn numbers<R: Real>(correction: &Correction<R>) -> [f64; 3] {
 /// |predicted| of [`with_temperature`]: offset + scale·(p + r̂), |p| ≤ 0.3·2.2, |r̂| ≤ 10.
 const BOUND: f64 = OFFSET + 0.1 * (0.66 + 10.0) + 1e-5;
 
-fn bad_measurements_are_flagged_and_forgotten<R: Real>() {
+fn assert_bad_measurements_are_flagged_and_vanish<R: Real>() {
     let high = R::MAX.to_f64();
-    // value, flag, whether one such sample already counts as a fault
+    // name, value, expected flag
     let faults = [
         ("NaN", f64::NAN, Validity::NOT_FINITE),
         ("inf", f64::INFINITY, Validity::NOT_FINITE),
@@ -107,7 +107,7 @@ fn bad_measurements_are_flagged_and_forgotten<R: Real>() {
                 let place = format!("{name} {mode:?} {n}: {found:?}");
                 assert!(found.iter().flat_map(numbers).all(f64::is_finite), "{place}");
                 assert!(found.iter().all(|axis| axis.predicted.to_f64().abs() <= BOUND), "{place}");
-                // the other axis does not notice
+                // the other axis is not affected
                 assert_eq!(found[1], expected[1], "{place}");
                 if wrong {
                     assert!(found[0].validity.contains(flag), "{place}");
@@ -131,18 +131,18 @@ fn bad_measurements_are_flagged_and_forgotten<R: Real>() {
 }
 
 #[test]
-fn a_bad_measurement_is_flagged_and_forgotten_after_as_many_samples_as_the_longest_lag_in_f32() {
-    bad_measurements_are_flagged_and_forgotten::<f32>();
+fn bad_measurement_is_flagged_and_vanishes_after_the_longest_lag_in_f32() {
+    assert_bad_measurements_are_flagged_and_vanish::<f32>();
 }
 
 #[test]
-fn a_bad_measurement_is_flagged_and_forgotten_after_as_many_samples_as_the_longest_lag_in_f64() {
-    bad_measurements_are_flagged_and_forgotten::<f64>();
+fn bad_measurement_is_flagged_and_vanishes_after_the_longest_lag_in_f64() {
+    assert_bad_measurements_are_flagged_and_vanish::<f64>();
 }
 
 #[test]
-fn a_faulty_sample_does_not_enter_the_history() {
-    // whatever the fault, what follows is what a missing sample would have given
+fn faulty_sample_does_not_enter_the_history() {
+    // after any fault the output equals that after a missing sample
     let run = |bad: Option<f64>| {
         let mut predictor = with_temperature::<f64>().predictor().unwrap();
         let mut noise = Noise::new(3);
@@ -165,13 +165,13 @@ fn a_faulty_sample_does_not_enter_the_history() {
 }
 
 #[test]
-fn a_stuck_axis_is_flagged_and_forgotten() {
+fn stuck_axis_is_flagged_and_recovers() {
     for mode in [Mode::Track, Mode::Coast] {
         let clean = with_temperature::<f32>().predictor().unwrap();
         let (mut clean, mut stuck) = (clean.clone(), clean);
         let mut noise = Noise::new(11);
         let mut held = [0.0; 2];
-        // 8 repetitions are let pass, then 4 more are coasted: fewer than the gap limit
+        // 8 repetitions are tolerated, then 4 more are coasted: fewer than the gap limit
         for n in 0..80 {
             let measured: [f32; 2] = noisy(&mut noise);
             let mode = if (20..33).contains(&n) { mode } else { Mode::Track };
@@ -191,7 +191,7 @@ fn a_stuck_axis_is_flagged_and_forgotten() {
 }
 
 #[test]
-fn a_bad_quantity_is_held_and_what_depends_on_it_flagged() {
+fn bad_quantity_is_held_and_flagged() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38, 1e-40] {
         let clean = with_temperature::<f32>().predictor().unwrap();
         let (mut clean, mut faulty) = (clean.clone(), clean);
@@ -211,7 +211,7 @@ fn a_bad_quantity_is_held_and_what_depends_on_it_flagged() {
             if wrong {
                 assert!(found[0].validity.contains(flag), "{bad} {n}: {found:?}");
                 if flag == Validity::INPUT_NOT_FINITE {
-                    // it had not changed: holding is right
+                    // the quantity had not changed, so holding it is exact
                     assert_eq!(found[0].predicted, expected[0].predicted, "{bad} {n}");
                 }
             } else if n >= 30 + DEPTH {
@@ -222,7 +222,7 @@ fn a_bad_quantity_is_held_and_what_depends_on_it_flagged() {
 }
 
 #[test]
-fn an_absent_quantity_counts_as_not_finite_and_an_absent_axis_as_missing() {
+fn absent_quantity_is_not_finite_and_absent_axis_missing() {
     let mut predictor = with_temperature::<f32>().predictor().unwrap();
     let found = step(&mut predictor, Mode::Track, &[9.8], &[]);
     assert!(found[0].validity.contains(Validity::INPUT_NOT_FINITE), "{found:?}");
@@ -230,7 +230,7 @@ fn an_absent_quantity_counts_as_not_finite_and_an_absent_axis_as_missing() {
 }
 
 #[test]
-fn one_wild_sample_of_a_quantity_leaves_a_low_pass_as_fast_as_its_time_constant() {
+fn outlier_of_a_quantity_decays_with_the_low_pass() {
     let tau_s = 0.5;
     let inputs = vec![input(Source::Quantity(0), Transform::LowPass { tau_s }, 2.0)];
     let clean = model::<f32>(inputs, vec![]).predictor().unwrap();
@@ -250,12 +250,12 @@ fn one_wild_sample_of_a_quantity_leaves_a_low_pass_as_fast_as_its_time_constant(
 }
 
 #[test]
-fn the_largest_values_give_finite_innovations() {
+fn largest_values_give_finite_innovations() {
     // near 1/scale = 2⁻¹²⁶ and beyond it products of the two are off by more than a rounding
     for scale in [1e-3_f32, 0.3, 3.0, 7.0, 1e3, 1e30, 8e37, 2.485_602_6e38] {
         let reach = (1.0 / scale).min(1.0_f32);
         let parameters = AxisParameters::<f32> { scale, range: Range::new(-reach, reach), ..plain() };
-        // a term would not be bounded then
+        // with larger scales a term would not be bounded
         let terms = if scale < 1e29 { vec![Term::new(0.5, &[y(1)])] } else { vec![] };
         let mut predictor = OwnedModel::autoregressive(parameters, terms).predictor().unwrap();
         for measured in [0.1, f32::MAX, -f32::MAX, f32::MAX.next_down(), -f32::MAX.next_down(), 1e38, 0.2] {
@@ -271,7 +271,7 @@ fn the_largest_values_give_finite_innovations() {
 }
 
 #[test]
-fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
+fn gap_is_coasted_up_to_its_limit_then_warms_up() {
     for ticks in 1..12_u32 {
         let clean = with_temperature::<f64>().predictor().unwrap();
         let (mut skipped, mut stepped) = (clean.clone(), clean);
@@ -305,7 +305,7 @@ fn a_gap_is_coasted_up_to_its_limit_and_then_the_axis_warms_up() {
 }
 
 #[test]
-fn what_has_faded_does_not_come_back_by_what_is_lost() {
+fn faded_part_stays_faded_after_lost_samples() {
     // no lags, so that the axis needs no history to be ready
     let parameters = AxisParameters { constant: 0.7, coast_limit_s: 1.0, gap_limit_samples: 20, ..plain() };
     let mut moved = OwnedModel::autoregressive(parameters, vec![]).predictor().unwrap();
@@ -329,9 +329,9 @@ fn what_has_faded_does_not_come_back_by_what_is_lost() {
 }
 
 #[test]
-fn a_stuck_test_that_is_switched_off_stays_off() {
-    // repetitions were counted in 16 bits and 0 was turned into 65535: after 5 minutes of equal values the axis
-    // was flagged as stuck and lost its history
+fn disabled_stuck_test_stays_disabled() {
+    // regression: with a limit of 65535 in place of 0, the axis was flagged as stuck after 5 minutes of equal values
+    // and lost its history
     let parameters = AxisParameters::<f32> { stuck_after_repeats: 0, ..plain() };
     let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
     let mut predictor = model.predictor().unwrap();
@@ -342,8 +342,8 @@ fn a_stuck_test_that_is_switched_off_stays_off() {
 }
 
 #[test]
-fn the_first_sample_is_no_repetition() {
-    // the value before the first one was 0, so a gyro that began with exactly 0 was stuck one sample early
+fn first_sample_is_not_a_repetition() {
+    // regression: with a previous value of 0, a gyro that began with exactly 0 was stuck one sample early
     let parameters = AxisParameters::<f32> { stuck_after_repeats: 3, ..plain() };
     let model = OwnedModel::autoregressive(parameters, vec![Term::new(0.5, &[y(1)])]);
     for value in [0.0, -0.0, 0.25] {
@@ -356,9 +356,9 @@ fn the_first_sample_is_no_repetition() {
 }
 
 #[test]
-fn the_long_memory_of_a_lost_axis_fades_instead_of_holding_one_sample() {
-    // a low-pass of the remainder went on with the last r before the gap, one sample of mostly white noise, and
-    // had converged to it when the axis came back
+fn long_memory_of_a_lost_axis_decays() {
+    // regression: a low-pass of the remainder continued with the last r before the gap, one sample of mostly white
+    // noise, and had converged to it when the axis recovered
     let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
     let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
     let lose: [fn(&mut Roomy<f64>); 3] = [
@@ -370,7 +370,7 @@ fn the_long_memory_of_a_lost_axis_fades_instead_of_holding_one_sample() {
     ];
     for lose in lose {
         let mut predictor = model.predictor().unwrap();
-        // quiet but for the last sample, which is 4 off (0.4 in the axis' unit)
+        // undisturbed except for the last sample, which is off by 4 (0.4 in the axis' unit)
         for n in 0..50 {
             let r = if n == 49 { 4.0 } else { 0.0 };
             step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.1 * r; 2], &[0.0]);
@@ -386,11 +386,11 @@ fn the_long_memory_of_a_lost_axis_fades_instead_of_holding_one_sample() {
 }
 
 #[test]
-fn the_long_memory_of_an_axis_that_never_warmed_up_holds_no_single_sample() {
+fn long_memory_holds_no_single_sample_before_the_warm_up() {
     let memory = input(Source::Remainder(0), Transform::LowPass { tau_s: 1.0 }, 10.0);
     let model: OwnedModel<f64> = model(vec![memory], vec![Term::new(0.3, &[u(0, 0)])]);
     let mut predictor = model.predictor().unwrap();
-    // one still sample, then the unit moves
+    // one sample at rest, then motion
     step(&mut predictor, Mode::Track, &[9.81 + OFFSET + 0.4; 2], &[0.0]);
     (0..2000).for_each(|_| drop(step(&mut predictor, Mode::Coast, &[9.0; 2], &[0.0])));
     for _ in 0..=DEPTH {
@@ -401,7 +401,7 @@ fn the_long_memory_of_an_axis_that_never_warmed_up_holds_no_single_sample() {
 }
 
 #[test]
-fn a_long_skip_is_time_passing() {
+fn long_skip_equals_missing_samples() {
     let clock = |transform| {
         let mut clock: Input<f64> = input(Source::Clock, transform, 2.0);
         clock.scale = 1000.0;
@@ -414,7 +414,7 @@ fn a_long_skip_is_time_passing() {
         clock(Transform::Cosine { frequency_hz: 3.7 }),
     ];
     let mut model: OwnedModel<f64> = model(inputs, vec![]);
-    // the lagged inputs as well: they were as old as the gap, and the first samples after it wrong without a flag
+    // lagged inputs too: with a wrong age, the first samples after the gap would be wrong without a flag
     model.axes[0].physical.extend([Term::new(0.4, &[u(2, 3)]), Term::new(0.2, &[u(0, 5), u(3, 7)])]);
     for ticks in [1, 100, 255, 256, 257, 1000, 100_000] {
         let mut skipped = model.predictor().unwrap();
@@ -436,8 +436,8 @@ fn a_long_skip_is_time_passing() {
 }
 
 #[test]
-fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
-    // a windowed variance squares what it gets: inf − inf made it NaN, and so the input, until the next reset
+fn huge_range_is_rejected_or_a_huge_quantity_decays() {
+    // regression: a windowed variance squares its input, and inf − inf made the input NaN until the next reset
     let wide = |transform, reach: f32| {
         let mut wide: Input<f32> = input(Source::Quantity(0), transform, 2.0);
         wide.source_range = Range::new(-reach, reach);
@@ -476,7 +476,7 @@ fn a_huge_quantity_within_a_huge_range_is_refused_or_forgotten() {
                     |predictor: &mut Roomy<f32>| step(predictor, Mode::Coast, &[0.0], &[0.5])[0].predicted;
                 last = (run(&mut predictor), run(&mut fresh));
             }
-            // backlash remembers from which side it came
+            // backlash depends on the direction of approach
             let same = (last.0 - last.1).abs()
                 <= if matches!(transform, Transform::Backlash { .. }) { 0.2 } else { 1e-6 };
             assert!(same, "{transform:?} within {reach:e}: {last:?}");
@@ -488,7 +488,7 @@ proptest! {
     #![proptest_config(cases(60))]
 
     #[test]
-    fn a_reset_predictor_is_a_fresh_one(
+    fn reset_equals_a_new_predictor(
         model in models(Draw::Contracting), seed in any::<u64>(), ticks in 0_u32..600
     ) {
         let fresh = model.convert::<f32>().predictor().unwrap();
@@ -496,7 +496,7 @@ proptest! {
         let mut noise = Noise::new(seed);
         let n_axes = model.axes.len();
         let draw = |noise: &mut Noise| -> (Vec<f32>, Vec<f32>) {
-            // few values, so that repetitions across the reset would be counted
+            // few distinct values, so that repetitions across the reset would be counted
             let mut coarse = |_| (2.0 * noise.normal()).round() as f32;
             ((0..n_axes).map(&mut coarse).collect(), (0..3).map(&mut coarse).collect())
         };
@@ -518,7 +518,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_comes_in_what_goes_out_is_finite_and_bounded(
+    fn output_is_finite_and_bounded_for_any_input(
         model in models(Draw::Exact), seed in any::<u64>()
     ) {
         let model = model.convert::<f32>();

@@ -1,4 +1,4 @@
-//! Is a phone on a table still, and a phone in a hand not?
+//! The stillness detector with a phone on a table and in a hand.
 
 use fos_core::{StillnessDetector, StillnessLimits};
 use fos_testkit::models::PERIOD_S;
@@ -11,12 +11,12 @@ const DPS: f64 = core::f64::consts::PI / 180.0;
 const BIAS: [f64; 3] = [0.4 * DPS, -0.2 * DPS, 0.1 * DPS];
 const WINDOW: u32 = 100;
 
-/// Variances twice those of the noise, summed over the axes; rates up to 0.5 dps from the fitted offsets.
+/// Limits: twice the variances of the noise, summed over the axes; rates up to 0.5 dps from the fitted offsets.
 fn detector() -> StillnessDetector<f32> {
-    allowing(0.5 * DPS)
+    detector_with(0.5 * DPS)
 }
 
-fn allowing(gyro_deviation: f64) -> StillnessDetector<f32> {
+fn detector_with(gyro_deviation: f64) -> StillnessDetector<f32> {
     let limits = StillnessLimits {
         window: WINDOW as u16,
         accel_variance: 2.0 * 3.0 * ACCEL_NOISE * ACCEL_NOISE,
@@ -27,7 +27,7 @@ fn allowing(gyro_deviation: f64) -> StillnessDetector<f32> {
     StillnessDetector::new(limits.convert()).unwrap()
 }
 
-/// A phone: what it feels and how it turns, beside noise and bias.
+/// A phone at rest or in motion, with sensor noise and bias.
 struct Phone {
     noise: Noise,
     gravity: [f64; 3],
@@ -39,13 +39,13 @@ impl Phone {
     }
 
     fn sample(&mut self, accel: [f64; 3], rate: [f64; 3]) -> ([f32; 3], [f32; 3]) {
-        let mut felt = [0.0; 3];
-        let mut turned = [0.0; 3];
+        let mut force = [0.0; 3];
+        let mut turn_rate = [0.0; 3];
         for axis in 0..3 {
-            felt[axis] = (self.gravity[axis] + accel[axis] + ACCEL_NOISE * self.noise.normal()) as f32;
-            turned[axis] = (BIAS[axis] + rate[axis] + GYRO_NOISE * self.noise.normal()) as f32;
+            force[axis] = (self.gravity[axis] + accel[axis] + ACCEL_NOISE * self.noise.normal()) as f32;
+            turn_rate[axis] = (BIAS[axis] + rate[axis] + GYRO_NOISE * self.noise.normal()) as f32;
         }
-        (felt, turned)
+        (force, turn_rate)
     }
 
     /// One sample of rest.
@@ -54,8 +54,8 @@ impl Phone {
         detector.update(accel, gyro)
     }
 
-    /// A detector that has found it still.
-    fn settled(&mut self) -> StillnessDetector<f32> {
+    /// A detector in the still state.
+    fn still_detector(&mut self) -> StillnessDetector<f32> {
         let mut detector = detector();
         let still = (0..5 * WINDOW).map(|_| self.rest(&mut detector)).last();
         assert_eq!(still, Some(true));
@@ -64,7 +64,7 @@ impl Phone {
 }
 
 #[test]
-fn a_phone_at_rest_is_still_after_two_windows_and_stays_so() {
+fn phone_at_rest_is_still_after_two_windows() {
     let (mut detector, mut phone) = (detector(), Phone::new(1));
     for n in 1..=1_000_000 {
         assert_eq!(phone.rest(&mut detector), n >= 2 * WINDOW, "{n}");
@@ -72,7 +72,7 @@ fn a_phone_at_rest_is_still_after_two_windows_and_stays_so() {
 }
 
 #[test]
-fn a_hand_is_never_still() {
+fn phone_in_a_hand_is_never_still() {
     // physiological tremor at 9 Hz, 0.05 m/s² and 1 dps, and a sway of 0.5 Hz
     for seed in 0..5 {
         let (mut detector, mut phone) = (detector(), Phone::new(seed));
@@ -88,15 +88,15 @@ fn a_hand_is_never_still() {
 }
 
 #[test]
-fn a_tap_ends_stillness_in_its_first_sample() {
+fn tap_ends_stillness_in_its_first_sample() {
     for (accel, rate) in
         [([0.0, 0.0, 0.5], [0.0; 3]), ([0.5, 0.0, 0.0], [0.0; 3]), ([0.0; 3], [0.0, 2.0 * DPS, 0.0])]
     {
         let mut phone = Phone::new(2);
-        let mut detector = phone.settled();
+        let mut detector = phone.still_detector();
         let (accel, gyro) = phone.sample(accel, rate);
         assert!(!detector.update(accel, gyro));
-        // and it takes two windows to be still again
+        // still again after two windows
         for n in 1..=2 * WINDOW {
             assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");
         }
@@ -104,9 +104,9 @@ fn a_tap_ends_stillness_in_its_first_sample() {
 }
 
 #[test]
-fn a_hand_that_takes_it_ends_stillness_within_a_window() {
+fn picking_up_ends_stillness_within_a_window() {
     let mut phone = Phone::new(2);
-    let mut detector = phone.settled();
+    let mut detector = phone.still_detector();
     let first = (0..WINDOW).find(|&n| {
         let t = f64::from(n) * PERIOD_S;
         let (accel, gyro) = phone.sample([0.0, 0.0, 3.0 * t], [0.0, 1.0 * t, 0.0]);
@@ -117,8 +117,8 @@ fn a_hand_that_takes_it_ends_stillness_within_a_window() {
 }
 
 #[test]
-fn a_slow_steady_turn_about_the_vertical_is_never_still() {
-    // no variance, no change of gravity: only its distance from the rate at rest tells
+fn slow_rotation_about_the_vertical_is_never_still() {
+    // no variance and no change of gravity: only the distance from the rate at rest shows the motion
     for rate in [2.0 * DPS, -2.0 * DPS, 1.0 * DPS] {
         let (mut detector, mut phone) = (detector(), Phone::new(3));
         for n in 0..200_000 {
@@ -129,10 +129,10 @@ fn a_slow_steady_turn_about_the_vertical_is_never_still() {
 }
 
 #[test]
-fn a_turn_that_begins_ends_stillness_within_two_windows() {
+fn start_of_a_rotation_ends_stillness_within_two_windows() {
     for rate in [2.0 * DPS, 1.2 * DPS] {
         let mut phone = Phone::new(4);
-        let mut detector = phone.settled();
+        let mut detector = phone.still_detector();
         let still: Vec<bool> = (0..100 * WINDOW)
             .map(|_| {
                 let (accel, gyro) = phone.sample([0.0; 3], [0.0, 0.0, rate]);
@@ -144,11 +144,11 @@ fn a_turn_that_begins_ends_stillness_within_two_windows() {
 }
 
 #[test]
-fn a_turn_about_a_horizontal_axis_is_never_still() {
-    // also where the gyros may deviate further than that: gravity tells. Its mean moves by rate · 0.5 s · 9.81 m/s²
+fn rotation_about_a_horizontal_axis_is_never_still() {
+    // also with a larger limit on the gyros, because gravity shows the rotation: its mean moves by rate · 0.5 s · 9.81 m/s²
     // from window to window, 0.086 m/s² at 1 dps, against a limit of √(2·3·0.016²) = 0.039 m/s²
     for (rate, gyro_deviation) in [(2.0 * DPS, 0.5 * DPS), (1.0 * DPS, 3.0 * DPS)] {
-        let (mut detector, mut phone) = (allowing(gyro_deviation), Phone::new(5));
+        let (mut detector, mut phone) = (detector_with(gyro_deviation), Phone::new(5));
         for n in 0..100_000 {
             let angle = rate * f64::from(n) * PERIOD_S;
             phone.gravity = [0.0, 9.81 * angle.sin(), 9.81 * angle.cos()];
@@ -159,9 +159,9 @@ fn a_turn_about_a_horizontal_axis_is_never_still() {
 }
 
 #[test]
-fn a_tilt_is_motion_and_its_new_pose_is_still_again() {
+fn tilt_is_motion_and_the_new_orientation_still_again() {
     let mut phone = Phone::new(6);
-    let mut detector = phone.settled();
+    let mut detector = phone.still_detector();
     // 1° within half a second
     let mut moved = false;
     for n in 0..WINDOW {
@@ -176,10 +176,10 @@ fn a_tilt_is_motion_and_its_new_pose_is_still_again() {
 }
 
 #[test]
-fn a_bias_that_drifts_with_temperature_stays_still() {
+fn bias_drift_with_temperature_stays_still() {
     // 0.02 dps/K over 20 K in an hour: 0.4 dps, within gyro_deviation of 0.5 dps
     let mut phone = Phone::new(7);
-    let mut detector = phone.settled();
+    let mut detector = phone.still_detector();
     for n in 0..720_000 {
         let drift = 0.4 * DPS * f64::from(n) / 720_000.0;
         let (accel, gyro) = phone.sample([0.0; 3], [0.0, drift, 0.0]);
@@ -188,11 +188,11 @@ fn a_bias_that_drifts_with_temperature_stays_still() {
 }
 
 #[test]
-fn a_value_that_is_no_number_means_moving_and_is_forgotten() {
+fn non_finite_value_is_motion_and_vanishes() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for place in 0..6 {
             let mut phone = Phone::new(8);
-            let mut detector = phone.settled();
+            let mut detector = phone.still_detector();
             let (mut accel, mut gyro) = phone.sample([0.0; 3], [0.0; 3]);
             if place < 3 {
                 accel[place] = bad
@@ -208,15 +208,15 @@ fn a_value_that_is_no_number_means_moving_and_is_forgotten() {
 }
 
 #[test]
-fn a_huge_value_means_moving_and_is_forgotten() {
+fn huge_value_is_motion_and_vanishes() {
     // its square overflows
     for huge in [1e20, -3e38, f32::MAX] {
         let mut phone = Phone::new(9);
-        for mut detector in [phone.settled(), detector()] {
+        for mut detector in [phone.still_detector(), detector()] {
             let (mut accel, gyro) = phone.sample([0.0; 3], [0.0; 3]);
             accel[1] = huge;
             assert!(!detector.update(accel, gyro));
-            // the window it spoils, and two more
+            // the affected window, and two more
             let still: Vec<bool> = (0..3 * WINDOW).map(|_| phone.rest(&mut detector)).collect();
             assert_eq!(still.last(), Some(&true), "{huge}");
         }
@@ -224,9 +224,9 @@ fn a_huge_value_means_moving_and_is_forgotten() {
 }
 
 #[test]
-fn missing_samples_mean_moving() {
+fn missing_samples_are_motion() {
     let mut phone = Phone::new(10);
-    let mut detector = phone.settled();
+    let mut detector = phone.still_detector();
     assert!(!detector.disturbed());
     for n in 1..=2 * WINDOW {
         assert_eq!(phone.rest(&mut detector), n == 2 * WINDOW, "{n}");

@@ -1,10 +1,10 @@
-//! The inputs together: terms that only cancel in what was seen while fitting must not come apart.
+//! The limit of the physical part: terms that cancel only within the data of the fit must not diverge.
 
 use fos_core::{AxisParameters, Quantity, Range, Sample, Source, Term, Transform, Validity, u};
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, input, plain};
 use proptest::prelude::*;
 
-/// Two inputs, as logged.
+/// A model with two inputs, which are the logged quantities.
 fn model(terms: Vec<Term<f64>>, physical_range: Range<f64>) -> OwnedModel<f64> {
     let of = |quantity| input(Source::Quantity(quantity), Transform::Identity, 3.0);
     let parameters = AxisParameters { offset: 0.25, scale: 0.5, physical_range, ..plain() };
@@ -17,24 +17,24 @@ fn model(terms: Vec<Term<f64>>, physical_range: Range<f64>) -> OwnedModel<f64> {
     }
 }
 
-/// Coefficients of ±1.3 over inputs that moved together while fitting: p was seldom more than noise.
+/// Coefficients of ±1.3 over inputs that varied together in the data of the fit, so that p was hardly more than noise.
 fn cancelling() -> OwnedModel<f64> {
     model(vec![Term::new(1.3, &[u(0, 0)]), Term::new(-1.3, &[u(1, 0)])], Range::new(-0.04, 0.06))
 }
 
-/// p, and what speaks against it, coasting and tracking: both subtract the same.
+/// p and its validity; coasting and tracking must subtract the same.
 fn p(predictor: &mut Roomy<f64>, quantities: &[f64]) -> (f64, Validity) {
     let sample = Sample { measured: &[0.3], quantities };
     let coasted = predictor.coast(&sample)[0];
     let tracked = predictor.track(&sample)[0];
     assert_eq!((coasted.predicted, coasted.validity), (tracked.predicted, tracked.validity));
-    // without a stochastic part the innovation is the remainder of what was subtracted
+    // without a stochastic part the innovation is the measured error minus p
     assert!((tracked.innovation.unwrap() - (0.3 - tracked.predicted)).abs() < 1e-12);
     ((tracked.predicted - 0.25) / 0.5, tracked.validity)
 }
 
 #[test]
-fn one_input_alone_goes_to_three_times_the_seen_width_and_says_so() {
+fn p_is_limited_to_three_widths_and_flagged() {
     let mut predictor = cancelling().predictor().unwrap();
     for (quantities, expected) in [([2.0, 2.0], 0.0), ([2.0, 1.9], 0.13), ([-2.0, -1.9], -0.13)] {
         let (found, validity) = p(&mut predictor, &quantities);
@@ -45,19 +45,19 @@ fn one_input_alone_goes_to_three_times_the_seen_width_and_says_so() {
         assert!((found - limit).abs() < 1e-12, "{found}, {limit}");
         assert_eq!(validity, Validity::INPUT_OUT_OF_RANGE);
     }
-    // and only as long as it lasts
+    // the flag ends with the limitation
     let (found, validity) = p(&mut predictor, &[1.0, 1.0]);
     assert!(found == 0.0 && validity.is_valid(), "{found}: {validity:?}");
 }
 
 #[test]
-fn only_the_axis_that_is_limited_says_so() {
+fn only_the_limited_axis_is_flagged() {
     let mut model = cancelling();
     let one = vec![Term::new(0.3, &[u(0, 0)])];
     let parameters = AxisParameters { physical_range: Range::new(-0.9, 0.9), ..plain() };
     let without = OwnedAxis { parameters, physical: vec![], stochastic: vec![] };
     model.axes.push(OwnedAxis { physical: one, ..without.clone() });
-    // its range is beside 0, where p of no terms is
+    // a range that excludes 0, the p of an axis without physical terms
     let physical_range = Range::new(5.0, 6.0);
     model.axes.push(OwnedAxis { parameters: AxisParameters { physical_range, ..parameters }, ..without });
     let mut predictor = model.predictor().unwrap();
@@ -84,7 +84,7 @@ fn anything() -> impl Strategy<Value = [f64; 2]> {
 
 proptest! {
     #[test]
-    fn p_stays_within_whatever_comes_in(
+    fn p_stays_within_its_limits_for_any_input(
         terms in coefficients(),
         (low, width) in (-2.0..2.0, 0.0..2.0),
         logged in prop::collection::vec(anything(), 1..20),
@@ -110,22 +110,22 @@ proptest! {
         }
     }
 
-    /// Its own range comes first: the guard is for more than one.
+    /// A single input reaches its own limit first; the limit of p matters only for several.
     #[test]
-    fn a_model_of_one_input_gives_the_same_bits_with_and_without(
+    fn single_input_gives_the_same_bits_with_and_without_the_limit(
         coefficient in -3.0..3.0,
         logged in prop::collection::vec(anything(), 1..20),
     ) {
         let ends: [f64; 2] = [-3.0 * coefficient, 3.0 * coefficient];
-        let seen = Range::new(ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let fitted = Range::new(ends[0].min(ends[1]), ends[0].max(ends[1]));
         let run = |range| -> Vec<(u64, Validity)> {
             let mut predictor = model(vec![Term::new(coefficient, &[u(0, 0)])], range).predictor().unwrap();
-            let said = logged.iter().map(|quantities| {
+            let outputs = logged.iter().map(|quantities| {
                 let found = predictor.coast(&Sample { measured: &[0.3], quantities })[0];
                 (found.predicted.to_bits(), found.validity)
             });
-            said.collect()
+            outputs.collect()
         };
-        prop_assert_eq!(run(seen), run(Range::unlimited()));
+        prop_assert_eq!(run(fitted), run(Range::unlimited()));
     }
 }

@@ -1,4 +1,4 @@
-//! One image for a part and a record for each unit: together they are the image that the unit's own model would have.
+//! One image for a part and a record for each unit: together they give the image of the unit's own model.
 
 use fos_core::image::{
     Image, ImageError, Info, UNIT_HEADER_LENGTH, UnitError, UnitRecord, encode, encode_unit, for_unit,
@@ -14,7 +14,7 @@ fn encoded(model: &OwnedModel<f32>) -> Vec<u8> {
     model.borrow(|model| encode(model, &INFO, &mut buffer).unwrap().to_vec())
 }
 
-/// In the order of a record.
+/// Changes the values of a unit; returns them in the order of a record.
 fn unit_values(model: &mut OwnedModel<f32>, mut change: impl FnMut(f32) -> f32) -> Vec<f32> {
     let mut values = Vec::new();
     for axis in &mut model.axes {
@@ -46,7 +46,7 @@ proptest! {
     #![proptest_config(cases(150))]
 
     #[test]
-    fn part_and_record_are_the_image_of_the_unit(
+    fn part_and_record_give_the_image_of_the_unit(
         model in models(Draw::Contracting), by in -2.0f32..2.0, name in ".{0,40}"
     ) {
         let model = model.convert::<f32>();
@@ -68,7 +68,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_bytes_come_nothing_comes_out_but_an_image_of_the_same_length(
+    fn any_record_gives_an_error_or_an_image_of_the_same_length(
         record in prop::collection::vec(any::<u8>(), 0..200), room in 0usize..4096
     ) {
         let (part, _) = example();
@@ -81,7 +81,7 @@ proptest! {
 }
 
 #[test]
-fn a_record_with_one_byte_changed_is_refused() {
+fn rejects_damaged_records() {
     let (part, mut model) = example();
     let record = record_of(&part, "unit 7", &unit_values(&mut model, |value| value));
     let mut buffer = vec![0; part.len()];
@@ -100,7 +100,7 @@ fn a_record_with_one_byte_changed_is_refused() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_told_apart() {
+fn rejects_records_of_other_parts_and_sizes() {
     let (part, mut model) = example();
     let values = unit_values(&mut model, |value| value + 0.5);
     let record = record_of(&part, "unit 7", &values);
@@ -114,7 +114,7 @@ fn what_does_not_belong_together_is_told_apart() {
     assert_eq!(made(&part, &record, room - 1), UnitError::TooSmall { needed: room });
     assert_eq!(made(&record, &record, room), UnitError::Part(ImageError::Magic));
     assert_eq!(made(&part, &part, room), UnitError::Magic);
-    // the image of the unit is that of another part
+    // the image of the unit counts as another part
     let other = encoded(&model);
     assert!(matches!(made(&other, &record, room), UnitError::OtherPart { .. }));
 
@@ -133,7 +133,7 @@ fn what_does_not_belong_together_is_told_apart() {
 }
 
 #[test]
-fn a_value_that_is_no_number_is_refused_where_the_image_is_loaded() {
+fn loading_rejects_non_finite_values() {
     let (part, mut model) = example();
     let values = unit_values(&mut model, |_| f32::NAN);
     let record = record_of(&part, "", &values);

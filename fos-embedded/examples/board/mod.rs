@@ -1,6 +1,6 @@
-//! The emulated board: where a program begins and ends there, and how it says something.
+//! The emulated board: start, end and output of a program.
 //!
-//! On a board of your own, the start-up of its HAL takes this place.
+//! On a real board, replace it by the start-up code of its HAL.
 
 pub(crate) use semihosting::println;
 

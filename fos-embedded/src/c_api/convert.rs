@@ -1,4 +1,4 @@
-//! What the structures and numbers of the interface are in Rust.
+//! Conversion between the structures and numbers of the C interface and those of Rust.
 
 use fos_core::{Axis, FittedOn, Quantity};
 
@@ -11,7 +11,7 @@ use super::{
 use crate::hub::{Motion, Output, SIX};
 use crate::raw::{Faults, RawSample, Scales, SiSample};
 
-/// A full scale above it counts as it: the code -32768 would stand for more than a float holds.
+/// Largest full scale; larger ones are limited to it, because the code -32768 would overflow an f32.
 const LARGEST_FULL_SCALE: f32 = 3.4027e38;
 
 impl fos_scales {
@@ -28,13 +28,13 @@ impl fos_scales {
         let of_full_scale = Scales::of_full_scale(accel, gyro, period_s, fitted_on(values)?);
         let Scales { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, .. } = of_full_scale;
         let scales = Self { accel_mps2, gyro_rads, temperature_k, temperature_zero_c, period_s, values };
-        // what a hub would refuse is refused here already
+        // reject here what fos_hub_init() would reject
         scales.to_scales().map(|_| scales)
     }
 
     pub(super) fn to_scales(self) -> Result<Scales, fos_status> {
         let values = fitted_on(self.values)?;
-        // what the largest code stands for must be a number
+        // the value of the largest code must be finite
         let largest = |scale: f32| (scale * 32_768.0).is_finite();
         let valid = self.accel_mps2 > 0.0
             && largest(self.accel_mps2)

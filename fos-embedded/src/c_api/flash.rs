@@ -1,4 +1,4 @@
-//! Flash of C's behind three functions, as pages for the store.
+//! Flash behind three C functions, presented as pages for the store.
 
 use core::ffi::c_void;
 
@@ -8,35 +8,36 @@ use embedded_storage_async::nor_flash::{
 
 use super::fos_status;
 
-/// What the store erases at once, bytes.
+/// Erase size of the store, bytes.
 pub(super) const PAGE: u32 = 4096;
 
-/// What it reads and writes at once, bytes: of most parts, or a multiple.
+/// Read and write size of the store, bytes; a multiple of that of most parts.
 const WORD: usize = 8;
 
-/// Flash for a store: a range of it, and the product's functions that reach it. They return 0 when all is done, and
-/// anything else when it is not; they do not call the store. `context` is handed to them as it is.
+/// Flash for a store: a range, and functions of the application that access it. The functions return 0 on success and any
+/// other value on failure; they must not call the store. `context` is passed to them unchanged.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct fos_flash {
-    /// For the functions that follow; may be NULL.
+    /// Passed to the following functions; may be NULL.
     pub context: *mut c_void,
     /// Reads `length` bytes at `address`, both multiples of 8.
     pub read: Option<
         unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *mut u8, length: usize) -> i32,
     >,
-    /// Writes `length` bytes at `address`, both multiples of 8, once after every erase; not into words of 16 bytes and
-    /// more: such parts are not supported.
+    /// Writes `length` bytes at `address`, both multiples of 8, at most once after every erase. Parts with write words of
+    /// 16 bytes or more are not supported.
     pub write: Option<
         unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *const u8, length: usize) -> i32,
     >,
-    /// Has `length` bytes at `address` read 0xff: 4096 of them, or one sector where sectors are larger.
+    /// Erases `length` bytes at `address` to 0xff: 4096 bytes, or one sector if sectors are larger.
     pub erase: Option<unsafe extern "C" fn(context: *mut c_void, address: u32, length: u32) -> i32>,
-    /// Where the range begins: a sector.
+    /// Start address of the range; the start of a sector.
     pub address: u32,
-    /// Bytes of the range: whole pages, at least four, for images of more than 2027 bytes six. A page is 4096 bytes, or one sector where sectors are larger.
+    /// Length of the range, bytes: whole pages, at least four; at least six for images of more than 2027 bytes. A page is
+    /// 4096 bytes, or one sector if sectors are larger.
     pub capacity: u32,
-    /// Bytes of a sector, which is erased at once: divides 4096, or is a larger multiple of 8.
+    /// Size of a sector, the smallest unit of erasing, bytes: a divisor of 4096, or a larger multiple of 8.
     pub erase_size: u32,
 }
 
@@ -47,7 +48,7 @@ const _: () = {
     assert!(core::mem::offset_of!(fos_flash, erase_size) == 4 * pointer + 8);
 };
 
-/// Where it lies; the functions are addresses that say nothing.
+/// Formats the range; the addresses of the functions are of no use in a log.
 #[cfg(feature = "defmt")]
 impl defmt::Format for fos_flash {
     fn format(&self, f: defmt::Formatter<'_>) {
@@ -61,7 +62,7 @@ impl defmt::Format for fos_flash {
     }
 }
 
-/// A function of the product's said that it failed.
+/// A function of the application reported a failure.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct FlashError;
@@ -72,14 +73,13 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// The same as pages of 4096 bytes one after the other, from 0: of a larger sector the rest is not used.
+/// The flash as consecutive pages of 4096 bytes from 0; the rest of larger sectors is not used.
 pub(super) struct Pages(fos_flash);
 
 impl Pages {
     /// # Safety
     ///
-    /// The functions may be called with the context as the documentation of [`fos_flash`] says, as long as the pages are
-    /// there.
+    /// While the pages exist, the functions may be called with the context as documented at [`fos_flash`].
     pub(super) unsafe fn new(flash: &fos_flash) -> Result<Self, fos_status> {
         if flash.read.is_none() || flash.write.is_none() || flash.erase.is_none() {
             return Err(fos_status::Null);
@@ -97,17 +97,17 @@ impl Pages {
         if valid { Ok(pages) } else { Err(fos_status::Argument) }
     }
 
-    /// Bytes from the start of a page to that of the next.
+    /// Distance of consecutive pages in the flash, bytes.
     fn stride(&self) -> u32 {
         self.0.erase_size.max(PAGE)
     }
 
-    /// The end of the pages as the store counts them.
+    /// End of the pages in the addresses of the store.
     pub(super) fn end(&self) -> u32 {
         (self.0.capacity / self.stride()).saturating_mul(PAGE)
     }
 
-    /// Where `length` bytes lie that are within a page.
+    /// Flash address of `length` bytes within one page.
     fn address(&self, offset: u32, length: usize) -> Result<u32, FlashError> {
         let (page, within) = (offset / PAGE, offset % PAGE);
         let beyond = usize::try_from(within).ok().and_then(|within| within.checked_add(length));

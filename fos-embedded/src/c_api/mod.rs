@@ -1,11 +1,10 @@
-//! The hub for C: `include/fos.h` is generated from here, and its comments are these.
+//! The hub for C: `include/fos.h` with its comments is generated from this module.
 //!
-//! Whatever C hands over is checked before anything is done with it: NULL, alignment, length, numbers that stand for
-//! something. What cannot be checked is what the head of the header asks of its reader, and what makes every function
-//! here `unsafe`: that a pointer leads to what it says, and that one hub is not in two calls at once. Names are those
-//! of C, so that one search finds both sides.
-#![allow(unsafe_code, reason = "C hands over pointers")]
-#![allow(clippy::missing_safety_doc, reason = "the head of the header says it once for all")]
+//! All arguments are checked before use: NULL, alignment, length, valid numbers. Two conditions cannot be checked: a pointer
+//! must point to the stated object, and a hub must not be in two calls at once. The head of the header demands both, and
+//! they make every function here `unsafe`. Names are those of C, so that one search finds both sides.
+#![allow(unsafe_code, reason = "C passes pointers")]
+#![allow(clippy::missing_safety_doc, reason = "the head of the header states it for all functions")]
 #![allow(non_camel_case_types, reason = "the names of the header")]
 
 mod convert;

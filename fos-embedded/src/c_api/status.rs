@@ -1,4 +1,4 @@
-//! What a call came to.
+//! Status codes.
 
 use core::ffi::{CStr, c_char};
 
@@ -7,54 +7,54 @@ use fos_core::{ImageError, ModelError};
 use super::FOS_MAX_INPUTS;
 use crate::hub::HubError;
 
-/// What a call came to. Every function says which of these it returns, and what that means for it.
+/// Result of a call. Every function lists the values that it returns, with their meaning.
 #[repr(i32)]
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum fos_status {
-    /// Done.
+    /// Success.
     Ok = 0,
-    /// A pointer is NULL that must not be.
+    /// A required pointer is NULL.
     Null = 1,
-    /// A pointer is not aligned for what it should lead to.
+    /// A pointer is not aligned for its type.
     Misaligned = 2,
-    /// A number stands for nothing, is not finite, or describes memory that cannot be.
+    /// A number is invalid or not finite, or describes an impossible memory range.
     Argument = 3,
-    /// The memory or buffer handed in is too small.
+    /// The memory or buffer passed in is too small.
     NoRoom = 4,
     /// The loaded model has no such quantity or axis.
     NotInModel = 5,
-    /// It is not known yet.
+    /// The value is not known yet.
     NotKnown = 6,
     /// Loading: fewer bytes than the image has.
     Truncated = 7,
-    /// Loading: it does not start as a model image does.
+    /// Loading: the bytes do not start like a model image.
     NotAnImage = 8,
-    /// Loading: an image of a format version, or with flags, that this library does not know.
+    /// Loading: the format version or a flag of the image is unknown to this library.
     OtherVersion = 9,
-    /// Loading: more bytes than the image, or a part of it, has.
+    /// Loading: more bytes than the image, or a part of it, should have.
     TrailingBytes = 10,
     /// Loading: the checksum does not match.
     Damaged = 11,
-    /// Loading: the checksum is right, but what it covers is not a model that can be run.
+    /// Loading: the checksum is correct, but the contents are not a usable model.
     Unusable = 12,
     /// Loading: the model needs more than FOS_MAX_INPUTS, FOS_MAX_TERMS or FOS_MAX_HISTORY.
     TooLarge = 13,
-    /// Loading: the model was fitted on raw values and the sensor gives corrected ones, or the other way round: a
-    /// correction would be applied twice, or not at all.
+    /// Loading: the model was fitted on raw values and the sensor gives corrected ones, or the reverse: a correction would
+    /// be applied twice, or not at all.
     OtherValues = 14,
-    /// Loading: the model was fitted at a sample period that is further than 10 % from the sensor's.
+    /// Loading: the sample period of the model differs from that of the sensor by more than 10 %.
     OtherPeriod = 15,
-    /// Loading: an axis of the model is none of the sensor's six, or is there twice.
+    /// Loading: an axis of the model is not one of the sensor's six, or occurs twice.
     OtherAxis = 16,
-    /// Loading: a quantity of the model is measured by an axis that is none of the sensor's six.
+    /// Loading: a quantity of the model is measured by an axis that is not one of the sensor's six.
     OtherQuantity = 17,
-    /// Streams: a stamp that does not increase, or a value that is not finite.
+    /// Streams: the timestamp does not increase, or a value is not finite.
     NotTaken = 18,
-    /// Store: a function of the flash failed, or what is there is beyond repair.
+    /// Store: a function of the flash failed, or the contents cannot be repaired.
     Flash = 19,
-    /// Store: it was written and did not read back: worn flash.
+    /// Store: the image was written but did not read back: worn flash.
     NotKept = 20,
     /// Store: there is no valid image.
     NoModel = 21,
@@ -65,7 +65,7 @@ pub enum fos_status {
 // c/layout.c has the same number
 const _: () = assert!(size_of::<fos_status>() == 4);
 
-/// In the order of their numbers.
+/// All values, in the order of their numbers.
 const ALL: [fos_status; 23] = [
     fos_status::Ok,
     fos_status::Null,
@@ -136,7 +136,7 @@ impl From<HubError> for fos_status {
             HubError::FittedOn { .. } => Self::OtherValues,
             HubError::Period { .. } => Self::OtherPeriod,
             HubError::Axis(_) => Self::OtherAxis,
-            // there is a place for as many quantities as inputs
+            // the capacity for quantities is that for inputs
             HubError::Quantity(index) if index >= FOS_MAX_INPUTS => Self::TooLarge,
             HubError::Quantity(_) => Self::OtherQuantity,
         }
@@ -163,7 +163,7 @@ impl From<ImageError> for fos_status {
     }
 }
 
-/// A status in words, for a log; "unknown status" for a number that is none. Never NULL; the text is static.
+/// Text of a status, for a log; "unknown status" for other numbers. Never NULL; the text is static.
 #[unsafe(no_mangle)]
 pub extern "C" fn fos_status_text(status: i32) -> *const c_char {
     let status = ALL.iter().find(|known| **known as i32 == status);

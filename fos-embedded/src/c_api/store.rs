@@ -8,22 +8,22 @@ use super::place::{Room, bytes, count_in, exclusive, make_in, shared};
 use crate::blocking::poll_once;
 use crate::store::{ModelStore, StoreError};
 
-/// The longest image that a store of six pages and more takes, bytes: it fits a page with what the store puts before it. A
-/// store of four or five pages takes half a page, 2027 bytes.
+/// Longest image in a store of six or more pages, bytes: one page minus the overhead of the store. A store of four or five
+/// pages holds images of up to half a page, 2027 bytes.
 pub const FOS_STORE_IMAGE_BYTES: usize = 4067;
-/// Bytes that are enough for a store on every target: for memory that is reserved when compiling.
+/// Bytes that suffice for a store on every target, for memory reserved at compile time.
 pub const FOS_STORE_BYTES: usize = 4224;
-/// An alignment that is enough for a store on every target, in bytes.
+/// Alignment that suffices for a store on every target, in bytes.
 pub const FOS_STORE_ALIGN: usize = 8;
 
-/// The image with its number, 4 bytes, and its key, 1, in words of 8.
+/// Buffer length, bytes: the image, its number (4) and its key (1), rounded up to words of 8.
 const BUFFER: usize = 4072;
 
 const _: () = assert!(FOS_STORE_IMAGE_BYTES + 4 + 1 == BUFFER && BUFFER.is_multiple_of(8));
 
-/// Model images in flash: two slots, the newest valid one wins. A save goes into the slot that is not in use and is read
-/// back; whatever happens to the power meanwhile, the image before or the new one is there, and after it the one before
-/// can still be returned to. It lives in memory of the caller's, as a hub does; what is in the flash stays there.
+/// Model images in flash: two slots, of which the newest valid one is used. A save is written to the slot that is not in use
+/// and read back. It survives power loss: the previous or the new image remains valid, and after a save the previous one
+/// is still available for a rollback. The store lives in memory of the caller, like a hub; the images stay in the flash.
 pub struct fos_store {
     store: ModelStore<Pages, BUFFER>,
 }
@@ -38,29 +38,29 @@ impl defmt::Format for fos_store {
 const _: () =
     assert!(size_of::<fos_store>() <= FOS_STORE_BYTES && align_of::<fos_store>() <= FOS_STORE_ALIGN);
 
-/// Bytes that a store takes, at most FOS_STORE_BYTES.
+/// Size of a store in bytes, at most FOS_STORE_BYTES.
 #[unsafe(no_mangle)]
 pub extern "C" fn fos_store_size() -> usize {
     size_of::<fos_store>()
 }
 
-/// Alignment that a store takes, in bytes, at most FOS_STORE_ALIGN.
+/// Alignment of a store in bytes, at most FOS_STORE_ALIGN.
 #[unsafe(no_mangle)]
 pub extern "C" fn fos_store_align() -> usize {
     align_of::<fos_store>()
 }
 
-/// Makes a store in `memory` of `size` bytes, over the images that are in the flash, which is not yet looked at. `*out` is
-/// then at the start of `memory`. `flash` is copied.
+/// Creates a store in `memory` of `size` bytes, for the images in the flash, which is not accessed yet. `*out` then points to
+/// the start of `memory`. `flash` is copied.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `flash` or `out`; NULL: one of the functions in `flash` too.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `flash` or `out`; FOS_STATUS_NULL also for a function in `flash`.
 /// - FOS_STATUS_NO_ROOM: `size` is less than fos_store_size().
-/// - FOS_STATUS_ARGUMENT: the range is not whole pages from the start of a sector, fewer than four or beyond the
-///   addresses; a sector neither divides 4096 nor is a larger multiple of 8; or no memory at `memory` can have `size`
-///   bytes.
+/// - FOS_STATUS_ARGUMENT: the range does not consist of whole pages from the start of a sector, has fewer than four, or
+///   exceeds the address space; the sector size neither divides 4096 nor is a larger multiple of 8; or `size` is impossible
+///   at that address.
 ///
-/// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+/// After any status other than FOS_STATUS_OK `*out` is NULL, if `out` itself is valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_store_init(
     memory: *mut c_void,
@@ -68,10 +68,10 @@ pub unsafe extern "C" fn fos_store_init(
     flash: *const fos_flash,
     out: *mut *mut fos_store,
 ) -> fos_status {
-    // SAFETY: `out` leads to a pointer and `memory` to `size` bytes, as the header asks
+    // SAFETY: `out` points to a pointer and `memory` to `size` bytes, as the header requires
     unsafe {
         make_in(memory, size, out, |place| {
-            // SAFETY: `flash` leads to a description whose functions may be called, as the header asks
+            // SAFETY: `flash` points to a description whose functions may be called, as the header requires
             let pages = Pages::new(shared(flash)?)?;
             let end = pages.end();
             place.put(fos_store { store: ModelStore::new(pages, 0..end)? });
@@ -80,15 +80,16 @@ pub unsafe extern "C" fn fos_store_init(
     }
 }
 
-/// Stores an image of exactly `length` bytes; from then on it is the newest. It takes the time of some writes, and now and
-/// then of an erase. `image` does not overlap the store.
+/// Stores an image of exactly `length` bytes as the newest. It takes the time of a few writes and sometimes of an erase.
+/// `image` must not overlap the store.
 ///
-/// - FOS_STATUS_OK: it is in the flash and was read back.
-/// - FOS_STATUS_NULL: `store` or `image`. FOS_STATUS_MISALIGNED: `store`. FOS_STATUS_ARGUMENT: no memory at `image` can
-///   have `length` bytes.
-/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: it is no image, as for fos_hub_load(). Nothing was written.
-/// - FOS_STATUS_NO_ROOM: it is longer than FOS_STORE_IMAGE_BYTES, or half a page where that is all. Nothing was written.
-/// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the image before is still the newest; it may be tried again.
+/// - FOS_STATUS_OK: the image was written and read back.
+/// - FOS_STATUS_NULL: `store` or `image`. FOS_STATUS_MISALIGNED: `store`. FOS_STATUS_ARGUMENT: `length` is impossible at that
+///   address.
+/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: the image is invalid, as for fos_hub_load(). Nothing was written.
+/// - FOS_STATUS_NO_ROOM: the image is longer than FOS_STORE_IMAGE_BYTES, or than 2027 bytes in a store of four or five
+///   pages. Nothing was written.
+/// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the previous image is still the newest; the call may be repeated.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_store_save(
     store: *mut fos_store,
@@ -96,11 +97,11 @@ pub unsafe extern "C" fn fos_store_save(
     length: usize,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: a store that is in no other call, as the header asks
+        // SAFETY: a store that is in no other call, as the header requires
         let store = unsafe { exclusive(store) }?;
-        // SAFETY: `image` leads to `length` bytes that are not being changed, as the header asks
+        // SAFETY: `image` points to `length` bytes that are not modified meanwhile, as the header requires
         let image = unsafe { bytes(image, length) }?;
-        // over functions that wait a future is done at once
+        // over blocking functions the future completes at the first poll
         Ok(poll_once(store.store.store(image)).ok_or(fos_status::Flash)??)
     })())
 }
@@ -108,13 +109,13 @@ pub unsafe extern "C" fn fos_store_save(
 /// Copies the newest valid image into `buffer`: `*used` bytes, for fos_hub_load().
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NO_MODEL: there is none. What is damaged, or of a version that this library does not run, is none.
-/// - FOS_STATUS_NO_ROOM: it is longer than `capacity`; FOS_STORE_IMAGE_BYTES are always enough.
-/// - FOS_STATUS_FLASH
-/// - FOS_STATUS_NULL: `store`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `store` or `used`. FOS_STATUS_ARGUMENT: no memory
-///   at `buffer` can have `capacity` bytes.
+/// - FOS_STATUS_NO_MODEL: there is none. Damaged images, and those of a version that this library does not run, do not count.
+/// - FOS_STATUS_NO_ROOM: the image is longer than `capacity`; FOS_STORE_IMAGE_BYTES always suffice.
+/// - FOS_STATUS_FLASH: a function of the flash failed.
+/// - FOS_STATUS_NULL: `store`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `store` or `used`. FOS_STATUS_ARGUMENT:
+///   `capacity` is impossible at that address.
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+/// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_store_load(
     store: *mut fos_store,
@@ -122,7 +123,7 @@ pub unsafe extern "C" fn fos_store_load(
     capacity: usize,
     used: *mut usize,
 ) -> fos_status {
-    // SAFETY: what `load` asks is what the header asks
+    // SAFETY: the header requires the conditions of `load`
     unsafe {
         load(store, buffer, capacity, used, |store, room| {
             copied(poll_once(store.load()).ok_or(fos_status::Flash)??, room)
@@ -130,12 +131,12 @@ pub unsafe extern "C" fn fos_store_load(
     }
 }
 
-/// As fos_store_load(), of the image before the newest: what to return to if an update proves wrong. To stay with it, save
-/// it: it is then the newest.
+/// Copies the image before the newest into `buffer`, for a rollback after a bad update; otherwise the same as
+/// fos_store_load(). To make the rollback permanent, save the image: it is then the newest.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NO_MODEL: there is none, or it is damaged.
-/// - All others as of fos_store_load().
+/// - FOS_STATUS_NO_MODEL: there is no previous image, or it is damaged.
+/// - All others: as for fos_store_load().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_store_load_previous(
     store: *mut fos_store,
@@ -143,7 +144,7 @@ pub unsafe extern "C" fn fos_store_load_previous(
     capacity: usize,
     used: *mut usize,
 ) -> fos_status {
-    // SAFETY: what `load` asks is what the header asks
+    // SAFETY: the header requires the conditions of `load`
     unsafe {
         load(store, buffer, capacity, used, |store, room| {
             copied(poll_once(store.load_previous()).ok_or(fos_status::Flash)??, room)
@@ -157,7 +158,7 @@ impl From<StoreError<FlashError>> for fos_status {
             StoreError::Range => Self::Argument,
             StoreError::Image(error) => error.into(),
             StoreError::TooLong(_) => Self::NoRoom,
-            StoreError::NotKept => Self::NotKept,
+            StoreError::VerifyFailed => Self::NotKept,
             StoreError::Flash(_) => Self::Flash,
         }
     }
@@ -172,7 +173,8 @@ fn copied(image: Option<&[u8]>, room: &mut Room) -> Result<usize, fos_status> {
 
 /// # Safety
 ///
-/// As of [`exclusive`] for `store`, and as of [`Room::new`] and [`Place::new`].
+/// `store` satisfies the conditions of [`exclusive`], `buffer` and `capacity` those of [`Room::new`], and `used` those of
+/// [`Place::new`](super::place::Place::new).
 unsafe fn load(
     store: *mut fos_store,
     buffer: *mut u8,
@@ -181,12 +183,12 @@ unsafe fn load(
     load: impl FnOnce(&mut ModelStore<Pages, BUFFER>, &mut Room) -> Result<usize, fos_status>,
 ) -> fos_status {
     let copy = || {
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let store = unsafe { exclusive(store) }?;
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let mut room = unsafe { Room::new(buffer, capacity) }?;
         load(&mut store.store, &mut room)
     };
-    // SAFETY: the caller's promise
+    // SAFETY: guaranteed by the caller
     unsafe { count_in(used, copy) }
 }

@@ -1,4 +1,4 @@
-//! Streams with stamps of their own: memory, samples in, samples for the hub out.
+//! Streams with separate timestamps: memory, samples in, samples for the hub out.
 
 use core::ffi::c_void;
 
@@ -8,24 +8,24 @@ use super::place::{Place, exclusive, make_in, shared};
 use super::{fos_si_sample, fos_status};
 use crate::streams::{Periods, StampedSample, StreamCounts, Streams};
 
-/// Samples of gyros and of accelerometers that are queued: a batch must go in.
+/// Capacity of the queues of gyros and accelerometers, samples each; a batch must fit.
 pub const FOS_STREAMS_DEPTH: usize = 64;
-/// Bytes that are enough for streams on every target: for memory that is reserved when compiling.
+/// Bytes that suffice for streams on every target, for memory reserved at compile time.
 pub const FOS_STREAMS_BYTES: usize = 3584;
-/// An alignment that is enough for streams on every target, in bytes.
+/// Alignment that suffices for streams on every target, in bytes.
 pub const FOS_STREAMS_ALIGN: usize = 8;
 
-/// Gyros, accelerometers and a thermometer, each with stamps of its own, as samples of one sensor for
-/// fos_hub_update_si(). It lives in memory of the caller's, as a hub does.
+/// Resamples gyros, accelerometers and a thermometer with separate timestamps to samples of one sensor, for
+/// fos_hub_update_si(). The streams live in memory of the caller, like a hub.
 ///
-/// The gyros lead: every sample of theirs is one for the hub. The accelerometers are interpolated between their two
-/// neighbours, and missing where a sample is lost; the temperature is the newest that is not of later, and missing where
-/// it is older than three of its periods. What is missing is NaN, which the hub says. `skipped` is what the stamps say;
-/// a sample that came faster than the period, because another client asked for a faster rate, is passed over and
-/// counted. Streams may come in any order between them and in any batches; the samples are the same. Where a clock is set
-/// back, which is certain after 8 samples, the sample says FOS_FAULT_RESET and has the 7 before as skipped.
+/// The gyros lead: every gyro sample becomes a sample of the hub. Accelerometers are interpolated between their two
+/// neighbours, and missing where a sample was lost. The temperature is the newest at or before the gyro sample, and missing
+/// if older than three of its periods. Missing values are NaN, which the hub flags. `skipped` follows from the timestamps. A
+/// sample that came faster than the period, because another client requested a faster rate, is passed over and counted.
+/// Streams may arrive in any order between streams and in any batches, with the same result. When the clock was set back,
+/// which is detected after 8 samples, the next sample has FOS_FAULT_RESET and the 7 rejected ones as skipped.
 ///
-/// Stamps are ns of one clock, whatever it is; an offset between clocks is the caller's to add.
+/// Timestamps are in ns of one clock with any origin; the caller corrects offsets between clocks.
 pub struct fos_streams {
     streams: Streams<FOS_STREAMS_DEPTH>,
 }
@@ -37,48 +37,48 @@ impl defmt::Format for fos_streams {
     }
 }
 
-/// Nominal periods, ns.
+/// Nominal periods of the streams, ns.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_stream_periods {
-    /// Of the gyros: that of the hub's scales. Not 0.
+    /// Period of the gyros, equal to that of the hub's scales; not 0.
     pub gyro_ns: u64,
-    /// Of the accelerometers. Not 0.
+    /// Period of the accelerometers; not 0.
     pub accel_ns: u64,
-    /// Of the thermometer; 0 if there is none.
+    /// Period of the thermometer; 0 if there is none.
     pub temperature_ns: u64,
 }
 
-/// What did not go into a sample as it came; each stays at its highest value.
+/// Counts of one stream: samples that did not enter a sample of the hub unchanged. Each saturates.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_stream_count {
-    /// Stamps that did not increase.
+    /// Samples rejected because their timestamp did not increase.
     pub refused: u32,
     /// Samples with a value that is not finite.
     pub not_finite: u32,
-    /// Samples that a full queue lost, or a clock that was set back.
+    /// Samples dropped because the queue was full or the clock was set back.
     pub dropped: u32,
-    /// Times that the clock was set back.
+    /// Number of times the clock was set back.
     pub set_back: u32,
-    /// Samples given, or passed over, without a value of this stream; of the gyros see `not_finite`.
+    /// Samples returned or passed over without a value of this stream; 0 for the gyros, see `not_finite`.
     pub missing: u32,
 }
 
-/// The same of all streams.
+/// Counts of all streams.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct fos_stream_counts {
-    /// Of the gyros.
+    /// Counts of the gyros.
     pub gyro: fos_stream_count,
-    /// Of the accelerometers.
+    /// Counts of the accelerometers.
     pub accel: fos_stream_count,
-    /// Of the thermometer.
+    /// Counts of the thermometer.
     pub temperature: fos_stream_count,
-    /// Samples of the gyros that came faster than their period.
+    /// Gyro samples passed over because they came faster than the period.
     pub passed_over: u32,
 }
 
@@ -107,28 +107,28 @@ impl From<Counts> for fos_stream_count {
     }
 }
 
-/// Bytes that streams take, at most FOS_STREAMS_BYTES.
+/// Size of streams in bytes, at most FOS_STREAMS_BYTES.
 #[unsafe(no_mangle)]
 pub extern "C" fn fos_streams_size() -> usize {
     size_of::<fos_streams>()
 }
 
-/// Alignment that streams take, in bytes, at most FOS_STREAMS_ALIGN.
+/// Alignment of streams in bytes, at most FOS_STREAMS_ALIGN.
 #[unsafe(no_mangle)]
 pub extern "C" fn fos_streams_align() -> usize {
     align_of::<fos_streams>()
 }
 
-/// Makes streams without a sample in `memory` of `size` bytes; what was there before does not matter. `*out` is then at
-/// the start of `memory`. `periods` is copied.
+/// Creates empty streams in `memory` of `size` bytes, whose contents are overwritten. `*out` then points to the start of
+/// `memory`. `periods` is copied.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `periods` or `out`.
 /// - FOS_STATUS_NO_ROOM: `size` is less than fos_streams_size().
-/// - FOS_STATUS_ARGUMENT: a period is more than INT64_MAX, one that must not be 0 is, or no memory at `memory` can have
-///   `size` bytes.
+/// - FOS_STATUS_ARGUMENT: a period exceeds INT64_MAX, the period of gyros or accelerometers is 0, or `size` is impossible at
+///   that address.
 ///
-/// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+/// After any status other than FOS_STATUS_OK `*out` is NULL, if `out` itself is valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_init(
     memory: *mut c_void,
@@ -136,76 +136,76 @@ pub unsafe extern "C" fn fos_streams_init(
     periods: *const fos_stream_periods,
     out: *mut *mut fos_streams,
 ) -> fos_status {
-    // SAFETY: `out` leads to a pointer and `memory` to `size` bytes, as the header asks
+    // SAFETY: `out` points to a pointer and `memory` to `size` bytes, as the header requires
     unsafe {
         make_in(memory, size, out, |place| {
-            // SAFETY: `periods` leads to periods that are not being changed, as the header asks
+            // SAFETY: `periods` points to periods that are not modified meanwhile, as the header requires
             let periods = shared(periods)?.to_periods()?;
-            // a constant: it is set in place and not copied over the stack
+            // a constant: set in place and not copied over the stack
             place.put(const { fos_streams { streams: Streams::without_periods() } });
-            // SAFETY: they were made just now
+            // SAFETY: created in the line above
             exclusive(memory.cast::<fos_streams>())?.streams.set_periods(&periods);
             Ok(())
         })
     }
 }
 
-/// Other periods, from the next sample on: what a stream was asked for has changed. `gyro_ns` is to stay the period of the
-/// hub's scales. `periods` is copied.
+/// Sets the periods from the next sample on, after the requested rate of a stream has changed. `gyro_ns` must remain the
+/// period of the hub's scales. `periods` is copied.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `periods`.
-/// - FOS_STATUS_ARGUMENT: as of fos_streams_init(); the periods are as before.
+/// - FOS_STATUS_ARGUMENT: a period is invalid, as for fos_streams_init(); the periods are unchanged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_set_periods(
     streams: *mut fos_streams,
     periods: *const fos_stream_periods,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: streams that are in no other call, as the header asks
+        // SAFETY: streams that are in no other call, as the header requires
         let streams = unsafe { exclusive(streams) }?;
-        // SAFETY: periods that are not being changed, as the header asks
+        // SAFETY: periods that are not modified meanwhile, as the header requires
         streams.streams.set_periods(&unsafe { shared(periods) }?.to_periods()?);
         Ok(())
     })())
 }
 
-/// Takes a sample of the gyros: rate x, y, z, rad/s. Call fos_streams_next() after it until there is nothing more: a full
-/// queue loses its oldest sample.
+/// Adds a gyro sample: angular rate x, y, z, rad/s. Call fos_streams_next() afterwards until it returns
+/// FOS_STATUS_NOT_KNOWN: a full queue drops its oldest sample.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, and nothing was done; or a value is not finite, and the sample is
-///   there without gyros. fos_streams_counts() says which.
-/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+/// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, and the sample is rejected; or a value is not finite, and the
+///   sample remains with the gyros missing. fos_streams_counts() distinguishes the two.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which points to three values.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_gyro(
     streams: *mut fos_streams,
     stamp_ns: i64,
     value: *const f32,
 ) -> fos_status {
-    // SAFETY: streams that are in no other call and three values that are not being changed, as the header asks
+    // SAFETY: streams that are in no other call and three values that are not modified meanwhile, as the header requires
     unsafe { push(streams, value, |streams, value| streams.push_gyro(stamp_ns, value)) }
 }
 
-/// Takes a sample of the accelerometers: specific force x, y, z, m/s^2.
+/// Adds an accelerometer sample: specific force x, y, z, m/s^2.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or a value is not finite.
-/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+/// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, or a value is not finite.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which points to three values.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_accel(
     streams: *mut fos_streams,
     stamp_ns: i64,
     value: *const f32,
 ) -> fos_status {
-    // SAFETY: streams that are in no other call and three values that are not being changed, as the header asks
+    // SAFETY: streams that are in no other call and three values that are not modified meanwhile, as the header requires
     unsafe { push(streams, value, |streams, value| streams.push_accel(stamp_ns, value)) }
 }
 
-/// Takes a temperature of the sensor, degrees Celsius; before the samples of the gyros that it is for.
+/// Adds a temperature of the sensor, degrees Celsius. Add it before the gyro samples that it applies to.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or it is not finite.
+/// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, or the value is not finite.
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_temperature(
@@ -214,44 +214,45 @@ pub unsafe extern "C" fn fos_streams_temperature(
     celsius: f32,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: streams that are in no other call, as the header asks
+        // SAFETY: streams that are in no other call, as the header requires
         let streams = unsafe { exclusive(streams) }?;
         taken(streams.streams.push_temperature(stamp_ns, celsius))
     })())
 }
 
-/// The next sample for fos_hub_update_si(), and its stamp, that of the gyros; as soon as nothing that may still come can
-/// change it, or the queue of the gyros is full.
+/// Returns the next sample for fos_hub_update_si() and its timestamp, that of the gyros, once no later value can change it
+/// or the queue of the gyros is full.
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NOT_KNOWN: there is nothing more yet; `*sample` and `*stamp_ns` are as before.
-/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
+/// - FOS_STATUS_NOT_KNOWN: no further sample is ready; `*sample` and `*stamp_ns` are unchanged.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. No sample is removed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_next(
     streams: *mut fos_streams,
     sample: *mut fos_si_sample,
     stamp_ns: *mut i64,
 ) -> fos_status {
-    // SAFETY: what `give` asks is what the header asks
+    // SAFETY: the header requires the conditions of `give`
     unsafe { give(streams, sample, stamp_ns, Streams::next) }
 }
 
-/// As fos_streams_next(), with what there is, without waiting for the accelerometers: for the end, or before a long sleep.
+/// Returns the next sample with the values available, without waiting for the accelerometers: at the end, or before a long
+/// sleep. Otherwise the same as fos_streams_next().
 ///
 /// - FOS_STATUS_OK
-/// - FOS_STATUS_NOT_KNOWN: there is nothing more; `*sample` and `*stamp_ns` are as before.
-/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
+/// - FOS_STATUS_NOT_KNOWN: there is no further sample; `*sample` and `*stamp_ns` are unchanged.
+/// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. No sample is removed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_streams_flush(
     streams: *mut fos_streams,
     sample: *mut fos_si_sample,
     stamp_ns: *mut i64,
 ) -> fos_status {
-    // SAFETY: what `give` asks is what the header asks
+    // SAFETY: the header requires the conditions of `give`
     unsafe { give(streams, sample, stamp_ns, Streams::flush) }
 }
 
-/// What was refused, missing, lost or passed over since fos_streams_init().
+/// Counts of rejected, missing, dropped and passed-over samples since fos_streams_init().
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `counts`.
@@ -261,9 +262,9 @@ pub unsafe extern "C" fn fos_streams_counts(
     counts: *mut fos_stream_counts,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: streams that are in no other call, as the header asks
+        // SAFETY: streams that are in no other call, as the header requires
         let streams = unsafe { shared(streams) }?;
-        // SAFETY: `counts` leads to memory for counts, as the header asks
+        // SAFETY: `counts` points to memory for counts, as the header requires
         let place = unsafe { Place::new(counts) }?;
         let StreamCounts { gyro, accel, temperature, passed_over } = streams.streams.counts();
         let [gyro, accel, temperature] = [gyro, accel, temperature].map(Into::into);
@@ -276,16 +277,16 @@ type Push = Result<(), Refused>;
 
 /// # Safety
 ///
-/// As of [`exclusive`] for `streams`, and as of [`shared`] for three values.
+/// `streams` satisfies the conditions of [`exclusive`], and `value` those of [`shared`] for three values.
 unsafe fn push(
     streams: *mut fos_streams,
     value: *const f32,
     push: impl FnOnce(&mut Streams<FOS_STREAMS_DEPTH>, [f32; 3]) -> Push,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let streams = unsafe { exclusive(streams) }?;
-        // SAFETY: the caller's promise; an array is aligned as its values are
+        // SAFETY: guaranteed by the caller; an array has the alignment of its values
         let value = *unsafe { shared(value.cast::<[f32; 3]>()) }?;
         taken(push(&mut streams.streams, value))
     })())
@@ -293,7 +294,7 @@ unsafe fn push(
 
 /// # Safety
 ///
-/// As of [`exclusive`] for `streams`, and as of [`Place::new`] for the others.
+/// `streams` satisfies the conditions of [`exclusive`], and the others those of [`Place::new`].
 unsafe fn give(
     streams: *mut fos_streams,
     sample: *mut fos_si_sample,
@@ -301,11 +302,11 @@ unsafe fn give(
     next: impl FnOnce(&mut Streams<FOS_STREAMS_DEPTH>) -> Option<StampedSample>,
 ) -> fos_status {
     fos_status::of((|| {
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let streams = unsafe { exclusive(streams) }?;
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let sample = unsafe { Place::new(sample) }?;
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let stamp_ns = unsafe { Place::new(stamp_ns) }?;
         let stamped = next(&mut streams.streams).ok_or(fos_status::NotKnown)?;
         sample.put((&stamped.sample).into());

@@ -1,4 +1,4 @@
-//! Telemetry: frames for `fos record`, into a buffer of the caller's.
+//! Telemetry: frames for `fos record`, in a buffer of the caller.
 
 use fos_core::Image;
 
@@ -7,10 +7,10 @@ use super::{fos_hub, fos_status};
 use crate::hub::MAX_LOGGED;
 use crate::telemetry::{Borrowed, Frame, HUB_AXES, Snapshot, StartFrame, VERSION, encode};
 
-/// Bytes that every frame of telemetry fits.
+/// Bytes that suffice for every telemetry frame.
 pub const FOS_TELEMETRY_BYTES: usize = 512;
 
-/// The names of the logged quantities together are at most so long.
+/// Longest total length of the names of the logged quantities, bytes.
 const NAMES: usize = 400;
 
 // variant, version, period, two texts with their lengths (the second takes two bytes), checksum, two bytes of COBS,
@@ -20,20 +20,19 @@ const _: () = {
     assert!(longest <= FOS_TELEMETRY_BYTES);
 };
 
-/// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the
-/// first sample and again every minute or so for those who join late. `image` is the image that the hub has loaded:
-/// it has the names of the quantities. Without a model `image` may be NULL and `length` 0.
+/// Writes the start frame, which describes the samples: `*used` bytes of `buffer`, to be sent unchanged before the first
+/// sample, and again about once per minute for receivers that join late. `image` is the image loaded by the hub, which has
+/// the names of the quantities. Without a model, `image` may be NULL and `length` 0.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than
 ///   400.
 /// - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or
 ///   `used`.
-/// - FOS_STATUS_ARGUMENT: no memory there can have `length` or `capacity` bytes.
-/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image`, as for fos_hub_load().
+/// - FOS_STATUS_ARGUMENT: `length` or `capacity` is impossible at that address.
+/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image` is invalid, as for fos_hub_load().
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
-/// `buffer` is not to be sent.
+/// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid, and `buffer` must not be sent.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_telemetry_start(
     hub: *const fos_hub,
@@ -44,12 +43,12 @@ pub unsafe extern "C" fn fos_telemetry_start(
     used: *mut usize,
 ) -> fos_status {
     let frame = |room: &mut Room| {
-        // SAFETY: a hub that is in no other call, as the header asks
+        // SAFETY: a hub that is in no other call, as the header requires
         let hub = unsafe { shared(hub) }?;
         let info = if image.is_null() && length == 0 {
             fos_core::Info::default()
         } else {
-            // SAFETY: `image` leads to `length` bytes that are not being changed, as the header asks
+            // SAFETY: `image` points to `length` bytes that are not modified meanwhile, as the header requires
             Image::parse(unsafe { bytes(image, length) }?)?.info()
         };
         let names = hub.hub.columns::<NAMES>(&info).ok_or(fos_status::NoRoom)?;
@@ -57,19 +56,18 @@ pub unsafe extern "C" fn fos_telemetry_start(
         let start = StartFrame { version: VERSION, period_s, axes: HUB_AXES, quantities: names.as_str() };
         write(&Frame::Start(start), room)
     };
-    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
+    // SAFETY: `used`, `buffer` and `capacity` are as the header requires
     unsafe { write_into(buffer, capacity, used, frame) }
 }
 
-/// Writes the frame of the latest sample: `*used` bytes of `buffer`, to be sent as they are.
+/// Writes the frame of the latest sample: `*used` bytes of `buffer`, to be sent unchanged.
 ///
 /// - FOS_STATUS_OK
 /// - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes.
 /// - FOS_STATUS_NULL: `hub`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `hub` or `used`.
-/// - FOS_STATUS_ARGUMENT: no memory there can have `capacity` bytes.
+/// - FOS_STATUS_ARGUMENT: `capacity` is impossible at that address.
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
-/// `buffer` is not to be sent.
+/// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid, and `buffer` must not be sent.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_telemetry_sample(
     hub: *const fos_hub,
@@ -78,20 +76,21 @@ pub unsafe extern "C" fn fos_telemetry_sample(
     used: *mut usize,
 ) -> fos_status {
     let frame = |room: &mut Room| {
-        // SAFETY: a hub that is in no other call, as the header asks
+        // SAFETY: a hub that is in no other call, as the header requires
         let hub = &unsafe { shared(hub) }?.hub;
         let snapshot: Snapshot<MAX_LOGGED> = Snapshot::new(hub.output(), &hub.logged());
         write(&Frame::Sample(snapshot.frame()), room)
     };
-    // SAFETY: `used`, `buffer` and `capacity` are what the header asks
+    // SAFETY: `used`, `buffer` and `capacity` are as the header requires
     unsafe { write_into(buffer, capacity, used, frame) }
 }
 
-/// Has `frame` written into a buffer of the caller's, and says how much of it was used: nothing after any error.
+/// Writes a frame into a buffer of the caller, and the number of bytes to `used`, 0 after any error.
 ///
 /// # Safety
 ///
-/// As of [`Room::new`] and [`Place::new`].
+/// `buffer` and `capacity` satisfy the conditions of [`Room::new`], and `used` those of
+/// [`Place::new`](super::place::Place::new).
 unsafe fn write_into(
     buffer: *mut u8,
     capacity: usize,
@@ -99,11 +98,11 @@ unsafe fn write_into(
     frame: impl FnOnce(&mut Room) -> Result<usize, fos_status>,
 ) -> fos_status {
     let write = || {
-        // SAFETY: the caller's promise
+        // SAFETY: guaranteed by the caller
         let mut room = unsafe { Room::new(buffer, capacity) }?;
         frame(&mut room)
     };
-    // SAFETY: the caller's promise
+    // SAFETY: guaranteed by the caller
     unsafe { count_in(used, write) }
 }
 

@@ -5,18 +5,18 @@ use fos_core::image::{UnitError, for_unit};
 use super::fos_status;
 use super::place::{Room, bytes, count_in};
 
-/// Makes the image of a unit of that of its part and the unit's record, as `fos fleet export` writes them: `*used` bytes in `buffer`, as many
-/// as the image of the part has, for fos_hub_load() and fos_store_save(). Neither overlaps `buffer`. Until the record is there, the image of the part
-/// itself serves.
+/// Makes the image of a unit from the image of its part and the record of the unit, as written by `fos fleet export`: `*used`
+/// bytes in `buffer`, as many as the image of the part has, for fos_hub_load() and fos_store_save(). Neither must overlap
+/// `buffer`. Until the record is available, use the image of the part.
 ///
-/// - FOS_STATUS_OK: whether the model can be used is found when it is loaded.
-/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record are damaged, or the record has another number of values.
+/// - FOS_STATUS_OK: the model itself is checked when the image is loaded.
+/// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record is damaged, or the record has another number of values.
 /// - FOS_STATUS_OTHER_PART: the record belongs to another image.
 /// - FOS_STATUS_NO_ROOM: `capacity` is less than `part_length`.
-/// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`. FOS_STATUS_ARGUMENT: no memory can have
-///   so many bytes.
+/// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`.
+///   FOS_STATUS_ARGUMENT: a length is impossible at its address.
 ///
-/// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+/// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_image_for_unit(
     part: *const u8,
@@ -28,15 +28,15 @@ pub unsafe extern "C" fn fos_image_for_unit(
     used: *mut usize,
 ) -> fos_status {
     let make = || {
-        // SAFETY: `part` leads to `part_length` bytes that are not being changed, as the header asks
+        // SAFETY: `part` points to `part_length` bytes that are not modified meanwhile, as the header requires
         let part = unsafe { bytes(part, part_length) }?;
-        // SAFETY: `record` leads to `record_length` bytes that are not being changed, as the header asks
+        // SAFETY: `record` points to `record_length` bytes that are not modified meanwhile, as the header requires
         let record = unsafe { bytes(record, record_length) }?;
-        // SAFETY: `buffer` leads to `capacity` bytes that nobody else uses, as the header asks
+        // SAFETY: `buffer` points to `capacity` bytes that nothing else uses, as the header requires
         let mut room = unsafe { Room::new(buffer, capacity) }?;
         Ok(for_unit(part, record, room.zeroed())?.len())
     };
-    // SAFETY: `used` leads to a number that nobody else uses, as the header asks
+    // SAFETY: `used` points to a number that nothing else uses, as the header requires
     unsafe { count_in(used, make) }
 }
 

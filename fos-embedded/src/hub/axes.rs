@@ -1,17 +1,17 @@
-//! The six axes of a sensor, and which of them a model has.
+//! The six axes of a sensor and their order.
 
 use fos_core::{Axis, Correction, PoseGate, Scalar};
 
-/// Axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
+/// Number of axes of a hub: accelerometer x, y, z, gyro x, y, z, in this order everywhere.
 pub const AXES: usize = 6;
 
-/// The axes of a hub, in their order everywhere.
+/// The axes of a hub, in the order used everywhere.
 pub const SIX: [Axis; AXES] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
-/// The gate of an axis that is in the pose of its fit, or is not.
+/// Orientation gate of an accelerometer of the model.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gate<R> {
-    /// Which of the six it is.
+    /// Index of the axis among the six.
     pub(super) channel: u8,
     pub(super) pose: PoseGate<R>,
 }
@@ -25,17 +25,17 @@ impl<R: Scalar> Gate<R> {
     }
 }
 
-/// Which axis one of the six is.
+/// Axis with the index `channel` among the six.
 pub(super) fn axis_of(channel: u8) -> Axis {
     SIX.get(usize::from(channel)).copied().unwrap_or(Axis::Other)
 }
 
-/// Which of the six an axis is.
+/// Index of an axis among the six; `None` for others.
 pub(super) fn channel_of(axis: Axis) -> Option<u8> {
     (0..).zip(SIX).find(|(_, other)| *other == axis).map(|(channel, _)| channel)
 }
 
-/// The value of one of the six; there is always one.
+/// Value of one of the six axes. A wrong index, which cannot occur, gives 0.
 #[inline(always)]
 pub(super) fn at<R: Scalar>(values: &[R; AXES], channel: u8) -> R {
     values.get(usize::from(channel)).copied().unwrap_or(R::ZERO)

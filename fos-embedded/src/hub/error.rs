@@ -1,33 +1,34 @@
-//! Why a hub does not take a model.
+//! Reasons why a hub rejects a model.
 
 use core::fmt;
 
 use fos_core::{FittedOn, ImageError};
 
-/// Why a hub does not take a model. Indices count from 0.
+/// Reason why a hub rejects a model. Indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum HubError {
-    /// The image, or the model in it.
+    /// The image or its model is invalid.
     Image(ImageError),
-    /// The model was fitted on other values than the sensor gives: a correction would be applied twice, or not at all.
+    /// The model was fitted on raw values and the sensor gives corrected ones, or the reverse: a correction would be
+    /// applied twice, or not at all.
     FittedOn {
-        /// What the model was fitted on.
+        /// Values that the model was fitted on.
         model: FittedOn,
-        /// What the sensor gives.
+        /// Values that the sensor gives.
         sensor: FittedOn,
     },
     /// The model was fitted at another sample period.
     Period {
-        /// Of the model, s.
+        /// Sample period of the model, s.
         model_s: f32,
-        /// That the sensor is set to, s.
+        /// Sample period that the sensor is set to, s.
         sensor_s: f32,
     },
-    /// An axis of the model is none of the sensor's six, or is there twice.
+    /// An axis of the model, by index, is not one of the six, or occurs twice.
     Axis(usize),
-    /// A logged quantity of the model is measured by an axis that is none of the six, or there is no room for it.
+    /// A logged quantity of the model, by index, is measured by an axis that is not one of the six, or exceeds the capacity.
     Quantity(usize),
 }
 

@@ -1,8 +1,8 @@
-//! Does what is taken out of the accelerometers lead away from gravity?
+//! Gravity check: detects corrections of the accelerometers that lead away from gravity.
 //!
-//! At rest three accelerometers show gravity, whatever the pose, but for their biases. A model that makes of |a| = g
-//! something else was fitted to something else: to two poses, whose difference it takes for an error, or to another
-//! part. Nothing in its own statistics shows that: it fits.
+//! At rest three accelerometers measure gravity in every orientation, apart from their biases. A model whose corrected
+//! vector differs from |a| = g was fitted to other data: to two orientations, whose difference it takes for an error, or to
+//! another part. Its own statistics do not show that, because it fits those data.
 
 use fos_core::{GRAVITY_MPS2, Scalar, Validity};
 
@@ -10,31 +10,31 @@ use super::output::Output;
 
 const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 
-/// How much further from g² than the square of what was measured the square of what is left may be: 2·g times 0.05 g.
+/// Tolerated excess of | |corrected|² − g² | over | |measured|² − g² |: 2·g times 0.05 g, (m/s²)².
 ///
-/// A sound model may lead away from gravity by what it takes off: where two errors of an axis cancel, one that is not
-/// corrected (a scale, the bias in this pose) and one that is, the measured value is the better one by chance. What a
-/// model takes off is a deviation from a mean, and a bias deviates from its mean by less than 0.05 g: 50 K at 1 mg/K,
-/// the worst coefficient of a data sheet. Twice this makes two poses for `fos fit`, so that a model fitted to
-/// what it lets pass is not flagged. Noise is in both squares and means over [`SAMPLES`] are compared.
+/// A correct model may lead away from gravity by as much as it subtracts: if a corrected error and an uncorrected one (a
+/// scale factor, the bias in this orientation) cancel, the measured value is better by chance. A model subtracts deviations
+/// from a mean, and a bias deviates from its mean by less than 0.05 g: 50 K at 1 mg/K, the worst coefficient of a data
+/// sheet. `fos fit` separates orientations at twice this, so that a model fitted to data that it accepts is not flagged.
+/// Noise is in both squares; means over [`SAMPLES`] are compared.
 const TOLERANCE: f32 = 0.1 * SQUARE;
 
-/// One sample in so many is looked at: a sum of squares costs as much as two terms.
+/// Interval of the checked samples, ticks: a sum of squares costs as much as two terms.
 const EVERY: u32 = 8;
 
-/// So many make a verdict, 2.5 s at 200 Hz: vibration averages out.
+/// Number of checked samples per decision, 2.5 s at 200 Hz, so that vibration averages out.
 const SAMPLES: u8 = 64;
 
-/// |a|² − g², (m/s²)²
-// once in the code: it is many calls where floats are soft
+/// |a|² − g², (m/s²)².
+// not inlined: many library calls without an FPU
 #[inline(never)]
 fn excess(force: &[f32; 3]) -> f32 {
     let [x, y, z] = *force;
     x * x + y * y + z * z - SQUARE
 }
 
-/// Whether at rest the corrected specific force is further from gravity than the measured one by more than a sound
-/// model can lead it; by one sample, of which a single one may be noise. m/s².
+/// True if, at rest, the corrected specific force is further from gravity than the measured one by more than the tolerance
+/// of a correct model; m/s². It compares single samples, which contain noise.
 pub fn leads_away(measured: &[f32; 3], corrected: &[f32; 3]) -> bool {
     is_away(excess(measured), excess(corrected), TOLERANCE)
 }
@@ -44,12 +44,12 @@ fn is_away(measured: f32, corrected: f32, tolerance: f32) -> bool {
     corrected.abs() > measured.abs() + tolerance
 }
 
-/// Looks at the samples of a rest.
+/// Sums over the samples of one rest.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gravity {
     measured: f32,
     corrected: f32,
-    /// Samples to come until the next verdict.
+    /// Samples until the next decision.
     left: u8,
     away: bool,
 }
@@ -57,11 +57,11 @@ pub(super) struct Gravity {
 impl Gravity {
     pub(super) const NEW: Self = Self { measured: 0.0, corrected: 0.0, left: SAMPLES, away: false };
 
-    /// A sample, of which every [`EVERY`]th at rest counts. The verdict stays until the next.
+    /// Processes a sample; every [`EVERY`]th at rest counts. The decision holds until the next one.
     #[inline(always)]
-    pub(super) fn look_at<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
+    pub(super) fn update<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
         if !output.still {
-            // no mean over two rests
+            // a mean must not span two rests
             self.left = SAMPLES;
         } else if output.tick.is_multiple_of(EVERY) {
             self.add(output);

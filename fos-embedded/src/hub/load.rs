@@ -1,4 +1,4 @@
-//! A model into the hub: which of the sensor's axes and quantities it has.
+//! Loads a model into the hub: maps its axes and quantities to those of the sensor.
 
 use fos_core::{
     AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, Scalar, StillnessDetector, StillnessLimits,
@@ -9,14 +9,14 @@ use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
 use super::{Hub, HubError, Output};
 
-/// A model is refused if its sample period is further than this from what the sensor is set to, relative: the clocks
-/// of such sensors are up to 5 % off, on either side of the fit.
+/// Largest relative difference between the sample periods of model and sensor; beyond it a model is rejected. Sensor clocks
+/// are up to 5 % off, both in the log of the fit and on the device.
 pub const PERIOD_TOLERANCE: f32 = 0.1;
 
-/// Whether a model with this sample period, s, runs on samples that come in that one: within [`PERIOD_TOLERANCE`]. A
-/// period that is not a number is near none.
+/// True if a model with the sample period `model_s` runs on samples with the period `sensor_s` (both s), that is, within
+/// [`PERIOD_TOLERANCE`]. False for NaN.
 pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
-    // in 32 bits, of which it takes three
+    // f32 suffices
     let (model_s, sensor_s) = (model_s as f32, sensor_s as f32);
     let off = model_s - sensor_s;
     off.max(-off) <= PERIOD_TOLERANCE * sensor_s
@@ -25,16 +25,16 @@ pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
     Hub<INPUTS, TERMS, HISTORY, R>
 {
-    /// Takes a model image; history and inputs start anew, clocks go on from when the hub was made. The image is not
-    /// needed afterwards.
+    /// Loads a model image. History and inputs are reset; the clocks of the inputs continue from the creation of the hub.
+    /// The image is not needed afterwards.
     ///
     /// # Errors
     ///
-    /// Damaged, of another version, too large, or not for this sensor: then the hub has no model, and the output says
-    /// so.
+    /// The image is damaged, of another version, too large, or not for this sensor. The hub then has no model, and its
+    /// output is flagged [`NOT_MODELLED`](fos_core::Validity::NOT_MODELLED).
     pub fn load(&mut self, image: &[u8]) -> Result<(), HubError> {
         self.unload();
-        // where it lies: an image is many words of stack
+        // by reference: an image takes many words of stack
         let loaded = match &Image::parse(image) {
             Ok(image) => self.take(image),
             Err(error) => Err(HubError::Image(*error)),
@@ -42,24 +42,24 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.settle(loaded)
     }
 
-    /// As [`load`](Self::load), for a model that was compiled in: what `fos export --rust` writes.
+    /// Loads a compiled-in model, as written by `fos export --rust`; otherwise the same as [`load`](Self::load).
     ///
     /// # Errors
     ///
-    /// Too large, or not for this sensor: then the hub has no model, and the output says so.
+    /// The model is invalid, too large, or not for this sensor. The hub then has no model, as after [`load`](Self::load).
     pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.unload();
         let loaded = self.take_model(model);
         self.settle(loaded)
     }
 
-    /// Leaves nothing of a model that was refused; sets the clocks of one that was taken.
+    /// Removes a rejected model; sets the clocks of an accepted one.
     fn settle(&mut self, loaded: Result<(), HubError>) -> Result<(), HubError> {
         if let Err(error) = &loaded {
             warn!("model refused: {}", *error);
             self.unload();
         } else {
-            // what a sensor does after power-on it has done
+            // effects since power-on (warm-up) continue where the sensor is
             self.evaluator.begin_after(self.ticks);
             info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
@@ -103,8 +103,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
     }
 
-    /// Which of the sensor's axes and quantities are the model's that the predictor has taken.
-    // apart from decoding, so that the stack of one is not below the other's
+    /// Maps the axes and quantities of the loaded model to those of the sensor.
+    // a function of its own, so that its stack frame and that of the decoding do not add up
     #[inline(never)]
     fn connect(
         &mut self,
@@ -145,7 +145,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.detector = limits.and_then(|limits| StillnessDetector::new(limits).ok());
     }
 
-    /// Which of the six an axis of the model is; none if it is none of them, or one that the model has twice.
+    /// Maps an axis of the model to one of the six; `None` if there is no such axis, or the model has it twice.
     // as above
     #[inline(never)]
     fn connect_axis(&mut self, index: usize, parameters: &AxisParameters<f32>) -> Option<()> {

@@ -14,7 +14,7 @@ mod watch;
 use fos_core::{
     Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity,
 };
-// the pose gate is fos-core's, for the host too
+// the orientation gate is in fos-core, because the host uses it too
 pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
 use heapless::Vec;
 
@@ -33,34 +33,33 @@ use watch::Watch;
 
 use crate::raw::{Faults, RawSample, Scales, SiSample};
 
-/// A true sample rate further than this from the model's, relative, is a [`Faults::RATE`]: a lag of ten samples is then
-/// wrong by a tenth of a sample, a line of 10 Hz by 0.1 Hz.
+/// Largest relative difference between the true sampling rate and that of the model; beyond it the hub sets
+/// [`Faults::RATE`]. At the limit a lag of ten samples is wrong by a tenth of a sample, a spectral line of 10 Hz by 0.1 Hz.
 const RATE_TOLERANCE: f32 = 0.01;
 
-/// The hub behind the C interface: what `fos_hub` of fos.h holds.
+/// The hub of the C interface, held by `fos_hub` in fos.h.
 pub type CHub = Hub<16, 128, 256>;
 
-/// Whether the unit is still.
+/// Motion state of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Motion {
-    /// It moves: the predictor coasts.
+    /// The device moves: the predictor coasts.
     Moving,
-    /// It is still: the predictor tracks, against the model's own reference.
+    /// The device is still: the predictor tracks, against the model's own reference.
     Still,
 }
 
-/// Six axes over shared inputs: what an application calls.
+/// Six axes over shared inputs: the interface for an application.
 ///
-/// While the unit is still it tracks, while it moves it coasts; an accelerometer coasts too where it lies still in
-/// another pose than that of the fit. Everything that comes out is finite and bounded, and says what speaks against
-/// it.
+/// The hub tracks while the device is still and coasts while it moves. Accelerometers also coast at rest in an orientation
+/// other than that of the fit. Every corrected value is finite and bounded, and has a validity.
 ///
-/// Capacities: `INPUTS` and as many logged quantities, `TERMS` of all axes together, `HISTORY` values, as of
-/// [`Predictor`](fos_core::Predictor). A model that needs more is refused.
+/// Capacities: `INPUTS`, which also limits the logged quantities, `TERMS` over all axes, and `HISTORY` values, as for
+/// [`Predictor`](fos_core::Predictor). A model that needs more is rejected.
 ///
-/// It computes in f32; with [`Fixed`](fos_core::Fixed) as its last parameter in fixed point, the same models and the same
-/// calls: for cores without floats. What does not fit 256 is then refused too.
+/// Arithmetic is in f32, or in fixed point with [`Fixed`](fos_core::Fixed) as the last parameter, for cores without an FPU:
+/// same models, same calls. Models with values of 256 or more are then rejected too.
 ///
 /// ```
 /// use fos_core::FittedOn;
@@ -76,7 +75,7 @@ pub enum Motion {
 ///     values: FittedOn::Raw,
 /// };
 /// let mut hub: Hub<8, 60, 128> = Hub::new(scales);
-/// // hub.load(image)?; until then nothing is taken out, and the output says so
+/// // hub.load(image)?; until then nothing is subtracted, and the output is flagged
 /// let raw = RawSample { accel: [0, 0, 8192], temperature: Some(256), ..RawSample::default() };
 /// let output = hub.update(&raw);
 /// assert!((output.accel()[2] - 9.8).abs() < 0.01);
@@ -90,25 +89,25 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
     scales: Scales,
     evaluator: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     detector: Option<StillnessDetector<R>>,
-    /// As the application says; none if it leaves that to the detector.
+    /// Set by the application; `None` leaves it to the detector.
     motion: Option<Motion>,
-    /// Which of the six each axis of the model is.
+    /// Index among the six of each axis of the model.
     axes: Vec<u8, AXES>,
-    /// Axis i of the model is the i-th of the six from this one on; none if they are in another order.
+    /// Index of the model's first axis, if its axes are consecutive among the six; otherwise `None`.
     first: Option<u8>,
-    /// Of the axes that have a pose.
+    /// Gates of the accelerometers in the model.
     gates: Vec<Gate<R>, 3>,
     quantities: Vec<R, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
     watch: Watch<R>,
-    /// None if not all three accelerometers are in the model.
+    /// `None` unless all three accelerometers are in the model.
     gravity: Option<Gravity>,
     rate: RateEstimator,
     model_rate_hz: f32,
     rate_off: bool,
     /// All gates are open.
     in_pose: bool,
-    /// Bit i: the model's axis i has no gate that shuts.
+    /// Bit i is set if axis i of the model has no gate.
     without_gate: u32,
     ticks: u32,
     output: Output<R>,
@@ -117,11 +116,11 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
     Hub<INPUTS, TERMS, HISTORY, R>
 {
-    /// A hub without a model, for a sensor with these scales; may be in a `static`.
+    /// A hub without a model, for a sensor with these scales; usable in a `static`.
     pub const fn new(scales: Scales) -> Self {
         Self {
             scales,
-            // evaluated when compiling: nothing but zeros, which are set in place and not copied over the stack
+            // evaluated at compile time: only zeros, set in place and not copied over the stack
             evaluator: const { Evaluator::empty() },
             detector: None,
             motion: None,
@@ -142,15 +141,15 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
     }
 
-    /// What the codes of the sensor mean.
+    /// Scales of the sensor's codes.
     pub fn scales(&self) -> &Scales {
         &self.scales
     }
 
-    /// Whether the unit is still, where the application knows; `None`, as at first, leaves that to the model's
-    /// limits. A model without limits always coasts.
+    /// Sets the motion state, if the application knows it. `None`, the initial value, leaves it to the stillness limits of
+    /// the model; a model without limits then always coasts.
     pub fn set_motion(&mut self, motion: Option<Motion>) {
-        // what was not watched is not known to have been still
+        // the detector saw no samples meanwhile, so it starts in the moving state
         if motion != self.motion
             && let Some(detector) = &mut self.detector
         {
@@ -159,8 +158,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.motion = motion;
     }
 
-    /// What the application's clock shows, µs since whenever, now that all samples up to now were given. From it the
-    /// true sample rate is found; call it after every batch.
+    /// Passes the time of the application's clock, µs since any origin, after all samples up to now were passed. Call it
+    /// after every batch; it measures the true sampling rate.
     pub fn clock(&mut self, now_us: u64) {
         let set_back = self.rate.clock(now_us);
         let was_off = self.rate_off;
@@ -180,20 +179,20 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
     }
 
-    /// The sensor's true sample rate by the application's clock, Hz; none before the first 10 s without a fault.
+    /// True sampling rate of the sensor by the application's clock, Hz; `None` before the first 10 s without a fault.
     pub fn rate_hz(&self) -> Option<f32> {
         self.rate.rate_hz()
     }
 
-    /// One sample, and what was skipped before it.
+    /// Processes one sample and the skipped ticks before it.
     pub fn update(&mut self, raw: &RawSample) -> &Output<R> {
         self.output.measured = self.scales.measured_in(raw);
         self.output.temperature_c = self.scales.temperature_in(raw);
         self.take_measured(raw.skipped, raw.faults)
     }
 
-    /// The same of a sample in SI units; full scale, period and what the values are stay those of the hub's
-    /// [`Scales`]: [`Scales::of_full_scale`].
+    /// Processes a sample in SI units. Full scale, period and kind of values are those of the hub's [`Scales`]; see
+    /// [`Scales::of_full_scale`].
     ///
     /// ```
     /// use fos_core::{FittedOn, Validity};
@@ -222,8 +221,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.take_measured(sample.skipped, sample.faults)
     }
 
-    /// The sample that the output has as measured.
-    // a function of its own has the registers to itself
+    /// Processes the measured values in `self.output`.
+    // not inlined, so that it has all registers
     #[inline(never)]
     fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output<R> {
         let ticks = skipped.saturating_add(1);
@@ -247,13 +246,13 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
 
         let output = &mut self.output;
         (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, faults);
-        // turned about one of them an accelerometer feels the same gravity: the pose is that of all
+        // an accelerometer measures the same gravity after a rotation about its own axis, so all gates must be open
         self.in_pose = self.gates.iter().all(|gate| gate.is_open_after(&output.corrections));
         if self.axes.len() < AXES {
             output.pass_others(&self.axes, self.scales.full_scale());
         }
         if let Some(gravity) = &mut self.gravity {
-            gravity.look_at(output);
+            gravity.update(output);
         }
         if stuck || output.suspect().contains(Validity::SATURATED) {
             output.flag(stuck);
@@ -269,7 +268,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         output
     }
 
-    /// The sample through the model, of which the axes whose bit in `tracked` is set are tracked.
+    /// Runs the sample through the model; tracks the axes whose bit in `tracked` is set.
     #[inline(always)]
     fn evaluate(&mut self, tracked: u32) {
         let Some(first) = self.first else { return self.evaluate_reordered(tracked) };
@@ -280,7 +279,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.evaluator.track_some(&sample, tracked, corrections);
     }
 
-    /// The same where the axes of the model are not some of the six in a row.
+    /// Same as [`evaluate`](Self::evaluate), for a model whose axes are not consecutive among the six.
     #[cold]
     #[inline(never)]
     fn evaluate_reordered(&mut self, tracked: u32) {
@@ -299,46 +298,45 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
     }
 
-    /// Whether the model of an axis has stopped fitting; none if it has no model. All are watched in turn, a second
-    /// each.
+    /// Drift of the model of an axis; `None` if the axis has no model. The axes are monitored in turn, one second each.
     pub fn drift(&self, axis: Axis) -> Option<Drift> {
         self.watch.drift(self.index_of(axis)?)
     }
 
-    /// The running statistics of the innovation of an axis, in the model's scaled units; none if it has no model.
+    /// Running statistics of the innovation of an axis, in the scaled units of the model; `None` if the axis has no model.
     pub fn statistics(&self, axis: Axis) -> Option<InnovationStatistics<f32>> {
         self.watch.statistics(self.index_of(axis)?)
     }
 
-    /// Running standard deviation of the innovation of an axis over that of the fit: 1 as fitted. None if it has no
-    /// model. It takes a square root: ask now and then, not every sample.
+    /// Ratio of the running standard deviation of the innovation to that of the fit; `None` if the axis has no model. It
+    /// computes a square root: do not call it for every sample.
     pub fn deviation_ratio(&self, axis: Axis) -> Option<f32> {
         self.watch.deviation_ratio(self.index_of(axis)?)
     }
 
-    /// Forgets that the model has stopped fitting, and tests anew.
+    /// Clears the drift of all axes and restarts the tests.
     pub fn restart_watch(&mut self) {
         self.watch.restart();
     }
 
-    /// What the latest sample came to.
+    /// Output of the latest sample.
     pub fn output(&self) -> &Output<R> {
         &self.output
     }
 
-    /// Place of an axis in the model.
+    /// Index of an axis in the model.
     fn index_of(&self, axis: Axis) -> Option<usize> {
         let channel = channel_of(axis)?;
         self.axes.iter().position(|modelled| *modelled == channel)
     }
 
-    /// Something is missing, or something went wrong; what.
+    /// Handles skipped ticks and reported faults; returns all faults of the sample.
     #[cold]
     fn disturbed(&mut self, skipped: u32, reported: Faults) -> Faults {
         if skipped > 0 {
             self.skip(skipped);
         }
-        // neither a gap nor codes that stand still say whether the unit does
+        // neither a gap nor repeated codes show that the device is still
         if (skipped > 0 || reported.contains(Faults::STUCK))
             && let Some(detector) = &mut self.detector
         {
@@ -350,7 +348,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         if skipped > 0 { reported | Faults::GAP } else { reported }
     }
 
-    /// Samples are missing; the next one speaks for them.
+    /// Advances the model over missing samples; their corrections are overwritten by the next sample.
     fn skip(&mut self, ticks: u32) {
         match self.first.and_then(|first| self.output.corrections.get_mut(usize::from(first)..)) {
             Some(corrections) => self.evaluator.skip(ticks, corrections),
@@ -363,7 +361,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.evaluator.skip(ticks, &mut [Correction::NONE; AXES]);
     }
 
-    /// What the sensor itself measures of the logged quantities.
+    /// Updates the logged quantities that the sensor itself measures.
     fn update_quantities(&mut self) {
         let Output { temperature_c, measured, .. } = &self.output;
         for (source, value) in self.sources.iter().zip(&mut self.quantities) {
@@ -384,7 +382,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     }
 }
 
-/// Which axes are modelled, and what the latest sample came to; not the model.
+/// Formats the modelled axes and the latest output, not the model.
 #[cfg(feature = "defmt")]
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>> defmt::Format
     for Hub<INPUTS, TERMS, HISTORY, R>

@@ -1,28 +1,28 @@
-//! What a hub says of one sample.
+//! Output of a hub for one sample.
 
 use fos_core::{Correction, Scalar, Validity};
 
 use super::axes::AXES;
 use crate::raw::Faults;
 
-/// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Everything is finite but what is absent: an
-/// innovation, a temperature, and what was measured where the source gave no number.
+/// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Every corrected and predicted value
+/// is finite. NaN stands for an absent innovation or temperature, and for a measured value that the source did not give.
 #[must_use = "carries whether the corrected values can be trusted"]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Output<R = f32> {
     /// Ticks since the hub was made; wraps.
     pub tick: u32,
-    /// The unit counts as still.
+    /// The device counts as still.
     pub still: bool,
-    /// As the sensor gave it.
+    /// Measured values of the sensor.
     pub measured: [R; AXES],
     /// Temperature of the sensor, °C; NaN where it is not known.
     pub temperature_c: R,
-    /// What the model says of each axis.
+    /// Correction of each axis.
     pub corrections: [Correction<R>; AXES],
-    /// What went wrong on the way from the sensor, and with its clock.
+    /// Faults on the way from the sensor, and of its clock.
     pub faults: Faults,
-    /// The model has stopped fitting on at least one axis.
+    /// The model no longer fits on at least one axis.
     pub drift: bool,
 }
 
@@ -37,22 +37,22 @@ impl<R: Scalar<Stored = f32>> Output<R> {
         drift: false,
     };
 
-    /// With the predicted error taken out.
+    /// Corrected values: measured minus predicted error.
     pub fn corrected(&self) -> [f32; AXES] {
         self.each(|axis| axis.corrected.stored())
     }
 
-    /// The predicted error: the bias, offset included. 0 where the model does not have the axis.
+    /// Predicted error, that is, the bias, offset included; 0 for axes without a model.
     pub fn predicted(&self) -> [f32; AXES] {
         self.each(|axis| axis.predicted.stored())
     }
 
-    /// Measured minus predicted error; NaN where the true value is not known.
+    /// Innovation: measured minus predicted error; NaN if the true value is not known.
     pub fn innovation(&self) -> [f32; AXES] {
         self.each(|axis| axis.innovation.map_or(f32::NAN, R::stored))
     }
 
-    /// What speaks against trusting each axis.
+    /// Reasons not to trust each axis.
     pub fn validity(&self) -> [Validity; AXES] {
         self.each(|axis| axis.validity)
     }
@@ -63,13 +63,13 @@ impl<R: Scalar<Stored = f32>> Output<R> {
         [ax, ay, az]
     }
 
-    /// Corrected rate x, y, z, rad/s.
+    /// Corrected angular rate x, y, z, rad/s.
     pub fn gyro(&self) -> [f32; 3] {
         let [.., gx, gy, gz] = self.corrected();
         [gx, gy, gz]
     }
 
-    /// Nothing speaks against any axis, and nothing went wrong.
+    /// True if every axis is valid, there is no fault and no drift.
     pub fn is_valid(&self) -> bool {
         self.faults.is_empty() && !self.drift && self.suspect().is_valid()
     }
@@ -80,15 +80,15 @@ impl<R: Scalar<Stored = f32>> Output<R> {
         [of(ax), of(ay), of(az), of(gx), of(gy), of(gz)]
     }
 
-    /// All that speaks against any axis.
-    // axis after axis, not a loop: it runs with every sample
+    /// Union of the validities of all axes.
+    // unrolled: it runs for every sample
     #[inline(always)]
     pub(super) fn suspect(&self) -> Validity {
         let [ax, ay, az, gx, gy, gz] = &self.corrections;
         ax.validity | ay.validity | az.validity | gx.validity | gy.validity | gz.validity
     }
 
-    /// Axes that the model does not have: as measured, or as last measured where there is no number.
+    /// Fills in the axes without a model: the measured value, or the last finite one.
     #[inline(never)]
     pub(super) fn pass_others(&mut self, axes: &[u8], full_scale: [f32; AXES]) {
         let places = self.corrections.iter_mut().zip(self.measured).zip(full_scale);
@@ -121,7 +121,7 @@ impl<R: Scalar<Stored = f32>> Output<R> {
     }
 }
 
-/// Value by value, not axis by axis: so they are compared.
+/// Grouped by quantity, not by axis, which is easier to compare.
 #[cfg(feature = "defmt")]
 impl<R: Scalar<Stored = f32>> defmt::Format for Output<R> {
     fn format(&self, f: defmt::Formatter<'_>) {

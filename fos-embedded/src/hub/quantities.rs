@@ -1,4 +1,4 @@
-//! What is logged beside the axes: what the application gives of it, and all of it as columns.
+//! Logged quantities other than the axes: setting them, and their columns in a log.
 
 use fos_core::{Info, Quantity, Scalar};
 use heapless::{String, Vec};
@@ -6,16 +6,16 @@ use heapless::{String, Vec};
 use super::Hub;
 use super::quantity_source::QuantitySource;
 
-/// So many quantities are logged at most, temperature among them.
+/// Largest number of logged quantities, temperature included.
 pub const MAX_LOGGED: usize = 17;
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
     Hub<INPUTS, TERMS, HISTORY, R>
 {
-    /// What a logged quantity is from now on, in its unit: supply voltage, processor load, magnetic field, a
-    /// reference. Those that the sensor itself measures need not be given. Until it is given, its axes are flagged.
+    /// Sets a logged quantity from now on, in its unit: supply voltage, processor load, magnetic field, a reference. The
+    /// quantities that the sensor measures are set by the hub. Until a quantity is set, the axes that use it are flagged.
     ///
-    /// Returns whether the model uses it.
+    /// Returns true if the model uses it.
     pub fn give(&mut self, quantity: Quantity, value: f32) -> bool {
         let mut used = false;
         for (source, slot) in self.sources.iter().zip(&mut self.quantities) {
@@ -27,8 +27,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         used
     }
 
-    /// As [`give`](Self::give), for the quantity of this index among those of the model that the application gives:
-    /// for one that has only a name.
+    /// Same as [`give`](Self::give), by the index among the model's quantities that the application gives; for quantities
+    /// that have only a name. Returns false if there is no such index.
     pub fn give_application(&mut self, index: usize, value: f32) -> bool {
         let given = self.sources.iter().zip(&mut self.quantities);
         match given.filter(|(source, _)| source.is_application()).nth(index) {
@@ -40,7 +40,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
     }
 
-    /// What was logged beside the axes: temperature, then what the application gave, in the model's order.
+    /// Temperature in °C, then the quantities given by the application, in the model's order and units.
     pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
         let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
         let mut logged = Vec::new();
@@ -50,14 +50,14 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         logged
     }
 
-    /// Columns of what is [`logged`](Self::logged), one a line, as the log format has them; `info` is that of the
-    /// image. `None` if they do not fit.
+    /// Names of the columns of [`logged`](Self::logged) in the log format, one per line; `info` is that of the image.
+    /// `None` if they exceed `N` bytes.
     pub fn columns<const N: usize>(&self, info: &Info<'_>) -> Option<String<N>> {
         columns(&self.sources, info)
     }
 }
 
-/// One copy for the hubs of every scalar.
+// not inlined: one copy for the hubs of every scalar
 #[inline(never)]
 fn columns<const N: usize>(sources: &[QuantitySource], info: &Info<'_>) -> Option<String<N>> {
     let mut columns = String::new();

@@ -1,14 +1,14 @@
-//! Which logged quantities the sensor gives, which the application.
+//! Sources of the logged quantities: the sensor or the application.
 
 use fos_core::Quantity;
 
-/// Where a logged quantity of the model comes from.
+/// Source of a logged quantity of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum QuantitySource {
     Thermometer,
-    /// One of the six, as measured.
+    /// Measured value of one of the six axes, by index.
     Measured(u8),
-    /// What the application gives, or NaN until it does.
+    /// Given by the application; NaN until then.
     Application(Quantity),
 }
 
@@ -18,7 +18,7 @@ impl QuantitySource {
     }
 }
 
-/// Whether a logged quantity is the application's to give; the others the sensor itself measures.
+/// True if the application must give the quantity; false if the sensor measures it.
 pub const fn is_given(quantity: Quantity) -> bool {
     !matches!(quantity, Quantity::Temperature | Quantity::Measured(_))
 }

@@ -1,18 +1,17 @@
-//! The sensor's true sample rate, by the application's clock.
+//! Measurement of the sensor's true sampling rate with the application's clock.
 //!
-//! The clocks of inertial sensors are up to 5 % off, and their own time stamps are off with them: only another clock
-//! can tell.
+//! The clocks of inertial sensors are up to 5 % off, and so are their own timestamps; only another clock shows it.
 
-/// The rate is taken over so long, µs. Reading a FIFO empty leaves at most a sample of doubt at either end: 0.1 % at
+/// Length of the measurement window, µs. Emptying a FIFO leaves an uncertainty of one sample at either end: 0.1 % at
 /// 200 Hz.
 const WINDOW_US: u64 = 10_000_000;
 
-/// The rate over the latest whole window between two looks at the clock.
+/// Rate over the latest complete window between two readings of the clock.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RateEstimator {
     /// Clock at the start of the window, µs.
     start_us: Option<u64>,
-    /// Ticks since.
+    /// Ticks since then.
     ticks: u32,
     rate_hz: Option<f32>,
 }
@@ -22,25 +21,25 @@ impl RateEstimator {
         Self { start_us: None, ticks: 0, rate_hz: None }
     }
 
-    /// Ticks have passed.
+    /// Counts ticks.
     #[inline]
     pub(super) fn tick(&mut self, ticks: u32) {
         self.ticks = self.ticks.saturating_add(ticks);
     }
 
-    /// How many ticks have passed is no longer known: the window begins anew.
+    /// Restarts the window, because the number of ticks in it is no longer known.
     pub(super) fn disturbed(&mut self) {
         self.start_us = None;
     }
 
-    /// What the clock shows, µs, now that all ticks up to now were given. Says whether it was set back beyond the
-    /// window's start; set back by less, it gives a rate that is off.
+    /// Reads the clock, µs, after all ticks up to now were counted. Returns true if it was set back beyond the start of
+    /// the window; a clock set back by less gives a wrong rate.
     pub(super) fn clock(&mut self, now_us: u64) -> bool {
         let elapsed = self.start_us.and_then(|start_us| now_us.checked_sub(start_us));
         let set_back = self.start_us.is_some() && elapsed.is_none();
         match elapsed {
             Some(elapsed) if elapsed < WINDOW_US => return false,
-            // a window that has lasted twice as long was slept through: the FIFO may have run over unseen
+            // after more than twice the window the device slept, and the FIFO may have overrun unnoticed
             Some(elapsed) if elapsed < 2 * WINDOW_US => {
                 self.rate_hz = Some(self.ticks as f32 * 1e6 / elapsed as u32 as f32);
             }
@@ -50,7 +49,7 @@ impl RateEstimator {
         set_back
     }
 
-    /// Ticks a second; none before the first whole window.
+    /// Ticks per second; `None` before the first complete window.
     pub(super) fn rate_hz(&self) -> Option<f32> {
         self.rate_hz
     }
@@ -60,10 +59,10 @@ impl RateEstimator {
 mod tests {
     use super::*;
 
-    fn run(rate: &mut RateEstimator, from_us: u64, seconds: u64, samples_a_second: f64) -> u64 {
+    fn run(rate: &mut RateEstimator, from_us: u64, seconds: u64, samples_per_second: f64) -> u64 {
         let mut given = 0;
         for look in 1..=20 * seconds {
-            let due = (look as f64 / 20.0 * samples_a_second) as u32;
+            let due = (look as f64 / 20.0 * samples_per_second) as u32;
             rate.tick(due - given);
             given = due;
             assert!(!rate.clock(from_us + look * 50_000));
@@ -72,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn tells_a_clock_that_is_three_percent_off_to_a_tenth_of_a_percent() {
+    fn measures_a_clock_error_of_three_percent() {
         for true_hz in [194.0, 200.0, 206.0] {
             let mut rate = RateEstimator::new();
             run(&mut rate, 7, 9, true_hz);
@@ -84,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_of_unknown_length_or_ticks_tells_nothing() {
+    fn discards_windows_of_unknown_length_or_ticks() {
         let mut rate = RateEstimator::new();
         let now_us = run(&mut rate, 0, 8, 200.0);
         rate.disturbed();

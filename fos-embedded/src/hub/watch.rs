@@ -1,12 +1,12 @@
-//! Does the model still fit? One axis at a time.
+//! Monitors the fit of the model, one axis at a time.
 
 use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Monitor, Scalar};
 use heapless::Vec;
 
 use super::axes::AXES;
 
-/// So many samples of one axis, then the next: a second at 200 Hz. A watched axis costs as much as two terms a
-/// sample; a sixth of that is spent, and an alarm comes five seconds later for every turn that the test takes.
+/// Samples of one axis before the next has its turn: one second at 200 Hz. Monitoring an axis costs as much as two terms
+/// per sample; in turn, six axes cost as much as one. An alarm comes five seconds later for every turn that the test takes.
 const TURN: u8 = 200;
 
 /// The monitors of the axes of a model.
@@ -15,7 +15,7 @@ pub(super) struct Watch<R: Scalar> {
     monitors: Vec<Monitor<R>, AXES>,
     watched: u8,
     left: u8,
-    /// Bit i: the model of axis i has stopped fitting.
+    /// Bit i is set if the model of axis i no longer fits.
     drifted: u8,
 }
 
@@ -27,14 +27,14 @@ impl<R: Scalar<Stored = f32>> Watch<R> {
         (self.watched, self.left, self.drifted) = (0, TURN, 0);
     }
 
-    // apart from decoding, so that the stack of one is not below the other's
+    // a function of its own, so that its stack frame and that of the decoding do not add up
     #[inline(never)]
     pub(super) fn add(&mut self, parameters: &AxisParameters<f32>, period_s: f64) {
-        // there is a place for every axis
+        // never full: at most six axes
         let _ = self.monitors.push(Monitor::new(parameters, period_s));
     }
 
-    /// The axis whose model has just stopped fitting, by its index in the model.
+    /// Processes the corrections of a sample. Returns the index in the model of an axis whose drift was just detected.
     #[inline]
     pub(super) fn update(&mut self, axes: &[u8], corrections: &[Correction<R>; AXES]) -> Option<usize> {
         let mut stopped = None;

@@ -1,4 +1,4 @@
-//! Nobody asks whether the model still fits: without the feature `monitor`.
+//! Replacement for `watch.rs` without the feature `monitor`: the fit of the model is not monitored.
 
 use core::marker::PhantomData;
 
@@ -6,7 +6,7 @@ use fos_core::{AxisParameters, Correction, Drift, InnovationStatistics, Scalar};
 
 use super::axes::AXES;
 
-/// No monitors: no axis is known to have stopped fitting.
+/// No monitors, hence no drift.
 #[derive(Debug, Clone)]
 pub(super) struct Watch<R>(PhantomData<R>);
 

@@ -1,4 +1,4 @@
-//! BMI323 (Bosch Sensortec) over SPI. Sections are those of its data sheet, BST-BMI323-DS000.
+//! BMI323 (Bosch Sensortec) over SPI. Section numbers refer to its data sheet, BST-BMI323-DS000.
 
 use bmi323_driver::{
     AccelConfig, AccelMode, AccelRange, Access, AverageSamples, Bandwidth, Bmi323 as Driver, Error,
@@ -29,7 +29,7 @@ const GYRO: GyroConfig = GyroConfig {
     odr: OutputDataRate::Hz200,
 };
 
-/// All that a sample has, one after the other in every frame (§5.7); when it is full, the newest overwrites the oldest.
+/// Every frame has accelerometers, gyros, temperature and time (§5.7); when the FIFO is full, new frames overwrite old ones.
 const FIFO: FifoConfig = FifoConfig {
     stop_on_full: false,
     include_time: true,
@@ -38,56 +38,56 @@ const FIFO: FifoConfig = FifoConfig {
     include_temperature: true,
 };
 
-/// What the registers read then (§6.1.2): `acc_conf`, `gyr_conf`, `fifo_watermark`, `fifo_conf`.
+/// Registers and their values after the set-up (§6.1.2): `acc_conf`, `gyr_conf`, `fifo_watermark`, `fifo_conf`.
 const CONFIGURATION: [(u8, u16); 4] =
     [(0x20, ACCEL.to_word()), (0x21, GYRO.to_word()), (0x35, 0), (0x36, FIFO.to_word())];
 
-/// Reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It is read past the driver, whose `read_fifo_words`
-/// checks a length while it runs: a panic, even if one that never comes.
+/// Command that reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It bypasses `read_fifo_words` of the driver, which
+/// checks a length at run time and so links a panic, even though it never occurs.
 const READ_FIFO: [u8; 1] = [0x80 | 0x16];
 
-/// A byte without meaning comes before what is read (§7.2.3).
+/// Dummy bytes before the data of a read (§7.2.3).
 const DUMMY: usize = 1;
 
 /// Bytes of a frame: accelerometers, gyros, temperature, time; words, the low byte first.
 const FRAME: usize = 16;
 
-/// Frames of a transfer: 0.1 ms at 10 MHz.
+/// Frames per transfer: 0.1 ms at 10 MHz.
 const FRAMES: usize = 8;
 
-/// Words of a frame, and of the FIFO: 2 kB (§5.7). With no more than a frame to spare it counts as full: the oldest
-/// frame may be gone.
+/// Words of a frame and of the FIFO, 2 kB (§5.7). With at most one frame free it counts as full: the oldest frame may have
+/// been overwritten.
 const FRAME_WORDS: u16 = FRAME as u16 / 2;
 const FIFO_WORDS: u16 = 1024;
 
-/// The first word of what stands for an accelerometer or a gyro that has no data yet (§5.7, table 18). It is also a
-/// code of 0.992 of full scale on x: such a sample is taken for missing.
+/// First word of an accelerometer or gyro without data yet (§5.7, table 18). It is also the code of 0.992 of full scale on
+/// x, so such a sample is taken for missing.
 const NO_ACCEL: i16 = 0x7f01;
 const NO_GYRO: i16 = 0x7f02;
 
-/// What an empty FIFO reads, and a thermometer that has nothing to say (§5.6.3).
+/// Code of an empty FIFO, and of a thermometer without a valid value (§5.6.3).
 const NOTHING: i16 = i16::MIN;
 
 /// A BMI323 on an SPI bus: ±4 g, ±500 dps, 200 Hz in high-performance mode.
 pub struct Bmi323<S, D> {
     spi: S,
     delay: D,
-    /// A frame has come since the set-up: from then on none is without data.
+    /// A frame was received since the set-up; from then on every frame has data.
     started: bool,
 }
 
 impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
-    /// SPI mode 0 or 3, at most 10 MHz.
+    /// Creates the driver; SPI mode 0 or 3, at most 10 MHz.
     pub fn new(spi: S, delay: D) -> Self {
         Self { spi, delay, started: false }
     }
 
-    /// Bus and delay, for another use; the part goes on as it was set up.
+    /// Returns bus and delay for another use; the part continues as it was set up.
     pub fn release(self) -> (S, D) {
         (self.spi, self.delay)
     }
 
-    /// The driver has no state of its own that is used here.
+    /// Creates a driver for one call; its state is not used here.
     fn driver(&mut self) -> Driver<SpiTransport<&mut S>> {
         Driver::new_spi(&mut self.spi)
     }
@@ -120,7 +120,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
 
     const NAME: &'static str = "BMI323";
 
-    /// Low word of the sensor time, 39.0625 µs a count (§6.1.2, `sensor_time_0`): a turn is 2.56 s.
+    /// Low word of the sensor time, 39.0625 µs a count (§6.1.2, `sensor_time_0`): it wraps after 2.56 s.
     const CLOCK: SensorClock = SensorClock { bits: 16, count_ps: 39_062_500, period_ns: 5_000_000 };
 
     fn scales() -> Scales {
@@ -135,7 +135,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
         }
     }
 
-    /// The offsets and gains that a host may write (`acc_dp_off_x` …) are as at power-on after the reset.
+    /// After the reset, the offsets and gains that a host may write (`acc_dp_off_x` …) have their power-on values.
     async fn set_up(&mut self) -> Result<(), SourceError<S::Error>> {
         self.started = false;
         let mut driver = Driver::new_spi(&mut self.spi);
@@ -144,14 +144,14 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
         driver.set_accel_config(ACCEL).await?;
         driver.set_gyro_config(GYRO).await?;
         driver.flush_fifo().await?;
-        match self.first_wrong().await? {
+        match self.first_mismatch().await? {
             Some((register, written, read)) => Err(SourceError::NotKept { register, written, read }),
             None => Ok(()),
         }
     }
 
     async fn is_set_up(&mut self) -> Result<bool, SourceError<S::Error>> {
-        Ok(self.first_wrong().await?.is_none())
+        Ok(self.first_mismatch().await?.is_none())
     }
 
     async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<S::Error>> {
@@ -181,9 +181,8 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
 }
 
 impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
-    /// Of the registers that were set up, the first that reads something else: its address, what it should be, what
-    /// it is.
-    async fn first_wrong(&mut self) -> Result<Option<(u8, u16, u16)>, SourceError<S::Error>> {
+    /// Finds the first configured register with a wrong value: its address, the expected and the read value.
+    async fn first_mismatch(&mut self) -> Result<Option<(u8, u16, u16)>, SourceError<S::Error>> {
         for (register, should) in CONFIGURATION {
             let is = self.driver().read_word(register).await.map_err(SourceError::Bus)?;
             if is != should {

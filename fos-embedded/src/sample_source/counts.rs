@@ -1,32 +1,32 @@
-//! What went wrong, and how often.
+//! Counts of faults.
 
 use super::SourceError;
 use crate::raw::Faults;
 
-/// What went wrong since a source was made, and how often. Each count stays at its highest.
+/// Counts of samples and faults since the source was created. Each count saturates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Counts {
-    /// Samples given, whole ones alone.
+    /// Complete samples returned.
     pub samples: u32,
     /// Transfers that failed, repetitions included ([`Faults::BUS`]).
     pub bus: u32,
-    /// Frames that were incomplete or out of order, and could not be used ([`Faults::BUS`]).
+    /// Frames discarded because they were incomplete or out of order ([`Faults::BUS`]).
     pub torn: u32,
-    /// Polls that found the FIFO run over ([`Faults::OVERRUN`]).
+    /// Polls that found a FIFO overrun ([`Faults::OVERRUN`]).
     pub overruns: u32,
-    /// Gaps ([`Faults::GAP`]), however long each.
+    /// Gaps of any length ([`Faults::GAP`]).
     pub gaps: u32,
     /// Ticks in these gaps.
     pub skipped: u32,
-    /// Times that the part was set up anew ([`Faults::RESET`]).
+    /// Repeated set-ups of the part ([`Faults::RESET`]).
     pub resets: u32,
     /// Set-ups that found another part ([`Faults::WRONG_PART`]).
     pub wrong_part: u32,
-    /// Set-ups that the part did not take.
+    /// Set-ups that failed because a register did not hold its value, or the part reported a fatal error.
     pub not_kept: u32,
-    /// Samples that repeat the same codes for too long ([`Faults::STUCK`]).
+    /// Samples from a stuck sensor, which repeats the same codes ([`Faults::STUCK`]).
     pub stuck: u32,
     /// Samples without a temperature ([`Faults::TEMPERATURE`]).
     pub temperature: u32,
@@ -47,7 +47,7 @@ impl Counts {
         temperature: 0,
     };
 
-    /// Counts an error; the next sample will say what it was.
+    /// Counts an error and adds its fault to `faults`, for the next sample.
     pub(super) fn note<E>(&mut self, error: &SourceError<E>, faults: &mut Faults) {
         let (fault, count) = match error {
             SourceError::Bus(_) => (Faults::BUS, &mut self.bus),

@@ -1,33 +1,33 @@
-//! Why a sensor gives no samples.
+//! Reasons why a sensor gives no samples.
 
 use core::fmt;
 
-/// Why a sensor gives no samples. Every one may pass: go on polling.
+/// Reason why a sensor gives no samples. Each may be temporary: continue polling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SourceError<E> {
-    /// The bus, with the same transfer repeated.
+    /// The bus failed, also when the transfer was repeated.
     Bus(E),
-    /// Something answers, but it is another part: what it says that it is.
+    /// Another part answers; holds its identity.
     WrongPart(u8),
-    /// A register does not keep what was written to it.
+    /// A register does not hold the value written to it.
     NotKept {
-        /// Its address, as in the data sheet.
+        /// Address of the register in the data sheet.
         register: u8,
-        /// What was written at set-up.
+        /// Value written at the set-up.
         written: u16,
-        /// What it reads instead.
+        /// Value read.
         read: u16,
     },
-    /// The part reports a fatal error of its own.
+    /// The part reports an internal fatal error.
     Fatal,
-    /// It has failed too often; it is left alone for so many polls, this one included.
+    /// The sensor failed repeatedly and rests; holds the remaining polls without access, this one included.
     Resting(u8),
 }
 
 impl<E> SourceError<E> {
-    /// For a log, which may not know the bus.
+    /// The error without that of the bus, which may not implement `defmt::Format`.
     pub(super) fn without_bus(&self) -> SourceError<()> {
         match *self {
             Self::Bus(_) => SourceError::Bus(()),

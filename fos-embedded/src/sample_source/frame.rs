@@ -1,11 +1,11 @@
-//! What a FIFO gives.
+//! Frames and batches read from a FIFO.
 
 use heapless::Vec;
 
-/// So many samples a poll at most: 160 ms at 200 Hz.
+/// Most samples per poll: 160 ms at 200 Hz.
 pub const MAX_SAMPLES: usize = 32;
 
-/// What a FIFO holds of one instant; axes x, y, z.
+/// FIFO contents of one instant; axes x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FifoFrame {
@@ -13,25 +13,25 @@ pub struct FifoFrame {
     pub accel: [i16; 3],
     /// Codes of the gyros.
     pub gyro: [i16; 3],
-    /// Latest code of the thermometer; none if it has nothing to say.
+    /// Latest code of the thermometer; `None` if it has no valid value.
     pub temperature: Option<i16>,
-    /// The sensor's clock, in counts; wraps.
+    /// Timestamp of the sensor, in counts of its clock; wraps.
     pub stamp: u32,
-    /// Frames before this one that were incomplete.
+    /// Number of incomplete frames directly before this one.
     pub torn: u16,
 }
 
-/// What a poll reads of a FIFO.
+/// Frames read from a FIFO in one poll.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Batch {
     /// Complete frames, oldest first.
     pub frames: Vec<FifoFrame, MAX_SAMPLES>,
-    /// The FIFO has run over since the last look.
+    /// The FIFO overran since the previous poll.
     pub overrun: bool,
-    /// Frames after the last complete one that were incomplete.
+    /// Number of incomplete frames after the last complete one.
     pub torn: u16,
-    /// Frames left in the FIFO.
+    /// Number of frames left in the FIFO.
     pub left: u16,
 }
 
@@ -41,7 +41,7 @@ impl Batch {
         Self { frames: Vec::new(), overrun: false, torn: 0, left: 0 }
     }
 
-    /// Frames that still fit.
+    /// Number of frames that still fit.
     pub fn room(&self) -> usize {
         MAX_SAMPLES.saturating_sub(self.frames.len())
     }
@@ -52,7 +52,7 @@ impl Batch {
         let _ = self.frames.push(FifoFrame { accel, gyro, temperature, stamp, torn });
     }
 
-    /// Notes an incomplete frame.
+    /// Counts an incomplete frame.
     pub fn tear(&mut self) {
         self.torn = self.torn.saturating_add(1);
     }

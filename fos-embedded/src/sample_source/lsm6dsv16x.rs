@@ -1,4 +1,4 @@
-//! LSM6DSV16X (STMicroelectronics) over I2C. Registers are those of its data sheet, DS13510, chapter 9.
+//! LSM6DSV16X (STMicroelectronics) over I2C. Registers: data sheet DS13510, chapter 9.
 
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::i2c::I2c;
@@ -18,16 +18,16 @@ use crate::raw::Scales;
 const ACCEL_RANGE: u8 = XlFullScale::_4g as u8;
 const ACCEL_MG: f32 = 0.122;
 
-/// ±500 dps: 17.5 mdps/LSB (the same, G_So).
+/// ±500 dps: 17.5 mdps/LSB ("Mechanical characteristics", G_So).
 const GYRO_RANGE: u8 = GyFullScale::_500dps as u8;
 const GYRO_MDPS: f32 = 17.5;
 
-/// 200 Hz: the high-accuracy mode has it, the others do not. Low half: rate; high half: set of rates.
+/// 200 Hz, which only the high-accuracy mode has. Low half: rate; high half: set of rates.
 const RATE: u8 = Odr::Ha02_200hz as u8 & 0x0f;
 const RATE_SET: u8 = Odr::Ha02_200hz as u8 >> 4;
 
-/// What is written, in this order: the rates come after all that they drive, the FIFO last, so that it holds nothing
-/// from before. Offsets that a host may write (X_OFS_USR …) are off: CTRL9 is 0.
+/// Registers and values of the set-up, in this order: the rates after the settings that they drive, the FIFO last, so that
+/// it holds no earlier data. Offsets that a host may write (X_OFS_USR …) are off: CTRL9 is 0.
 const CONFIGURATION: [(Reg, u8); 13] = [
     (Reg::FuncCfgAccess, 0),
     (Reg::Ctrl3, Ctrl3::new().with_bdu(1).with_if_inc(1).into_bits()),
@@ -38,7 +38,7 @@ const CONFIGURATION: [(Reg, u8); 13] = [
     (Reg::HaodrCfg, HaodrCfg::new().with_haodr_sel(RATE_SET).into_bits()),
     (Reg::FunctionsEnable, FunctionsEnable::new().with_timestamp_en(1).into_bits()),
     (Reg::FifoCtrl2, FifoCtrl2::new().into_bits()),
-    // the rate of batching has the code of the rate itself
+    // the batching rate has the same code as the data rate
     (Reg::FifoCtrl3, FifoCtrl3::new().with_bdr_xl(BATCH).with_bdr_gy(BATCH).into_bits()),
     (Reg::Ctrl1, Ctrl1::new().with_odr_xl(RATE).with_op_mode_xl(XlMode::HighAccuracyOdrMd as u8).into_bits()),
     (Reg::Ctrl2, Ctrl2::new().with_odr_g(RATE).with_op_mode_g(GyMode::HighAccuracyOdrMd as u8).into_bits()),
@@ -47,37 +47,37 @@ const CONFIGURATION: [(Reg, u8); 13] = [
 
 const BATCH: u8 = FifoBatch::_240hz as u8;
 
-/// The newest overwrites the oldest; a stamp for every sample, a temperature 15 times a second.
+/// New words overwrite old ones; a timestamp with every sample, a temperature 15 times per second.
 const FIFO: FifoCtrl4 = FifoCtrl4::new()
     .with_fifo_mode(FifoMode::StreamMode as u8)
     .with_odr_t_batch(FifoTempBatch::_15hz as u8)
     .with_dec_ts_batch(FifoTimestampBatch::Dec1 as u8);
 
-/// Registers from FIFO_CTRL1 to CTRL9: the watch over them takes one transfer.
+/// Number of registers from FIFO_CTRL1 to CTRL9, which are checked in one transfer.
 const WATCHED: usize = Reg::Ctrl9 as usize - Reg::FifoCtrl1 as usize + 1;
 
-/// Bytes of a word of the FIFO: a tag, and six of data.
+/// Bytes of a FIFO word: a tag and six bytes of data.
 const WORD: usize = 7;
 
-/// Words of a transfer: 224 bytes, since some I2C peripherals count no further than 255.
+/// Words per transfer: 224 bytes, because some I2C peripherals count to 255 at most.
 const WORDS: usize = 32;
 
-/// Words of a sample: accelerometer, gyro, time stamp. Temperatures are extra.
-const WORDS_A_SAMPLE: usize = 3;
+/// Words per sample: accelerometers, gyros, timestamp. Temperatures come in addition.
+const WORDS_PER_SAMPLE: usize = 3;
 
-/// Transfers a poll: 256 words, should most of them be of no use; the FIFO takes no more without compression.
+/// Most transfers per poll: 256 words, even if most are unusable; without compression the FIFO holds no more.
 const TRANSFERS: usize = 8;
 
-/// After the global reset, ms: as the makers' own driver waits.
+/// Delay after the global reset, ms, as in the manufacturer's driver.
 const BOOT_MS: u32 = 50;
 
-/// A temperature is good for so many samples, 1 s: one comes every 13.
+/// Samples for which a temperature stays valid, 1 s; a new one comes every 13 samples.
 const TEMPERATURE_AGE: u8 = 200;
 
-/// While a filter settles, DRDY_MASK has this code or one of the two above it in the FIFO, on all axes.
+/// Lowest of the three codes that DRDY_MASK puts into the FIFO, on all axes, while a filter settles.
 const UNSETTLED: i16 = 0x7ffd;
 
-/// What SDO/SA0 is connected to.
+/// I2C address, set by the connection of SDO/SA0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Address {
@@ -89,14 +89,14 @@ pub enum Address {
 
 /// An LSM6DSV16X on an I2C bus: ±4 g, ±500 dps, 200 Hz in high-accuracy mode.
 ///
-/// A second of samples takes 4.3 kB on the bus: at 400 kHz a tenth of its time.
+/// One second of samples takes 4.3 kB on the bus, a tenth of the time at 400 kHz.
 pub struct Lsm6dsv16x<B: I2c, D: DelayNs> {
     driver: Driver<I2cBus<B>, D, MainBank>,
     assembler: Assembler,
 }
 
 impl<B: I2c, D: DelayNs> Lsm6dsv16x<B, D> {
-    /// At most 1 MHz; 400 kHz are enough.
+    /// Creates the driver; I2C clock at most 1 MHz, of which 400 kHz is enough.
     pub fn new(i2c: B, address: Address, delay: D) -> Self {
         let address = match address {
             Address::Low => I2CAddress::I2cAddL,
@@ -105,7 +105,7 @@ impl<B: I2c, D: DelayNs> Lsm6dsv16x<B, D> {
         Self { driver: Driver::new_i2c(i2c, address, delay), assembler: Assembler::new() }
     }
 
-    /// Bus and delay, for another use; the part goes on as it was set up.
+    /// Returns bus and delay for another use; the part continues as it was set up.
     pub fn release(self) -> (B, D) {
         (self.driver.bus.i2c, self.driver.tim)
     }
@@ -123,7 +123,7 @@ impl<B: I2c, D: DelayNs> Imu for Lsm6dsv16x<B, D> {
 
     const NAME: &'static str = "LSM6DSV16X";
 
-    /// TIMESTAMP0 …: 1/46 080 s a count, 21.7 µs.
+    /// TIMESTAMP0 …: 1/46 080 s per count, 21.7 µs.
     const CLOCK: SensorClock = SensorClock { bits: 32, count_ps: 21_701_389, period_ns: 5_000_000 };
 
     fn scales() -> Scales {
@@ -167,7 +167,7 @@ impl<B: I2c, D: DelayNs> Imu for Lsm6dsv16x<B, D> {
         self.driver.read_from_register(Reg::FifoCtrl1 as u8, &mut read).await?;
         Ok(CONFIGURATION.iter().all(|(register, written)| {
             let place = (*register as usize).checked_sub(Reg::FifoCtrl1 as usize);
-            // the others are out of its reach
+            // registers outside this range are not checked
             place.and_then(|place| read.get(place)).is_none_or(|read| read == written)
         }))
     }
@@ -176,21 +176,21 @@ impl<B: I2c, D: DelayNs> Imu for Lsm6dsv16x<B, D> {
         let status = FifoStatusReg::read(&mut self.driver).await?;
         if status.fifo_ovr_ia() != 0 || status.fifo_ovr_latched() != 0 {
             batch.overrun = true;
-            self.assembler.lost();
+            self.assembler.reset();
         }
         let mut left = usize::from(status.diff_fifo());
         for _ in 0..TRANSFERS {
-            let words = left.min(batch.room().saturating_mul(WORDS_A_SAMPLE)).min(WORDS);
+            let words = left.min(batch.room().saturating_mul(WORDS_PER_SAMPLE)).min(WORDS);
             let mut bytes = [0; WORDS * WORD];
             let Some(bytes) = bytes.get_mut(..words * WORD).filter(|bytes| !bytes.is_empty()) else { break };
-            // from the last byte of a word the address returns to the tag of the next
+            // after the last byte of a word the address returns to the tag
             self.driver.read_from_register(Reg::FifoDataOutTag as u8, bytes).await?;
             left = left.saturating_sub(words);
             for word in bytes.as_chunks().0 {
                 self.assembler.take(word, batch);
             }
         }
-        batch.left = (left / WORDS_A_SAMPLE) as u16;
+        batch.left = (left / WORDS_PER_SAMPLE) as u16;
         Ok(())
     }
 
@@ -199,7 +199,7 @@ impl<B: I2c, D: DelayNs> Imu for Lsm6dsv16x<B, D> {
     }
 }
 
-/// Writes a register, as the driver's own way does for any length, but without a buffer of 257 bytes.
+/// Writes a register without the buffer of 257 bytes that the driver's own function for any length needs.
 async fn write<B: I2c, D>(
     driver: &mut Driver<I2cBus<B>, D, MainBank>,
     register: Reg,
@@ -211,18 +211,18 @@ where
     driver.bus.write_bytes(&[register as u8, value]).await.map_err(SourceError::Bus)
 }
 
-/// Puts the words of one instant together: they have the same two-bit counter, in any order.
+/// Assembles the words of one instant, which have the same two-bit counter and come in any order.
 #[derive(Debug)]
 struct Assembler {
     slot: Slot,
     temperature: Option<i16>,
-    /// Samples since it came.
+    /// Samples since the last temperature.
     temperature_age: u8,
-    /// A complete sample has come since the set-up or a loss: from then on all are.
+    /// A complete sample was received since the set-up or a loss; from then on all are complete.
     in_step: bool,
 }
 
-/// What has come of one instant.
+/// Words received for one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Slot {
     counter: Option<u8>,
@@ -248,8 +248,8 @@ impl Assembler {
         Self { slot: Slot::EMPTY, temperature: None, temperature_age: 0, in_step: false }
     }
 
-    /// Words are lost: what has come may not belong to what comes.
-    fn lost(&mut self) {
+    /// Discards the current words after a loss: they may not belong to the following ones.
+    fn reset(&mut self) {
         (self.slot, self.in_step) = (Slot::EMPTY, false);
     }
 
@@ -275,13 +275,13 @@ impl Assembler {
                 let [code, ..] = axes;
                 (self.temperature, self.temperature_age) = (Some(code), 0);
             }
-            // nothing else is batched; an empty FIFO has less than it said
+            // no other tags are batched; an empty FIFO holds less than its level states
             _ => batch.tear(),
         }
         self.complete(batch);
     }
 
-    /// Begins a new instant where the counter, or a second word of the same kind, says so.
+    /// Begins a new instant if the counter changes or a second word of the same kind arrives.
     fn turn_to(&mut self, counter: u8, has: impl Fn(&Slot) -> bool, batch: &mut Batch) {
         if self.slot.counter == Some(counter) && !has(&self.slot) {
             return;
@@ -292,7 +292,7 @@ impl Assembler {
         self.slot = Slot::new(counter);
     }
 
-    /// Gives a frame once all of it is there.
+    /// Adds a frame to the batch once it is complete.
     fn complete(&mut self, batch: &mut Batch) {
         let Slot { accel: Some(accel), gyro: Some(gyro), stamp: Some(stamp), .. } = self.slot else { return };
         self.slot = Slot::EMPTY;
@@ -313,7 +313,7 @@ impl<E> From<Error<E>> for SourceError<E> {
     fn from(error: Error<E>) -> Self {
         match error {
             Error::Bus(error) => Self::Bus(error),
-            // none of what is called gives another
+            // the called functions return no other error
             _ => Self::Fatal,
         }
     }

@@ -1,11 +1,11 @@
-//! Complete samples from a six-axis sensor, an [`Imu`], and what went wrong on the way.
+//! Complete samples from a six-axis sensor, an [`Imu`], with fault handling.
 //!
-//! Two real parts, through their maintained drivers over embedded-hal 1.0, each behind the feature of its name:
-//! `Lsm6dsv16x` over I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. One
-//! source of logic: blocking buses and delays go through [`Blocking`](crate::blocking::Blocking).
+//! Two parts are supported through maintained drivers over embedded-hal 1.0, each behind the feature of its name:
+//! `Lsm6dsv16x` over I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. Blocking
+//! buses and delays need the adapter [`Blocking`](crate::blocking::Blocking).
 //!
-//! The FIFO is the deadline: [`poll`](SampleSource::poll) at least every 250 ms, or samples are lost, flagged and
-//! counted. What each fault is and how long it takes to recover is in docs/faults.md.
+//! Call [`poll`](SampleSource::poll) at least every 250 ms: otherwise the FIFO overruns and samples are lost, flagged and
+//! counted. docs/faults.md describes each fault and its recovery time.
 //!
 //! ```
 //! use embedded_hal::{delay::DelayNs, spi::SpiDevice};
@@ -26,11 +26,11 @@
 //!                     hub.clock(now_us);
 //!                 }
 //!             }
-//!             // it may pass, so go on polling; what to make of it is the application's to say
+//!             // possibly temporary, so continue polling; the reaction is up to the application
 //!             Some(Err(error)) => println!("no samples: {error}"),
-//!             None => {} // not done yet, which over Blocking does not happen
+//!             None => {} // pending, which does not happen over Blocking
 //!         }
-//!         // poll again at once if it has more; else sleep for 50 ms
+//!         // poll again at once if there are more samples; otherwise sleep for 50 ms
 //! #       break;
 //!     }
 //! }
@@ -64,96 +64,96 @@ use timeline::Timeline;
 
 use crate::raw::{Faults, RawSample, Scales};
 
-/// A transfer that fails is repeated after so many ms, once for each: longer than a glitch, shorter than a sample.
+/// Delays before the repetitions of a failed transfer, ms: longer than a glitch, shorter than a sample.
 const RETRY_AFTER_MS: [u32; 2] = [1, 2];
 
-/// A sensor that fails again and again is left alone for so many polls at most.
+/// Longest rest of a repeatedly failing sensor, polls.
 const MAX_BACK_OFF: u8 = 64;
 
-/// A sensor that gives no sample for so long is set up anew, µs: the gyros of both parts start within a third of it.
+/// Time without a sample after which a sensor is set up again, µs; the gyros of both parts start within a third of it.
 const SILENT_US: u64 = 250_000;
 
 /// A six-axis sensor with a FIFO, behind its driver.
 ///
 /// Futures need not be `Send`: a source belongs to one task.
 pub trait Imu {
-    /// What goes wrong on the bus, as its driver says it.
+    /// Error of the bus driver.
     type BusError: Debug;
 
-    /// As in its data sheet.
+    /// Name of the part in its data sheet.
     const NAME: &'static str;
 
-    /// The sensor's own clock, as it stamps its frames.
+    /// Clock of the sensor, from which its frames have their timestamps.
     const CLOCK: SensorClock;
 
-    /// What its codes mean as [`set_up`](Self::set_up) leaves it: nominal, from the data sheet.
+    /// Nominal scales from the data sheet, for the configuration of [`set_up`](Self::set_up).
     fn scales() -> Scales;
 
-    /// Resets it, asks what it is, configures it and reads back what was written.
+    /// Resets the sensor, checks its identity, configures it and reads the configuration back.
     ///
     /// # Errors
     ///
-    /// The bus; another part; a register that does not keep what was written.
+    /// The bus fails, another part answers, or a register does not hold the value written.
     fn set_up(&mut self) -> impl Future<Output = Result<(), SourceError<Self::BusError>>>;
 
-    /// Whether it still is as it was set up; if not, it has been reset behind our back.
+    /// Returns true if the sensor still has its configuration; false after an unexpected reset.
     ///
     /// # Errors
     ///
-    /// The bus.
+    /// The bus fails.
     fn is_set_up(&mut self) -> impl Future<Output = Result<bool, SourceError<Self::BusError>>>;
 
-    /// Reads the oldest frames of its FIFO into `batch`, as many as there is room for. After an error it may be
-    /// called again with the same batch: what was read before stays.
+    /// Reads the oldest frames of the FIFO into `batch`, as many as fit. After an error it may be called again with the
+    /// same batch, which holds the frames read before.
     ///
     /// # Errors
     ///
-    /// The bus.
+    /// The bus fails.
     fn read(&mut self, batch: &mut Batch) -> impl Future<Output = Result<(), SourceError<Self::BusError>>>;
 
-    /// Waits for at least so long, between two attempts.
+    /// Waits for at least `ms` between two attempts.
     fn wait_ms(&mut self, ms: u32) -> impl Future<Output = ()>;
 }
 
-/// Complete samples from a part, with what went wrong on the way.
+/// Complete samples from a part, with fault handling.
 ///
-/// Every failure is bounded: three attempts a poll, then up to 64 polls of rest before the part is set up anew.
+/// The effort on failures is bounded: three attempts per poll, then up to 64 polls of rest before the part is set up again.
 #[derive(Debug)]
 pub struct SampleSource<P: Imu> {
     part: P,
     state: State,
     /// Polls to rest after the next failure.
     back_off: u8,
-    /// Polls before a stuck sensor is set up anew once more.
+    /// Polls before a stuck sensor is set up again.
     stuck_rest: u8,
-    /// It was set up at least once: a sample given before may have a successor.
+    /// The sensor was set up at least once, so the next set-up is a reset.
     started: bool,
-    /// When it last gave a sample or was set up, µs.
+    /// Time of the last sample or set-up, µs.
     heard_us: u64,
     batch: Batch,
     timeline: Timeline,
     repeats: Repeats,
-    /// What the next sample will say.
+    /// Faults to report with the next sample.
     pending: Faults,
     counts: Counts,
     samples: Vec<RawSample, MAX_SAMPLES>,
-    /// Faults of the samples of the poll before, which the log has.
+    /// Faults of the previous poll's samples, already logged.
     #[cfg(feature = "defmt")]
-    told: Faults,
+    logged: Faults,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum State {
     Running,
-    /// To be set up anew after so many polls.
+    /// Waits for `rest` polls before the next set-up.
     Down {
         rest: u8,
     },
 }
 
 impl<P: Imu> SampleSource<P> {
-    /// The part is set up at the first poll.
+    /// Creates a source; the part is set up at the first poll.
     pub const fn new(part: P) -> Self {
         Self {
             part,
@@ -169,20 +169,20 @@ impl<P: Imu> SampleSource<P> {
             counts: Counts::ZERO,
             samples: Vec::new(),
             #[cfg(feature = "defmt")]
-            told: Faults::empty(),
+            logged: Faults::empty(),
         }
     }
 
-    /// The samples since the last poll, oldest first, at most [`MAX_SAMPLES`]; if there are [more](Self::has_more),
-    /// poll again.
+    /// Returns the samples since the last poll, oldest first, at most [`MAX_SAMPLES`]. Poll again while there are
+    /// [more](Self::has_more).
     ///
-    /// `now_us` is the application's clock, which only goes forward, µs. A poll takes as long as the bus needs for
-    /// what it reads (LSM6DSV16X at 400 kHz: 0.5 ms a sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a
-    /// set-up 60 ms. A future that is dropped loses what it has read: that is a gap, no more.
+    /// `now_us` is the application's monotonic clock, µs. A poll takes as long as the bus transfer (LSM6DSV16X at 400 kHz:
+    /// 0.5 ms per sample, BMI323 at 10 MHz: 15 µs); failed transfers add 3 ms, a set-up 60 ms. Dropping the future loses
+    /// the samples read so far, which causes a gap and nothing worse.
     ///
     /// # Errors
     ///
-    /// The sensor cannot be read or set up. Polls may go on: it is set up anew after 1, 2, 4 … 64 polls.
+    /// The sensor cannot be read or set up. Continue polling: it is set up again after 1, 2, 4 … 64 polls.
     pub async fn poll(&mut self, now_us: u64) -> Result<&[RawSample], SourceError<P::BusError>> {
         self.samples.clear();
         self.batch.clear();
@@ -197,17 +197,17 @@ impl<P: Imu> SampleSource<P> {
         Ok(&self.samples)
     }
 
-    /// The sensor had more samples at the last poll than it gives at once.
+    /// True if the sensor had more samples at the last poll than fit one call.
     pub fn has_more(&self) -> bool {
         self.state == State::Running && self.batch.left > 0
     }
 
-    /// What went wrong since the source was made, and how often.
+    /// Counts of samples and faults since the source was created.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// The part, for another use; what was read and not given is lost.
+    /// Returns the part for another use.
     pub fn release(self) -> P {
         self.part
     }
@@ -238,9 +238,9 @@ impl<P: Imu> SampleSource<P> {
         }
     }
 
-    /// One look at the sensor: whether it is set up, and if so, its oldest frames.
+    /// Checks the configuration of the sensor and, if it is set up, reads its oldest frames. Returns true if it is set up.
     async fn transfer(&mut self) -> Result<bool, SourceError<P::BusError>> {
-        // neither bus has a check sum: one damaged look is no reset
+        // neither bus has a checksum, so one wrong read does not prove a reset
         let set_up = self.part.is_set_up().await? || self.part.is_set_up().await?;
         if set_up {
             self.part.read(&mut self.batch).await?;
@@ -261,19 +261,19 @@ impl<P: Imu> SampleSource<P> {
             self.counts.resets = self.counts.resets.saturating_add(1);
         }
         (self.state, self.started, self.heard_us) = (State::Running, true, now_us);
-        // its clock starts anew
+        // the sensor's clock restarts
         self.timeline.restart();
         Ok(())
     }
 
-    /// To be set up anew, later after every failure without a sample in between.
+    /// Schedules a new set-up, with twice the delay after every failure without a sample in between.
     fn give_up(&mut self) {
         warn!("{=str}: to be set up after {=u8} polls", P::NAME, self.back_off);
         self.state = State::Down { rest: self.back_off.saturating_sub(1) };
         self.back_off = self.back_off.saturating_mul(2).min(MAX_BACK_OFF);
     }
 
-    /// Makes samples of the frames of a poll.
+    /// Turns the frames of a poll into samples.
     fn deliver(&mut self, now_us: u64) {
         let overrun = self.batch.overrun;
         if overrun {
@@ -285,18 +285,18 @@ impl<P: Imu> SampleSource<P> {
         let mut stuck = false;
         for frame in &frames {
             younger = younger.saturating_sub(1);
-            self.torn(frame.torn);
+            self.count_damaged(frame.torn);
             let at_us = now_us.saturating_sub(younger.saturating_mul(P::CLOCK.period_us()));
             let Some(ticks) = self.timeline.step(&P::CLOCK, frame.stamp, at_us, overrun) else {
-                self.torn(1);
+                self.count_damaged(1);
                 continue;
             };
             self.heard_us = now_us;
             stuck = self.deliver_frame(frame, ticks.saturating_sub(1));
         }
-        self.torn(self.batch.torn);
+        self.count_damaged(self.batch.torn);
         #[cfg(feature = "defmt")]
-        self.tell();
+        self.log_new_faults();
         if stuck {
             self.unstick();
         } else if now_us.saturating_sub(self.heard_us) > SILENT_US {
@@ -304,19 +304,19 @@ impl<P: Imu> SampleSource<P> {
         }
     }
 
-    /// Logs the faults of these samples that those of the poll before did not have.
+    /// Logs the faults of these samples that the previous poll did not have.
     #[cfg(feature = "defmt")]
-    fn tell(&mut self) {
+    fn log_new_faults(&mut self) {
         let faults = self.samples.iter().fold(Faults::empty(), |faults, raw| faults | raw.faults);
-        if !self.told.contains(faults) {
-            warn!("{=str}: {}", P::NAME, faults.difference(self.told));
+        if !self.logged.contains(faults) {
+            warn!("{=str}: {}", P::NAME, faults.difference(self.logged));
         }
         if !self.samples.is_empty() {
-            self.told = faults;
+            self.logged = faults;
         }
     }
 
-    /// Makes a sample of a frame; whether the sensor is stuck.
+    /// Turns a frame into a sample; returns true if the sensor is stuck.
     fn deliver_frame(&mut self, frame: &FifoFrame, skipped: u32) -> bool {
         let mut faults = core::mem::take(&mut self.pending);
         if skipped > 0 {
@@ -337,20 +337,20 @@ impl<P: Imu> SampleSource<P> {
         }
         let FifoFrame { accel, gyro, temperature, .. } = *frame;
         self.counts.samples = self.counts.samples.saturating_add(1);
-        // as many as there are frames
+        // never full: at most as many samples as frames
         let _ = self.samples.push(RawSample { skipped, accel, gyro, temperature, faults });
         stuck
     }
 
-    /// Frames that could not be used; what they held is missing, or comes later.
-    fn torn(&mut self, frames: u16) {
+    /// Counts discarded frames and flags the next sample.
+    fn count_damaged(&mut self, frames: u16) {
         if frames > 0 {
             self.pending |= Faults::BUS;
             self.counts.torn = self.counts.torn.saturating_add(u32::from(frames));
         }
     }
 
-    /// Has a stuck sensor set up anew, less and less often.
+    /// Sets up a stuck sensor again, with increasing intervals.
     fn unstick(&mut self) {
         if self.stuck_rest > 0 {
             self.stuck_rest = self.stuck_rest.saturating_sub(1);

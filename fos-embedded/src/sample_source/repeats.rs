@@ -1,16 +1,16 @@
-//! Is the sensor stuck?
+//! Detection of a stuck sensor.
 
 use super::FifoFrame;
 
-/// All six codes the same for so many samples in a row, 0.1 s: the noise of each axis of both parts is more than a
-/// code, so that two in a row agree in all six by chance less than once in 10⁵, twenty in a row never.
+/// Consecutive samples with the same six codes from which a sensor counts as stuck, 0.1 s. The noise of each axis of both
+/// parts exceeds one code, so two samples agree in all six by chance less than once in 10⁵, twenty never.
 const STUCK_AFTER: u8 = 20;
 
-/// How often the same codes have come in a row.
+/// Counts consecutive samples with the same codes.
 #[derive(Debug)]
 pub(super) struct Repeats {
     codes: Option<([i16; 3], [i16; 3])>,
-    /// Samples in a row before this one with the same codes.
+    /// Consecutive earlier samples with the same codes.
     before: u8,
 }
 
@@ -19,7 +19,7 @@ impl Repeats {
         Self { codes: None, before: 0 }
     }
 
-    /// Whether the sensor is stuck, this frame included.
+    /// Counts a frame; returns true if the sensor is stuck.
     pub(super) fn update(&mut self, frame: &FifoFrame) -> bool {
         let codes = Some((frame.accel, frame.gyro));
         self.before = if codes == self.codes { self.before.saturating_add(1) } else { 0 };
@@ -27,7 +27,7 @@ impl Repeats {
         self.before.saturating_add(1) >= STUCK_AFTER
     }
 
-    /// The codes are others than just before.
+    /// True if the latest codes differ from the previous ones.
     pub(super) fn is_none(&self) -> bool {
         self.before == 0
     }

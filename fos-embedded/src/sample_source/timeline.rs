@@ -1,18 +1,18 @@
-//! How many ticks lie between two samples, by the sensor's clock.
+//! Counts the ticks between samples from the timestamps of the sensor.
 
-/// A step is not believed if the application's clock disagrees by more than this, µs, and an eighth of the step: a
-/// stamp damaged on the bus, or another frame's word in its place. Sensor clocks are up to 5 % off; an application
-/// looks at its clock late.
+/// Tolerated difference of a step between the sensor's and the application's clock, µs, plus an eighth of the step. Beyond
+/// it the timestamp was damaged on the bus, or is a word of another frame. Sensor clocks are up to 5 % off, and an
+/// application may read its clock late.
 const DOUBT_US: i64 = 320_000;
 
-/// Longer steps count as this long, µs: a day.
+/// Longest step, µs: one day. Longer ones are limited to it.
 const LONGEST_US: u64 = 86_400_000_000;
 
-/// A sensor's own clock, as it stamps its frames.
+/// Clock of a sensor, from which its frames have their timestamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SensorClock {
-    /// Bits of a stamp; at most 32.
+    /// Bits of a timestamp; at most 32.
     pub bits: u32,
     /// Nominal length of a count, ps.
     pub count_ps: u32,
@@ -26,7 +26,7 @@ impl SensorClock {
         self.period_ns as u64 / 1000
     }
 
-    /// Counts after which a stamp is the same again.
+    /// Counts after which a timestamp repeats.
     const fn turn(&self) -> i64 {
         match 1_i64.checked_shl(self.bits) {
             Some(turn) => turn,
@@ -34,18 +34,18 @@ impl SensorClock {
         }
     }
 
-    /// Length of `counts`, ns.
+    /// Duration of `counts`, ns.
     const fn ns(&self, counts: i64) -> i64 {
         counts.saturating_mul(self.count_ps as i64) / 1000
     }
 }
 
-/// Where the latest sample lies in time.
+/// Time of the latest sample.
 #[derive(Debug)]
 pub(super) struct Timeline {
-    /// By the application's clock, µs; none before the first.
+    /// Time by the application's clock, µs; `None` before the first sample.
     at_us: Option<u64>,
-    /// By the sensor's clock; none if that has started anew since.
+    /// Timestamp of the sensor; `None` if its clock has restarted since.
     stamp: Option<u32>,
 }
 
@@ -54,17 +54,17 @@ impl Timeline {
         Self { at_us: None, stamp: None }
     }
 
-    /// The sensor's clock starts anew.
+    /// Notes that the sensor's clock has restarted.
     pub(super) fn restart(&mut self) {
         self.stamp = None;
     }
 
-    /// Ticks from the sample before to one with this stamp, taken at about `at_us` of the application's clock; at
-    /// least 1. None if that cannot be: then the frame is not a sample, and the next step is counted from the sample
-    /// before.
+    /// Returns the ticks from the previous sample to one with this timestamp, taken at about `at_us` of the application's
+    /// clock; at least 1. `None` if the timestamp is implausible: the frame must be discarded, and the next step counts from
+    /// the previous sample.
     ///
-    /// The sensor's clock counts the ticks, the application's only its turns, and the ticks across a reset.
-    /// `overrun`: the step may be longer than a turn.
+    /// The sensor's clock counts the ticks; the application's clock counts its wrap-arounds, and the ticks across a reset.
+    /// With `overrun`, the step may be longer than one wrap-around.
     pub(super) fn step(&mut self, clock: &SensorClock, stamp: u32, at_us: u64, overrun: bool) -> Option<u32> {
         let Some(before_us) = self.at_us else {
             (self.at_us, self.stamp) = (Some(at_us), Some(stamp));
@@ -100,12 +100,12 @@ impl Timeline {
     }
 }
 
-/// The whole number nearest to `length_ns` in periods.
+/// Number of periods nearest to `length_ns`.
 fn ticks(clock: &SensorClock, length_ns: i64) -> i64 {
     nearest(length_ns, i64::from(clock.period_ns))
 }
 
-/// The whole number nearest to `dividend`/`divisor`, which is positive.
+/// Integer nearest to `dividend`/`divisor`; `divisor` is positive.
 fn nearest(dividend: i64, divisor: i64) -> i64 {
     dividend.saturating_add(divisor / 2).checked_div_euclid(divisor).unwrap_or(0)
 }
@@ -114,26 +114,26 @@ fn nearest(dividend: i64, divisor: i64) -> i64 {
 mod tests {
     use super::*;
 
-    /// 128 counts a tick, 512 ticks a turn.
+    /// 128 counts per tick, 512 ticks per wrap-around.
     const SHORT: SensorClock = SensorClock { bits: 16, count_ps: 39_062_500, period_ns: 5_000_000 };
-    /// 230.4 counts a tick.
+    /// 230.4 counts per tick.
     const LONG: SensorClock = SensorClock { bits: 32, count_ps: 21_701_389, period_ns: 5_000_000 };
 
-    /// A sample at tick `n`, of a sensor clock that is `fast` times the nominal one.
+    /// Timestamp of tick `n`, from a sensor clock that is `fast` times the nominal one.
     fn stamp(clock: &SensorClock, n: u64, fast: f64) -> u32 {
         let counts = n as f64 * f64::from(clock.period_ns) * 1000.0 / f64::from(clock.count_ps) * fast;
         (counts as u64 % clock.turn() as u64) as u32
     }
 
     #[test]
-    fn counts_every_gap_up_to_several_turns() {
+    fn counts_gaps_over_several_wrap_arounds() {
         for clock in [SHORT, LONG] {
             for offset in [0, 500, 18_600_000] {
                 for gap in (1..200).chain((200..6000).step_by(37)) {
                     let mut line = Timeline::new();
                     let first = stamp(&clock, offset, 1.0);
                     assert_eq!(line.step(&clock, first, 0, false), Some(1));
-                    let at_us = gap * 5000 + 30_000; // the application looks late
+                    let at_us = gap * 5000 + 30_000; // the application reads its clock late
                     let ticks = line.step(&clock, stamp(&clock, offset + gap, 1.0), at_us, gap > 100);
                     assert_eq!(ticks, Some(gap as u32));
                 }
@@ -142,19 +142,19 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_is_off_by_three_percent_makes_no_gaps() {
+    fn three_percent_clock_error_makes_no_gaps() {
         for (clock, fast) in [(SHORT, 1.03), (LONG, 0.97)] {
             let mut line = Timeline::new();
             for n in 0..5000 {
                 let at_us = (n as f64 * 5000.0 / fast) as u64;
-                // samples are taken by the same clock that stamps them
+                // sampling and timestamps use the same clock
                 assert_eq!(line.step(&clock, stamp(&clock, n, 1.0), at_us, n % 7 == 0), Some(1));
             }
         }
     }
 
     #[test]
-    fn a_stamp_that_goes_back_or_far_ahead_is_not_believed() {
+    fn rejects_implausible_timestamps() {
         for clock in [SHORT, LONG] {
             let mut line = Timeline::new();
             assert_eq!(line.step(&clock, stamp(&clock, 1000, 1.0), 0, false), Some(1));
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn across_a_reset_the_application_counts() {
+    fn counts_by_the_application_clock_across_a_reset() {
         let mut line = Timeline::new();
         assert_eq!(line.step(&LONG, 77, 1_000_000, false), Some(1));
         line.restart();
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn takes_any_number() {
+    fn accepts_any_numbers() {
         for clock in [SHORT, LONG, SensorClock { bits: 99, count_ps: u32::MAX, period_ns: 0 }] {
             let mut line = Timeline::new();
             for stamp in [0, 1, u32::MAX, 7, 1 << 31] {

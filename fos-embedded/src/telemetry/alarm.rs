@@ -1,4 +1,4 @@
-//! Only what matters: the stretch before and after an alarm.
+//! Telemetry around alarms: the samples before and after each.
 
 use fos_core::Scalar;
 use heapless::Deque;
@@ -6,23 +6,22 @@ use heapless::Deque;
 use super::{Recorder, Snapshot, StartFrame, TelemetryError};
 use crate::hub::Output;
 
-/// So many frames are sent a sample while there is something to send: one more than come in, so that the stretch
-/// before drains.
-const FRAMES_A_SAMPLE: usize = 2;
+/// Most frames sent per sample: one more than come in, so that the buffered samples drain.
+const FRAMES_PER_SAMPLE: usize = 2;
 
-/// Keeps the last `BEFORE` samples, with up to `LOGGED` logged quantities each; on an alarm it sends them and those
+/// Buffers the last `BEFORE` samples, with up to `LOGGED` logged quantities each; on an alarm it sends them and the samples
 /// that follow.
 ///
-/// The alarm is a model that stops fitting ([`Output::drift`]), or whatever the application takes for one
-/// ([`trigger`](Self::trigger)). A sample takes 80 + 4·`LOGGED` bytes.
+/// An alarm is a model that no longer fits ([`Output::drift`]), or any condition for which the application calls
+/// [`trigger`](Self::trigger). A buffered sample takes 80 + 4·`LOGGED` bytes.
 #[derive(Debug)]
 pub struct AlarmRecorder<W, const BYTES: usize, const LOGGED: usize, const BEFORE: usize> {
     recorder: Recorder<W, BYTES>,
-    kept: Deque<Snapshot<LOGGED>, BEFORE>,
+    buffered: Deque<Snapshot<LOGGED>, BEFORE>,
     after: u32,
-    /// Samples that are still to come into the stretch under way.
+    /// Future samples that belong to the current alarm.
     to_come: u32,
-    /// Kept samples that belong to it: the oldest ones.
+    /// Buffered samples to send, the oldest ones.
     to_send: usize,
     drifted: bool,
 }
@@ -30,27 +29,27 @@ pub struct AlarmRecorder<W, const BYTES: usize, const LOGGED: usize, const BEFOR
 impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFORE: usize>
     AlarmRecorder<W, BYTES, LOGGED, BEFORE>
 {
-    /// Over this recorder; `after` samples are sent after an alarm.
+    /// Creates an alarm recorder that sends through `recorder`; `after` samples are sent after an alarm.
     pub const fn new(recorder: Recorder<W, BYTES>, after: u32) -> Self {
         const { assert!(BEFORE > 0, "there must be room for a sample") };
-        Self { recorder, kept: Deque::new(), after, to_come: 0, to_send: 0, drifted: false }
+        Self { recorder, buffered: Deque::new(), after, to_come: 0, to_send: 0, drifted: false }
     }
 
-    /// An alarm at the latest sample: what is kept, and what follows, is sent.
+    /// Raises an alarm at the latest sample: the buffered and the following samples are sent.
     pub fn trigger(&mut self) {
-        // who listens since a short while knows what the samples hold
+        // while sending, listeners already have the start frame
         if !self.is_sending() {
             self.recorder.begin();
         }
-        self.to_send = self.kept.len();
+        self.to_send = self.buffered.len();
         self.to_come = self.after;
     }
 
-    /// Takes a sample, and sends at most two.
+    /// Buffers a sample and sends at most two.
     ///
     /// # Errors
     ///
-    /// The first frame that was not sent; it is counted and given up, the others are sent.
+    /// Error of the first frame that could not be sent; it is counted and dropped, the others are sent.
     pub fn sample<R: Scalar<Stored = f32>>(
         &mut self,
         start: &StartFrame<&str>,
@@ -58,13 +57,13 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
         logged: &[f32],
     ) -> Result<(), TelemetryError<W::Error>> {
         let mut sent = Ok(());
-        let mut frames = FRAMES_A_SAMPLE;
-        if self.kept.is_full() {
+        let mut frames = FRAMES_PER_SAMPLE;
+        if self.buffered.is_full() {
             frames -= usize::from(self.to_send > 0);
-            sent = sent.and(self.oldest(start));
+            sent = sent.and(self.release_oldest(start));
         }
-        // there is room: the oldest has gone
-        let _ = self.kept.push_back(Snapshot::new(output, logged));
+        // never full here: the oldest was released
+        let _ = self.buffered.push_back(Snapshot::new(output, logged));
         if self.to_come > 0 {
             self.to_come -= 1;
             self.to_send += 1;
@@ -75,30 +74,30 @@ impl<W: embedded_io::Write, const BYTES: usize, const LOGGED: usize, const BEFOR
         self.drifted = output.drift;
         for _ in 0..frames {
             if self.to_send > 0 {
-                sent = sent.and(self.oldest(start));
+                sent = sent.and(self.release_oldest(start));
             }
         }
         sent
     }
 
-    /// A stretch is being sent.
+    /// True while samples of an alarm are being sent.
     pub fn is_sending(&self) -> bool {
         self.to_send > 0 || self.to_come > 0
     }
 
-    /// The recorder: for its count of failures, or to send everything.
+    /// The recorder, for its count of failures or to send frames directly.
     pub fn recorder(&mut self) -> &mut Recorder<W, BYTES> {
         &mut self.recorder
     }
 
-    /// Lets go of the oldest; sends it if it belongs to a stretch.
-    fn oldest(&mut self, start: &StartFrame<&str>) -> Result<(), TelemetryError<W::Error>> {
-        let Some(kept) = self.kept.pop_front() else { return Ok(()) };
+    /// Removes the oldest sample; sends it if it belongs to an alarm.
+    fn release_oldest(&mut self, start: &StartFrame<&str>) -> Result<(), TelemetryError<W::Error>> {
+        let Some(snapshot) = self.buffered.pop_front() else { return Ok(()) };
         if self.to_send == 0 {
             return Ok(());
         }
         self.to_send -= 1;
-        self.recorder.sample(start, kept.frame())
+        self.recorder.sample(start, snapshot.frame())
     }
 }
 
@@ -110,7 +109,7 @@ impl<W, const BYTES: usize, const LOGGED: usize, const BEFORE: usize> defmt::For
         defmt::write!(
             f,
             "AlarmRecorder {{ kept: {=usize}, to_send: {=usize}, to_come: {=u32}, recorder: {} }}",
-            self.kept.len(),
+            self.buffered.len(),
             self.to_send,
             self.to_come,
             self.recorder

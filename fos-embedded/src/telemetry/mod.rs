@@ -1,8 +1,8 @@
-//! Telemetry: what the sensor measured and what the model made of it, as frames over any byte stream.
+//! Telemetry: measured values, innovations and validity as frames over any byte stream.
 //!
-//! A frame is a [`Frame`] in postcard, CRC-32 of it (as in Ethernet and zip, little-endian) behind it, both in COBS,
-//! then a zero. A zero never occurs inside a frame: whoever joins the stream late, or loses a part of it, goes on at
-//! the next. Every frame of a sample carries its tick, so that lost frames are counted and become gaps in a log.
+//! A frame is a [`Frame`] in postcard, followed by its CRC-32 (as in Ethernet and zip, little-endian), both in COBS, then a
+//! zero. A zero never occurs inside a frame, so a receiver that joins late or loses bytes resumes after the next zero.
+//! Every frame of a sample carries its tick, so that lost frames are counted and become gaps in a log.
 //!
 //! ```
 //! use fos_embedded::telemetry::{Frame, StartFrame, VERSION, decode, encode};
@@ -28,78 +28,78 @@ use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Deserialize, Serialize};
 pub use snapshot::Snapshot;
 
-use crate::stuffing::Stuffing;
+use crate::stuffing::CobsEncoder;
 
-/// The version that this crate writes, and the only one it reads.
+/// Version of the frames that this crate writes; it reads no other.
 pub const VERSION: u16 = 1;
 
-/// Columns of a hub's six axes, as in the log format, one a line.
+/// Column names of a hub's six axes in the log format, one per line.
 pub const HUB_AXES: &str = "ax_mps2\nay_mps2\naz_mps2\ngx_rads\ngy_rads\ngz_rads";
 
-/// A start frame is sent again after so many samples: a minute at 200 Hz, for those who join late.
+/// Samples after which the start frame is repeated, for receivers that join late: one minute at 200 Hz.
 const START_EVERY: u32 = 12_000;
 
 static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
-/// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, the same
-/// bytes.
+/// One frame. `T` is a text, `V` and `B` hold values and bits: borrowed on the device, owned on the host, with the same
+/// encoding.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Frame<T, V, B> {
-    /// What the samples that follow hold.
+    /// Description of the following samples.
     Start(StartFrame<T>),
-    /// One sample, and what the model made of it.
+    /// One sample with its innovations and validity.
     Sample(SampleFrame<V, B>),
 }
 
-/// What the samples that follow hold.
+/// Description of the following samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StartFrame<T> {
-    /// [`VERSION`] of what sends; another is not read on.
+    /// [`VERSION`] of the sender; frames of another version are rejected.
     pub version: u16,
     /// Sample period, s.
     pub period_s: f32,
-    /// Columns of the axes, one a line.
+    /// Column names of the axes, one per line.
     pub axes: T,
-    /// Columns of the logged quantities, one a line.
+    /// Column names of the logged quantities, one per line.
     pub quantities: T,
 }
 
-/// One sample: what was measured, what the model says, and what speaks against it.
+/// One sample: measured values, logged quantities, innovations and validity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleFrame<V, B> {
-    /// Ticks of the sample period since start; wraps.
+    /// Ticks of the sample period since the start; wraps.
     pub tick: u32,
-    /// Whether the unit was still.
+    /// True if the device was still.
     pub still: bool,
-    /// Measured value of every axis.
+    /// Measured value of every axis, in the order of the start frame.
     pub measured: V,
     /// Every logged quantity, in the order of the start frame.
     pub quantities: V,
-    /// Innovation of every axis; NaN where there is none.
+    /// Innovation of every axis; NaN if there is none.
     pub innovations: V,
-    /// [`Validity`] of every axis: its bits, as u16.
+    /// Bits of the [`Validity`] of every axis, as u16.
     pub validity: B,
 }
 
-/// A frame of the device: everything borrowed.
+/// A frame on the device, with borrowed contents.
 pub type Borrowed<'a> = Frame<&'a str, &'a [f32], &'a [Validity]>;
 
-/// Why a frame was not sent or not read.
+/// Reason why a frame was not sent or not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TelemetryError<E> {
-    /// It does not fit the buffer.
+    /// The frame does not fit the buffer.
     TooLong,
-    /// It is damaged: a byte was lost or changed.
+    /// The frame is damaged: a byte was lost or changed.
     Damaged,
-    /// A start frame of another version, which this one cannot read on.
+    /// Start frame of another version, which this version cannot read.
     OtherVersion(u16),
-    /// The stream takes nothing more.
+    /// The stream accepts no more bytes.
     Closed,
-    /// The stream failed, and says why.
+    /// The stream failed with this error.
     Stream(E),
 }
 
@@ -119,28 +119,28 @@ impl<E: fmt::Display> fmt::Display for TelemetryError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for TelemetryError<E> {}
 
-/// Sends frames over a stream. `BYTES` is the length of the longest frame: 4 for every value, 2 for every validity,
-/// 24 more, and the names of a start frame.
+/// Sends frames over a stream. `BYTES` is the length of the longest frame: 4 for every value, 2 for every validity, plus 24,
+/// plus the names in a start frame.
 #[derive(Debug)]
 pub struct Recorder<W, const BYTES: usize> {
     stream: W,
     until_start: u32,
-    /// Frames that were not sent whole.
+    /// Number of frames that were not sent completely.
     failed: u32,
 }
 
 impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
-    /// Over this stream, which it keeps.
+    /// Creates a recorder that owns `stream`.
     pub const fn new(stream: W) -> Self {
         Self { stream, until_start: 0, failed: 0 }
     }
 
-    /// Sends a sample and what the model made of it; before the first, and every minute or so, `start` too.
+    /// Sends a sample; before the first one and every 12,000 samples also `start`.
     ///
     /// # Errors
     ///
-    /// It is too long, or the stream fails. A frame that was cut off is ended by the next one's delimiter and counts
-    /// as damaged there.
+    /// The frame is too long, or the stream fails. An incomplete frame ends at the delimiter of the next one, and the
+    /// receiver counts it as damaged.
     pub fn sample(
         &mut self,
         start: &StartFrame<&str>,
@@ -156,7 +156,7 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
         started.and(sent)
     }
 
-    /// The next sample comes with its start frame.
+    /// Sends the start frame with the next sample.
     pub(super) fn begin(&mut self) {
         self.until_start = 0;
     }
@@ -165,7 +165,7 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
     ///
     /// # Errors
     ///
-    /// It is too long, or the stream fails.
+    /// The frame is too long, or the stream fails.
     pub fn send(&mut self, frame: &Borrowed<'_>) -> Result<(), TelemetryError<W::Error>> {
         let mut buffer = [0; BYTES];
         let sent = match encode(frame, &mut buffer) {
@@ -178,18 +178,18 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
         sent
     }
 
-    /// Frames that were not sent whole.
+    /// Number of frames that were not sent completely.
     pub fn failed(&self) -> u32 {
         self.failed
     }
 
-    /// The stream; nothing is flushed.
+    /// Returns the stream, without flushing it.
     pub fn release(self) -> W {
         self.stream
     }
 }
 
-/// embedded-io's own panics where a stream takes nothing, or says that it took more than there was.
+/// Replaces `write_all` of embedded-io, which panics if a stream accepts nothing or claims to have taken too much.
 fn write_all<W: embedded_io::Write>(stream: &mut W, bytes: &[u8]) -> Result<(), TelemetryError<W::Error>> {
     let mut left = bytes;
     while !left.is_empty() {
@@ -209,19 +209,18 @@ impl<W, const BYTES: usize> defmt::Format for Recorder<W, BYTES> {
     }
 }
 
-/// Writes a frame with its checksum and its delimiter into `buffer`; `None` if it does not fit.
+/// Writes a frame with checksum and delimiter into `buffer`; `None` if it does not fit.
 pub fn encode<'b>(frame: &Borrowed<'_>, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
-    let stuffing = Stuffing::new(buffer).ok()?;
-    let written = postcard::serialize_with_flavor(frame, CrcModifier::new(stuffing, CRC.digest())).ok()?;
+    let encoder = CobsEncoder::new(buffer).ok()?;
+    let written = postcard::serialize_with_flavor(frame, CrcModifier::new(encoder, CRC.digest())).ok()?;
     Some(written)
 }
 
-/// Reads a frame from the bytes up to its delimiter, which may be among them; they are decoded in place.
+/// Reads a frame from its bytes, decoding them in place. The delimiter may be included; bytes after it are ignored.
 ///
 /// # Errors
 ///
-/// [`TelemetryError::Damaged`]; [`TelemetryError::OtherVersion`] of a start frame that is whole but goes on in
-/// another way.
+/// [`TelemetryError::Damaged`], or [`TelemetryError::OtherVersion`] for a complete start frame of another version.
 pub fn decode<'b, F: Deserialize<'b>>(
     bytes: &'b mut [u8],
 ) -> Result<F, TelemetryError<core::convert::Infallible>> {
@@ -233,8 +232,8 @@ pub fn decode<'b, F: Deserialize<'b>>(
         .map_err(|_| other_version(decoded).map_or(TelemetryError::Damaged, TelemetryError::OtherVersion))
 }
 
-/// The version of a whole start frame of another one. In every version a frame begins with its kind, a start frame
-/// goes on with its version, and the checksum ends it: so much can be said of a frame whose content is not known.
+/// Version of a complete start frame of another version. In every version a frame begins with its kind, a start frame
+/// continues with its version, and the checksum comes last, so that this much can be read without knowing the rest.
 fn other_version(frame: &[u8]) -> Option<u16> {
     let (content, checksum) = frame.split_last_chunk()?;
     let (kind, version): (u8, u16) = postcard::from_bytes(content).ok()?;
@@ -246,32 +245,32 @@ fn other_version(frame: &[u8]) -> Option<u16> {
 mod tests {
     use super::*;
 
-    /// What a later version may send.
-    fn later(kind: u8, version: u16) -> ([u8; 64], usize) {
+    /// A frame that a later version may send.
+    fn later_version(kind: u8, version: u16) -> ([u8; 64], usize) {
         let mut buffer = [0; 64];
         let frame = (kind, version, "a field more", 0.005_f64);
-        let stuffing = Stuffing::new(&mut buffer).expect("room");
-        let length = postcard::serialize_with_flavor(&frame, CrcModifier::new(stuffing, CRC.digest()))
+        let encoder = CobsEncoder::new(&mut buffer).expect("room");
+        let length = postcard::serialize_with_flavor(&frame, CrcModifier::new(encoder, CRC.digest()))
             .expect("room")
             .len();
         (buffer, length)
     }
 
-    fn said(bytes: &mut [u8]) -> Option<TelemetryError<core::convert::Infallible>> {
+    fn decode_error(bytes: &mut [u8]) -> Option<TelemetryError<core::convert::Infallible>> {
         decode::<Frame<&str, (), ()>>(bytes).err()
     }
 
     #[test]
-    fn a_start_frame_of_another_version_is_told_from_damage() {
-        let (mut frame, length) = later(0, 300);
+    fn distinguishes_other_versions_from_damage() {
+        let (mut frame, length) = later_version(0, 300);
         let whole = frame;
-        assert_eq!(said(&mut frame[..length]), Some(TelemetryError::OtherVersion(300)));
+        assert_eq!(decode_error(&mut frame[..length]), Some(TelemetryError::OtherVersion(300)));
         for place in 0..length - 1 {
             let mut damaged = whole;
             damaged[place] ^= 1;
-            assert_eq!(said(&mut damaged[..length]), Some(TelemetryError::Damaged), "at {place}");
+            assert_eq!(decode_error(&mut damaged[..length]), Some(TelemetryError::Damaged), "at {place}");
         }
-        let (mut no_start, length) = later(7, 300);
-        assert_eq!(said(&mut no_start[..length]), Some(TelemetryError::Damaged));
+        let (mut no_start, length) = later_version(7, 300);
+        assert_eq!(decode_error(&mut no_start[..length]), Some(TelemetryError::Damaged));
     }
 }

@@ -1,4 +1,4 @@
-//! What a frame of a sample is written from.
+//! Contents of the frame of a sample.
 
 use fos_core::{Scalar, Validity};
 use heapless::Vec;
@@ -6,8 +6,8 @@ use heapless::Vec;
 use super::SampleFrame;
 use crate::hub::{AXES, Output};
 
-/// What a hub made of a sample and what was logged with it, `LOGGED` quantities at most: all that its frame holds, to be
-/// sent at once or kept.
+/// Output of a hub for one sample, with at most `LOGGED` logged quantities: the contents of its frame, to be sent at once
+/// or buffered.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Snapshot<const LOGGED: usize> {
@@ -20,7 +20,7 @@ pub struct Snapshot<const LOGGED: usize> {
 }
 
 impl<const LOGGED: usize> Snapshot<LOGGED> {
-    /// `logged` is [`Hub::logged`](crate::hub::Hub::logged); what is more than `LOGGED` of it is left out.
+    /// Copies an output; `logged` is [`Hub::logged`](crate::hub::Hub::logged), of which the first `LOGGED` values are used.
     pub fn new<R: Scalar<Stored = f32>>(output: &Output<R>, logged: &[f32]) -> Self {
         let logged = logged.get(..logged.len().min(LOGGED)).unwrap_or(&[]);
         Self {
@@ -33,7 +33,7 @@ impl<const LOGGED: usize> Snapshot<LOGGED> {
         }
     }
 
-    /// The frame of the sample.
+    /// Frame of the sample.
     pub fn frame(&self) -> SampleFrame<&[f32], &[Validity]> {
         SampleFrame {
             tick: self.tick,

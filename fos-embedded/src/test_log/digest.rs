@@ -1,4 +1,4 @@
-//! Digests of what came out, to compare two machines to the last bit.
+//! Digests of the output, to compare two machines bit for bit.
 
 use core::fmt;
 
@@ -7,20 +7,20 @@ use fos_core::{Correction, Scalar};
 
 use crate::hub::Output;
 
-// the 2 KiB of a table make a byte eight times as fast as without
+// the table of 2 KiB makes the CRC eight times as fast
 static CRC: Crc<u64, Table<1>> = Crc::<u64, Table<1>>::new(&CRC_64_XZ);
 
-/// A number that is not there, whatever the bits of a machine's own NaN.
+/// Bits of an absent number, independent of the NaN of the machine.
 const ABSENT: u32 = 0x7fc0_0000;
 
 fn bytes_of(value: f32) -> [u8; 4] {
     if value.is_nan() { ABSENT } else { value.to_bits() }.to_le_bytes()
 }
 
-/// What a hub said.
+/// Digest of the output of a hub.
 ///
-/// Of every sample, little-endian: of each axis the corrected value and the innovation as f32 (0x7FC00000 where there
-/// is none) and the validity as u16; then still (u8), faults (u16), drift (u8).
+/// For every sample, little-endian: for each axis the corrected value and the innovation as f32 (0x7FC00000 if absent) and
+/// the validity as u16; then still (u8), faults (u16), drift (u8).
 #[derive(Clone)]
 pub struct HubDigest(crc::Digest<'static, u64, Table<1>>);
 
@@ -31,7 +31,7 @@ impl Default for HubDigest {
 }
 
 impl HubDigest {
-    /// Takes what was said of one sample.
+    /// Adds the output of one sample.
     pub fn update<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
         for axis in output.corrections.iter().map(Correction::stored) {
             self.0.update(&bytes_of(axis.corrected));
@@ -42,7 +42,7 @@ impl HubDigest {
         self.0.update(&[u8::from(output.still), low, high, u8::from(output.drift)]);
     }
 
-    /// Of everything up to now.
+    /// Digest of all outputs up to now.
     pub fn outputs(&self) -> u64 {
         self.0.clone().finalize()
     }
@@ -61,10 +61,10 @@ impl defmt::Format for HubDigest {
     }
 }
 
-/// What a predictor said.
+/// Digest of the output of a predictor.
 ///
-/// Of every sample and every axis, in their order and little-endian: the innovation as f32 (0x7FC00000 where there is
-/// none), the corrected value as f32, the validity as u16. A second digest takes the innovations alone.
+/// For every sample and every axis, in order and little-endian: the innovation as f32 (0x7FC00000 if absent), the corrected
+/// value as f32, the validity as u16. A second digest is over the innovations alone.
 #[derive(Clone)]
 pub struct PredictorDigest {
     corrections: crc::Digest<'static, u64, Table<1>>,
@@ -78,7 +78,7 @@ impl Default for PredictorDigest {
 }
 
 impl PredictorDigest {
-    /// Takes the corrections of one sample.
+    /// Adds the corrections of one sample.
     pub fn update(&mut self, corrections: &[Correction<f32>]) {
         for correction in corrections {
             let innovation = bytes_of(correction.innovation.unwrap_or(f32::NAN));
@@ -90,12 +90,12 @@ impl PredictorDigest {
         }
     }
 
-    /// Of everything up to now.
+    /// Digest of all corrections up to now.
     pub fn corrections(&self) -> u64 {
         self.corrections.clone().finalize()
     }
 
-    /// Of the innovations alone.
+    /// Digest of the innovations up to now.
     pub fn innovations(&self) -> u64 {
         self.innovations.clone().finalize()
     }
@@ -129,7 +129,7 @@ mod tests {
     const SECOND: Correction<f32> =
         Correction { predicted: 0.5, innovation: None, corrected: -0.0, validity: Validity::STUCK };
 
-    /// Bit by bit: CRC-64/XZ is reflected ECMA-182, starting at and finished with all ones.
+    /// CRC computed bit by bit: CRC-64/XZ is reflected ECMA-182, starting at and finished with all ones.
     fn crc(bytes: &[u8]) -> u64 {
         !bytes.iter().fold(!0_u64, |crc, &byte| {
             (0..8).fold(crc ^ u64::from(byte), |crc, _| {
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_digest_is_the_crc_of_the_documented_bytes() {
+    fn predictor_digest_is_the_crc_of_the_documented_bytes() {
         assert_eq!(crc(b"123456789"), 0x995d_c9bb_df19_39fa);
         let mut digest = PredictorDigest::default();
         digest.update(&[FIRST]);
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_digest_of_a_hub_is_the_crc_of_the_documented_bytes() {
+    fn hub_digest_is_the_crc_of_the_documented_bytes() {
         let scales = Scales {
             accel_mps2: 1.0,
             gyro_rads: 0.5,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_digest_changes_with_the_last_bit() {
+    fn digest_changes_with_the_last_bit() {
         let (mut a, mut b) = (PredictorDigest::default(), PredictorDigest::default());
         a.update(&[FIRST]);
         b.update(&[Correction { corrected: f32::from_bits(1.0_f32.to_bits() ^ 1), ..FIRST }]);

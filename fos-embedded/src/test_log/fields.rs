@@ -1,37 +1,37 @@
-//! The fields of headers and records, one after the other, and why a log cannot be read.
+//! Sequential reading of the fields of headers and records, and its errors.
 
 use core::fmt;
 
 use super::PredictorLogHeader;
 
-/// Why a log cannot be read, or does not fit a model.
+/// Reason why a log cannot be read, or does not fit a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum TestLogError {
     /// The log ends within its header or within a record.
     Truncated {
-        /// Bytes of the header or record.
+        /// Length of the header or record, bytes.
         needed: usize,
-        /// Bytes that were left.
+        /// Available bytes.
         found: usize,
     },
-    /// It does not start with this magic: not a log of this kind.
+    /// The log does not start with this magic: not a log of this kind.
     Magic(&'static str),
-    /// A version that this program does not read.
+    /// Unknown version of the log.
     UnknownVersion {
-        /// What the log says.
+        /// Version of the log.
         found: u16,
-        /// What this program reads.
+        /// Version that this program reads.
         read: u16,
     },
-    /// The field of this name has a value that it cannot have.
+    /// The field of this name has an invalid value.
     Field(&'static str),
-    /// The log has other axes or quantities than the model.
+    /// Log and model have different numbers of axes or quantities.
     Mismatch {
-        /// What the log has.
+        /// Header of the log.
         log: PredictorLogHeader,
-        /// What the model has.
+        /// Header that the model needs.
         model: PredictorLogHeader,
     },
 }
@@ -56,7 +56,7 @@ impl fmt::Display for TestLogError {
 
 impl core::error::Error for TestLogError {}
 
-/// What has not been read yet of a header or record.
+/// Unread fields of a header or record.
 pub(super) struct Fields<'a> {
     rest: &'a [u8],
     needed: usize,
@@ -64,12 +64,12 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// Of something of `needed` bytes; more may follow it.
+    /// Fields of a header or record of `needed` bytes; more bytes may follow.
     pub(super) fn of(bytes: &'a [u8], needed: usize) -> Self {
         Self { rest: bytes, needed, found: bytes.len() }
     }
 
-    /// As [`of`](Self::of), after a magic and a version that must be these.
+    /// Fields of a header after its magic and version, which must match.
     pub(super) fn of_header(
         log: &'a [u8],
         needed: usize,
@@ -123,12 +123,12 @@ impl<'a> Fields<'a> {
         self.bytes().map(i16::from_le_bytes)
     }
 
-    /// Axes x, y, z.
+    /// Reads the codes of axes x, y, z.
     pub(super) fn codes(&mut self) -> Result<[i16; 3], TestLogError> {
         Ok([self.code()?, self.code()?, self.code()?])
     }
 
-    /// As many as `values` has.
+    /// Fills `values`.
     pub(super) fn values(&mut self, values: &mut [f32]) -> Result<(), TestLogError> {
         for value in values {
             *value = self.f32()?;
@@ -137,7 +137,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// As bytes, in their order.
+/// The values as little-endian bytes.
 pub(super) fn bytes_of(values: &[f32]) -> impl Iterator<Item = u8> + '_ {
     values.iter().flat_map(|value| value.to_le_bytes())
 }

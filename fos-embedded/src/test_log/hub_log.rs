@@ -1,11 +1,11 @@
-//! `FOSH`: raw codes through a hub.
+//! `FOSH`: a log of raw codes for a hub.
 //!
 //! | header | type | |
 //! |---|---|---|
 //! | magic | 4 bytes | `FOSH` |
 //! | version | u16 | 1 |
 //! | n_given | u8 | quantities that the application gives with every record |
-//! | values | u8 | 0 as the sensor gives them, 1 factory-corrected |
+//! | values | u8 | 0 raw, 1 factory-corrected |
 //! | accel_mps2, gyro_rads, temperature_k, temperature_zero_c | f32 each | the [`Scales`] |
 //! | period_s | f64 | |
 //!
@@ -15,7 +15,7 @@
 //! | faults | u16 | bits of [`Faults`] |
 //! | motion | u8 | 0 left to the detector, 1 moving, 2 still |
 //! | has_temperature | u8 | 0 or 1 |
-//! | clock_us | u64 | what the application's clock shows after this sample; 0: it does not look |
+//! | clock_us | u64 | time of the application's clock after this sample; 0: not read |
 //! | accel, gyro | i16 × 6 | codes |
 //! | temperature | i16 | code |
 //! | reserved | u16 | 0 |
@@ -51,16 +51,16 @@ use super::fields::{Fields, bytes_of};
 use crate::hub::{Hub, Motion, Output};
 use crate::raw::{Faults, RawSample, Scales};
 
-/// Bytes of a record before what the application gives.
+/// Length of a record without the quantities given by the application, bytes.
 const RECORD_LENGTH: usize = 32;
 
-/// What the codes of a log mean, and how long its records are.
+/// Header of a log: the scales of its codes and the length of its records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HubLogHeader {
-    /// What the codes mean, as the hub takes it.
+    /// Scales of the codes, for the hub.
     pub scales: Scales,
-    /// Quantities that the application gives with every record.
+    /// Number of quantities that the application gives with every record.
     pub n_given: u8,
 }
 
@@ -68,13 +68,13 @@ pub struct HubLogHeader {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HubLogRecord<'a> {
-    /// What the sensor gave.
+    /// Sample of the sensor.
     pub raw: RawSample,
-    /// Whether the unit was still; none if that is left to the detector.
+    /// Motion state; `None` leaves it to the detector.
     pub motion: Option<Motion>,
-    /// What the application's clock shows after this sample, µs; 0: it does not look.
+    /// Time of the application's clock after this sample, µs; 0 if it is not read.
     pub clock_us: u64,
-    /// What the application gives, in the model's order.
+    /// Quantities given by the application, in the model's order and units.
     pub given: &'a [f32],
 }
 
@@ -82,17 +82,17 @@ impl HubLogHeader {
     /// The first four bytes of a log.
     pub const MAGIC: &'static str = "FOSH";
 
-    /// The version that this crate writes, and the only one it reads.
+    /// Version of the log that this crate writes; it reads no other.
     pub const VERSION: u16 = 1;
 
-    /// Bytes before the first record.
+    /// Length of the header, bytes.
     pub const LENGTH: usize = 32;
 
     /// Reads the header at the start of `log`.
     ///
     /// # Errors
     ///
-    /// It is none, ends early, or has a value that it cannot have.
+    /// The magic or version is wrong, the header is truncated, or a field is invalid.
     pub fn decode(log: &[u8]) -> Result<Self, TestLogError> {
         let mut fields = Fields::of_header(log, Self::LENGTH, Self::MAGIC, Self::VERSION)?;
         let n_given = fields.u8()?;
@@ -112,7 +112,7 @@ impl HubLogHeader {
         Ok(Self { scales, n_given })
     }
 
-    /// The bytes that a log begins with.
+    /// Bytes of the header.
     pub fn encode(&self) -> [u8; Self::LENGTH] {
         let scales = &self.scales;
         let values = match scales.values {
@@ -133,19 +133,19 @@ impl HubLogHeader {
         header
     }
 
-    /// Bytes of a record.
+    /// Length of a record, bytes.
     pub fn record_length(&self) -> usize {
         RECORD_LENGTH + 4 * usize::from(self.n_given)
     }
 }
 
 impl<'a> HubLogRecord<'a> {
-    /// Reads the record at the start of `bytes`; what the application gives is decoded into `given`, which has its
-    /// length.
+    /// Reads the record at the start of `bytes`. The quantities given by the application are decoded into `given`, whose
+    /// length is [`HubLogHeader::n_given`].
     ///
     /// # Errors
     ///
-    /// It ends early, or has a value that it cannot have.
+    /// The record is truncated, or a field is invalid.
     pub fn decode(bytes: &[u8], given: &'a mut [f32]) -> Result<Self, TestLogError> {
         let mut fields = Fields::of(bytes, RECORD_LENGTH + 4 * given.len());
         let skipped = fields.u32()?;
@@ -173,7 +173,7 @@ impl<'a> HubLogRecord<'a> {
         Ok(Self { raw, motion, clock_us, given })
     }
 
-    /// The record's bytes, in their order.
+    /// Bytes of the record.
     pub fn encode(&self) -> impl Iterator<Item = u8> + '_ {
         let raw = &self.raw;
         let motion = match self.motion {
@@ -192,7 +192,7 @@ impl<'a> HubLogRecord<'a> {
             .chain(bytes_of(self.given))
     }
 
-    /// The record through the hub, in the order in which an application calls it.
+    /// Passes the record to the hub, with the calls in the order of an application.
     pub fn step<
         'h,
         const INPUTS: usize,
@@ -246,7 +246,7 @@ mod tests {
     };
 
     #[test]
-    fn a_log_is_these_bytes() {
+    fn encodes_to_documented_bytes() {
         let header = HEADER.encode();
         assert_eq!(header[..8], *b"FOSH\x01\x00\x02\x01");
         assert_eq!(header[8..12], 1.0_f32.to_le_bytes());
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_encoded_is_decoded_even_with_more_bytes_after_it() {
+    fn decodes_encoded_records_with_trailing_bytes() {
         assert_eq!(HubLogHeader::decode(&HEADER.encode()), Ok(HEADER));
         let mut bytes: Vec<u8> = RECORD.encode().collect();
         bytes.extend([0xff; 3]);
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_not_a_log() {
+    fn rejects_invalid_headers() {
         let bytes = HEADER.encode();
         for length in 4..HubLogHeader::LENGTH {
             let error = TestLogError::Truncated { needed: HubLogHeader::LENGTH, found: length };
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_a_record_that_ends_early_or_has_impossible_values() {
+    fn rejects_truncated_and_invalid_records() {
         let bytes: Vec<u8> = RECORD.encode().collect();
         for length in 0..bytes.len() {
             let error = TestLogError::Truncated { needed: bytes.len(), found: length };

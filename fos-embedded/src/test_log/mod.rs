@@ -1,16 +1,15 @@
-//! Logs as test firmware reads them: what a device does with one, a host must do too, to the last bit.
+//! Logs for test firmware: host and device must compute the same output from a log, bit for bit.
 //!
-//! A log is a file, little-endian throughout: a header that begins with a magic, a version and what its records hold,
-//! then records of one fixed length up to its end, one a sample. A record is decoded without a heap, takes its step
-//! through what it drives, and what comes out goes into a digest (CRC-64/XZ) that two machines can compare. There are
-//! two, for the two levels at which a device is tested:
+//! A log is a little-endian file: a header with magic, version and layout of the records, then one record of fixed length
+//! per sample. A record is decoded without a heap and processed by a hub or predictor, and the output enters a digest
+//! (CRC-64/XZ) that two machines can compare. There are two kinds, for the two levels at which a device is tested:
 //!
-//! | magic | a record is | it drives | digest |
+//! | magic | record | processed by | digest |
 //! |---|---|---|---|
 //! | `FOSH` | [`HubLogRecord`]: raw codes, faults, a clock | a [`Hub`](crate::hub::Hub) | [`HubDigest`] |
 //! | `FOSR` | [`PredictorLogRecord`]: values in their units | a [`Predictor`](fos_core::Predictor) | [`PredictorDigest`] |
 //!
-//! `fos replay` writes both of any recording, `--hub-log` and `--device-log`.
+//! `fos replay` writes both from any recording, with `--hub-log` and `--device-log`.
 
 mod digest;
 mod fields;

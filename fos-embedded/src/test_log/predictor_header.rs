@@ -1,15 +1,15 @@
-//! The header of a `FOSR` log: what its records hold. `predictor_log.rs` reads it.
+//! Header of a `FOSR` log: the layout of its records. `predictor_log.rs` reads it.
 
-/// Bytes of a record before its values.
+/// Length of a record without its values, bytes.
 pub(super) const RECORD_LENGTH: usize = 8;
 
-/// What the records of a log hold.
+/// Header of a log: the layout of its records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PredictorLogHeader {
-    /// Measured values of a record.
+    /// Number of measured values per record.
     pub n_axes: u8,
-    /// Logged quantities of a record.
+    /// Number of logged quantities per record.
     pub n_quantities: u8,
 }
 
@@ -17,13 +17,13 @@ impl PredictorLogHeader {
     /// The first four bytes of a log.
     pub const MAGIC: &'static str = "FOSR";
 
-    /// The version that this crate writes, and the only one it reads.
+    /// Version of the log that this crate writes; it reads no other.
     pub const VERSION: u16 = 1;
 
-    /// Bytes before the first record.
+    /// Length of the header, bytes.
     pub const LENGTH: usize = 8;
 
-    /// The bytes that a log begins with.
+    /// Bytes of the header.
     pub fn encode(&self) -> [u8; Self::LENGTH] {
         let fields =
             Self::MAGIC.bytes().chain(Self::VERSION.to_le_bytes()).chain([self.n_axes, self.n_quantities]);
@@ -34,7 +34,7 @@ impl PredictorLogHeader {
         header
     }
 
-    /// Bytes of a record.
+    /// Length of a record, bytes.
     pub fn record_length(&self) -> usize {
         RECORD_LENGTH + 4 * (usize::from(self.n_axes) + usize::from(self.n_quantities))
     }

@@ -1,4 +1,4 @@
-//! `FOSR`: values in their units through a predictor.
+//! `FOSR`: a log of values in their units for a predictor.
 //!
 //! | header | type | |
 //! |---|---|---|
@@ -42,11 +42,11 @@ use crate::hub::Motion;
 pub struct PredictorLogRecord<'a> {
     /// Ticks without a sample before this one.
     pub skipped: u32,
-    /// Whether the unit was still.
+    /// Motion state of the device.
     pub motion: Motion,
-    /// Measured value of every axis.
+    /// Measured value of every axis, in the model's order and units; NaN if absent.
     pub measured: &'a [f32],
-    /// Every logged quantity, in the model's order; NaN where there is none.
+    /// Value of every logged quantity, in the model's order and units; NaN if absent.
     pub quantities: &'a [f32],
 }
 
@@ -55,29 +55,29 @@ impl PredictorLogHeader {
     ///
     /// # Errors
     ///
-    /// It is none, or ends early.
+    /// The magic or version is wrong, or the header is truncated.
     pub fn decode(log: &[u8]) -> Result<Self, TestLogError> {
         let mut fields = Fields::of_header(log, Self::LENGTH, Self::MAGIC, Self::VERSION)?;
         Ok(Self { n_axes: fields.u8()?, n_quantities: fields.u8()? })
     }
 
-    /// Refuses a log that does not have what `model` needs.
+    /// Checks that the log has the axes and quantities that `model` needs.
     ///
     /// # Errors
     ///
-    /// [`TestLogError::Mismatch`].
+    /// [`TestLogError::Mismatch`] if a number differs.
     pub fn check(&self, model: PredictorLogHeader) -> Result<(), TestLogError> {
         if *self == model { Ok(()) } else { Err(TestLogError::Mismatch { log: *self, model }) }
     }
 }
 
 impl<'a> PredictorLogRecord<'a> {
-    /// Reads the record at the start of `bytes`; its values are decoded into `measured` and `quantities`, which have
-    /// the lengths that the header says.
+    /// Reads the record at the start of `bytes`. Its values are decoded into `measured` and `quantities`, whose lengths are
+    /// those of the header.
     ///
     /// # Errors
     ///
-    /// It ends early, or its motion is neither.
+    /// The record is truncated, or its motion state is invalid.
     pub fn decode(
         bytes: &[u8],
         measured: &'a mut [f32],
@@ -95,7 +95,7 @@ impl<'a> PredictorLogRecord<'a> {
         Ok(Self { skipped, motion, measured, quantities })
     }
 
-    /// The record's bytes, in their order.
+    /// Bytes of the record.
     pub fn encode(&self) -> impl Iterator<Item = u8> + '_ {
         let motion: u32 = match self.motion {
             Motion::Moving => 0,
@@ -105,7 +105,7 @@ impl<'a> PredictorLogRecord<'a> {
         head.chain(bytes_of(self.measured)).chain(bytes_of(self.quantities))
     }
 
-    /// The record through the predictor: what is missing is skipped, then it tracks or coasts. One correction per axis.
+    /// Passes the record to the predictor: skips the missing samples, then tracks or coasts. Returns one correction per axis.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'p, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
@@ -141,7 +141,7 @@ mod tests {
     };
 
     #[test]
-    fn a_log_is_these_bytes() {
+    fn encodes_to_documented_bytes() {
         assert_eq!(HEADER.encode(), *b"FOSR\x01\x00\x02\x01");
         let bytes: Vec<u8> = RECORD.encode().collect();
         assert_eq!(bytes.len(), HEADER.record_length());
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_encoded_is_decoded_even_with_more_bytes_after_it() {
+    fn decodes_encoded_records_with_trailing_bytes() {
         assert_eq!(PredictorLogHeader::decode(&HEADER.encode()), Ok(HEADER));
         let mut bytes: Vec<u8> = RECORD.encode().collect();
         bytes.extend([0xff; 3]);
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_is_not_a_log() {
+    fn rejects_invalid_headers() {
         let bytes = HEADER.encode();
         for length in 4..PredictorLogHeader::LENGTH {
             let error = TestLogError::Truncated { needed: PredictorLogHeader::LENGTH, found: length };
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_a_record_that_ends_early_or_has_no_motion() {
+    fn rejects_truncated_and_invalid_records() {
         let mut bytes: Vec<u8> = RECORD.encode().collect();
         for length in 0..bytes.len() {
             let error = TestLogError::Truncated { needed: bytes.len(), found: length };
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_a_log_of_another_model() {
+    fn rejects_a_log_of_another_model() {
         let model = PredictorLogHeader { n_axes: 2, n_quantities: 2 };
         assert_eq!(HEADER.check(HEADER), Ok(()));
         assert_eq!(HEADER.check(model), Err(TestLogError::Mismatch { log: HEADER, model }));
@@ -236,7 +236,7 @@ mod tests {
     };
 
     #[test]
-    fn a_record_is_skipped_then_tracked_or_coasted() {
+    fn step_skips_then_tracks_or_coasts() {
         let mut replayed = Predictor::<f32, 1, 1, 1, 2>::new(&MODEL).unwrap();
         let mut direct = replayed.clone();
         for (skipped, motion, value) in [

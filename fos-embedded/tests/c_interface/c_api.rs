@@ -1,5 +1,5 @@
 //! The C interface from Rust: every status of loading, the same numbers as the hub, frames that the host reads.
-//! What only C can get wrong is in c/check.c.
+//! Errors that only C can make are in c/check.c.
 
 use core::ffi::{CStr, c_char};
 use core::ptr::null_mut;
@@ -71,7 +71,7 @@ fn small() -> Vec<u8> {
     image(&[Axis::Gx, Axis::Gz], &terms, &quantities, &[TEMPERATURE])
 }
 
-/// A hub in memory of its own.
+/// A hub with its memory.
 struct Held {
     hub: *mut fos_hub,
     _memory: Vec<u64>,
@@ -80,19 +80,19 @@ struct Held {
 fn made(scales: &fos_scales) -> Held {
     let mut memory = vec![u64::MAX; FOS_HUB_BYTES / 8];
     let mut hub = null_mut();
-    // SAFETY: the memory is as long as said
+    // SAFETY: the memory has the stated length
     let status = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), FOS_HUB_BYTES, scales, &mut hub) };
     assert_eq!(status, fos_status::Ok);
     Held { hub, _memory: memory }
 }
 
 fn load(held: &Held, image: &[u8]) -> fos_status {
-    // SAFETY: a hub, and an image as long as said
+    // SAFETY: a hub, and an image of the stated length
     unsafe { fos_hub_load(held.hub, image.as_ptr(), image.len()) }
 }
 
 #[test]
-fn loading_says_what_is_wrong_with_the_model() {
+fn loading_returns_the_fault_of_the_model() {
     let good = small();
     let term = Term::new(0.1, &[y(1)]);
     let changed = |place: usize, value: u8| {
@@ -146,7 +146,7 @@ fn loading_says_what_is_wrong_with_the_model() {
 }
 
 #[test]
-fn an_output_in_c_is_the_output_of_the_hub() {
+fn output_in_c_equals_the_output_of_the_hub() {
     let image = small();
     let held = made(&SCALES);
     assert_eq!(load(&held, &image), fos_status::Ok);
@@ -176,7 +176,7 @@ fn an_output_in_c_is_the_output_of_the_hub() {
         let motion = if n < 100 { FOS_MOTION_STILL } else { FOS_MOTION_MOVING };
         let mut output = core::mem::MaybeUninit::<fos_output>::uninit();
         let mut used = 0;
-        // SAFETY: a hub, and places that are as large as said
+        // SAFETY: a hub, and places of the stated size
         let output = unsafe {
             assert_eq!(fos_hub_give(held.hub, FOS_QUANTITY_SUPPLY_V, 3.3), fos_status::Ok);
             assert_eq!(fos_hub_give_application(held.hub, 1, f32::from(n)), fos_status::Ok);
@@ -215,7 +215,7 @@ fn an_output_in_c_is_the_output_of_the_hub() {
 }
 
 #[test]
-fn values_in_c_are_the_values_of_the_hub() {
+fn values_in_c_equal_the_values_of_the_hub() {
     let image = small();
     let mut scales = SCALES;
     // SAFETY: scales to write to
@@ -244,11 +244,11 @@ fn values_in_c_are_the_values_of_the_hub() {
             accel: sample.accel,
             gyro: sample.gyro,
             temperature_c: sample.temperature_c,
-            // a bit that is none is ignored
+            // an unknown bit is ignored
             faults: sample.faults.bits() | 0x8000,
         };
         let mut output = core::mem::MaybeUninit::<fos_si_output>::uninit();
-        // SAFETY: a hub, and a place that is as large as said
+        // SAFETY: a hub, and a place of the stated size
         let found = unsafe {
             assert_eq!(fos_hub_set_motion(held.hub, FOS_MOTION_STILL), fos_status::Ok);
             assert_eq!(fos_hub_update_si(held.hub, &in_c, output.as_mut_ptr()), fos_status::Ok);
@@ -270,13 +270,13 @@ fn values_in_c_are_the_values_of_the_hub() {
 }
 
 #[test]
-fn the_start_of_telemetry_names_what_the_samples_hold() {
+fn telemetry_start_names_the_columns() {
     let image = small();
     let held = made(&SCALES);
     assert_eq!(load(&held, &image), fos_status::Ok);
     let mut frame = [0; FOS_TELEMETRY_BYTES];
     let mut used = 0;
-    // SAFETY: a hub, an image and a buffer as long as said
+    // SAFETY: a hub, an image and a buffer of the stated lengths
     let status = unsafe {
         fos_telemetry_start(held.hub, image.as_ptr(), image.len(), frame.as_mut_ptr(), frame.len(), &mut used)
     };
@@ -308,7 +308,7 @@ fn every_status_has_its_own_number_and_text() {
 }
 
 #[test]
-fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
+fn validity_has_the_same_name_in_c_and_rust() {
     for validity in Validity::all().iter() {
         let names: Vec<_> = validity.names().collect();
         assert_eq!(names, [text(fos_validity_text(validity.bits()))]);
@@ -319,7 +319,7 @@ fn a_validity_is_called_in_c_what_it_is_called_in_rust() {
 }
 
 #[test]
-fn the_version_is_that_of_the_crate() {
+fn version_is_that_of_the_crate() {
     // SAFETY: a static text
     let version = unsafe { CStr::from_ptr(fos_version()) };
     assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));

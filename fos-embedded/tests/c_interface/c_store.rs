@@ -1,5 +1,5 @@
-//! The store through the functions that C hands over, on a simulated flash: sectors of every size, power cut in every
-//! write after every word and at every erase.
+//! The store through C functions on a simulated flash: sectors of every size, power loss at every byte of a write and at
+//! every erase.
 
 use core::ffi::c_void;
 use core::ptr::null_mut;
@@ -7,21 +7,21 @@ use core::ptr::null_mut;
 use crate::models::numbered;
 use fos_embedded::c_api::*;
 
-/// Where the flash begins in the part's addresses: a sector of every size that is tried.
+/// Start address of the flash; a multiple of every tested sector size.
 const BASE: u32 = 0x0008_0000;
 
-/// NOR flash as the header describes it: a write clears bits, once after every erase of a sector.
+/// NOR flash as described in the header: a write clears bits, once after every erase of a sector.
 #[derive(Clone)]
 struct Flash {
     bytes: Vec<u8>,
     sector: u32,
-    /// Words that were written since they were erased.
+    /// Words written since the last erase.
     written: Vec<bool>,
-    /// Bytes written or sectors erased until the power goes.
+    /// Bytes to write or sectors to erase until the power fails.
     power: Option<usize>,
     /// Bytes written and sectors erased so far.
     steps: usize,
-    /// Words that were written twice.
+    /// Number of words written twice.
     twice: usize,
 }
 
@@ -75,7 +75,7 @@ unsafe extern "C" fn read(context: *mut c_void, address: u32, bytes: *mut u8, le
     if flash.power == Some(0) {
         return -1;
     }
-    // SAFETY: the promise of the header
+    // SAFETY: guaranteed by the header
     unsafe { core::slice::from_raw_parts_mut(bytes, length) }
         .copy_from_slice(&flash.bytes[place..place + length]);
     0
@@ -85,7 +85,7 @@ unsafe extern "C" fn write(context: *mut c_void, address: u32, bytes: *const u8,
     // SAFETY: the context of `describe`
     let flash = unsafe { &mut *context.cast::<Flash>() };
     let place = flash.place(address, length, 8);
-    // SAFETY: the promise of the header
+    // SAFETY: guaranteed by the header
     let bytes = unsafe { core::slice::from_raw_parts(bytes, length) };
     for (n, byte) in bytes.iter().enumerate() {
         if !flash.step() {
@@ -125,7 +125,7 @@ struct Held {
 fn made(flash: &mut Flash) -> Held {
     let mut memory = vec![u64::MAX; FOS_STORE_BYTES / 8];
     let (mut store, described) = (null_mut(), flash.describe());
-    // SAFETY: the memory is as long as said, the functions are those above
+    // SAFETY: the memory has the stated length, the functions are those above
     let status =
         unsafe { fos_store_init(memory.as_mut_ptr().cast(), FOS_STORE_BYTES, &described, &mut store) };
     assert_eq!(status, fos_status::Ok);
@@ -133,7 +133,7 @@ fn made(flash: &mut Flash) -> Held {
 }
 
 fn save(held: &Held, image: &[u8]) -> fos_status {
-    // SAFETY: a store, and an image as long as said
+    // SAFETY: a store, and an image of the stated length
     unsafe { fos_store_save(held.store, image.as_ptr(), image.len()) }
 }
 
@@ -141,7 +141,7 @@ type Load = unsafe extern "C" fn(*mut fos_store, *mut u8, usize, *mut usize) -> 
 
 fn loaded(held: &Held, load: Load) -> Result<Vec<u8>, fos_status> {
     let (mut buffer, mut used) = ([0; FOS_STORE_IMAGE_BYTES], 0);
-    // SAFETY: a store, and a buffer as long as said
+    // SAFETY: a store, and a buffer of the stated length
     match unsafe { load(held.store, buffer.as_mut_ptr(), buffer.len(), &mut used) } {
         fos_status::Ok => Ok(buffer[..used].to_vec()),
         status => {
@@ -152,7 +152,7 @@ fn loaded(held: &Held, load: Load) -> Result<Vec<u8>, fos_status> {
 }
 
 #[test]
-fn the_newest_wins_and_the_one_before_can_be_returned_to() {
+fn loads_the_newest_and_the_previous_image() {
     for sector in [8, 512, 2048, 4096, 8192, 65_536] {
         let mut flash = Flash::new(sector, 4);
         let held = made(&mut flash);
@@ -165,21 +165,21 @@ fn the_newest_wins_and_the_one_before_can_be_returned_to() {
         }
         drop(held);
         assert_eq!(flash.twice, 0, "a word is written once");
-        // and after a restart
+        // also after a restart
         let again = made(&mut flash);
         assert_eq!(loaded(&again, fos_store_load), Ok(numbered(59, 300)));
     }
 }
 
 #[test]
-fn the_longest_image_is_as_long_as_the_header_says() {
+fn longest_image_has_the_documented_length() {
     let long = |length: usize| {
-        // a length of the information takes one byte more from 128 on
+        // a length of the information of 128 or more takes one more byte
         let image = numbered(1, length - numbered(1, 200).len() + 200);
         assert_eq!(image.len(), length);
         image
     };
-    // of two pages a slot, half a page
+    // with two pages per slot, half a page
     for (sector, pages, longest) in
         [(4096, 4, 2027), (512, 5, 2027), (8192, 4, 2027), (4096, 6, FOS_STORE_IMAGE_BYTES)]
     {
@@ -195,20 +195,20 @@ fn the_longest_image_is_as_long_as_the_header_says() {
 }
 
 #[test]
-fn a_cut_of_power_at_any_byte_leaves_the_old_image_or_the_new() {
+fn power_loss_at_any_byte_leaves_the_old_or_new_image() {
     for (sector, pages, information) in
         [(4096, 4, 250), (512, 4, 250), (8192, 4, 250), (4096, 6, 250), (4096, 4, 1800), (4096, 6, 3800)]
     {
         let (mut cuts, mut old, mut new) = (0, 0, 0);
         let mut flash = Flash::new(sector, pages);
-        // through turns of pages, so that erases are among the steps
+        // over several page changes, so that erases are among the steps
         for number in 0..45 {
             let (before, after) = (numbered(number, information), numbered(number + 1, information));
             assert_eq!(save(&made(&mut flash), &before), fos_status::Ok);
             let mut whole = flash.clone();
             assert_eq!(save(&made(&mut whole), &after), fos_status::Ok);
             let steps = whole.steps - flash.steps;
-            // every byte of some updates, and some of the others
+            // every byte of some updates, and some bytes of the others
             let stride = if information == 250 && number % 15 == 0 { 1 } else { 29 * information / 250 };
             for at in (0..steps).filter(|at| at % stride == 0 || at + 1 == steps) {
                 let mut cut = Flash { power: Some(at), ..flash.clone() };
@@ -221,7 +221,7 @@ fn a_cut_of_power_at_any_byte_leaves_the_old_image_or_the_new() {
                 old += usize::from(found == before);
                 new += usize::from(found == after);
                 cuts += 1;
-                // and it goes on
+                // and later updates work
                 assert_eq!(save(&held, &numbered(999, information)), fos_status::Ok);
                 assert_eq!(loaded(&held, fos_store_load), Ok(numbered(999, information)));
             }
@@ -234,7 +234,7 @@ fn a_cut_of_power_at_any_byte_leaves_the_old_image_or_the_new() {
 }
 
 #[test]
-fn what_is_refused_is_not_written() {
+fn rejected_images_are_not_written() {
     let mut flash = Flash::new(4096, 4);
     let held = made(&mut flash);
     let good = numbered(1, 10);

@@ -1,4 +1,4 @@
-//! The image of a unit for C: of its part's and its record, and everything that is refused.
+//! The image of a unit through C, from the image of its part and its record, and all rejections.
 
 use core::ptr::{null, null_mut};
 
@@ -6,7 +6,7 @@ use crate::models::numbered;
 use fos_core::image::{Image, encode_unit};
 use fos_embedded::c_api::*;
 
-/// In a buffer of `room` bytes; what was left in `used` with the bytes.
+/// Calls the function with a buffer of `room` bytes; returns the status and the first `used` bytes.
 fn made(part: &[u8], record: &[u8], room: usize) -> (fos_status, Vec<u8>) {
     let (mut buffer, mut used) = (vec![0xaa_u8; room], 77);
     let status = unsafe {
@@ -25,7 +25,7 @@ fn made(part: &[u8], record: &[u8], room: usize) -> (fos_status, Vec<u8>) {
 }
 
 #[test]
-fn part_and_record_come_to_an_image_that_a_hub_takes() {
+fn part_and_record_give_a_valid_image() {
     let (part, other) = (numbered(1, 300), numbered(2, 300));
     let image = Image::parse(&part).expect("an image");
     let values: Vec<f32> = image
@@ -63,7 +63,7 @@ fn part_and_record_come_to_an_image_that_a_hub_takes() {
 }
 
 #[test]
-fn pointers_that_lead_nowhere_are_refused() {
+fn rejects_invalid_pointers() {
     let part = numbered(1, 300);
     let mut room = vec![0_u8; part.len()];
     let mut used = 77_usize;

@@ -1,4 +1,4 @@
-//! The alarm recorder sends the stretch before and after an alarm, whole and once, and nothing else.
+//! The alarm recorder sends the samples before and after an alarm, completely and once, and nothing else.
 
 use crate::models::{MADE, Random, SCALES, TestHub, image};
 use embedded_io::{ErrorKind, ErrorType, Write};
@@ -43,12 +43,12 @@ fn hub() -> TestHub {
     hub
 }
 
-/// Ticks that came through.
+/// Ticks received.
 fn ticks(cable: &Cable) -> Vec<u32> {
     sent(cable).into_iter().flatten().collect()
 }
 
-/// The frames that came through: a tick, or none for a start.
+/// Frames received: the tick of a sample, `None` for a start frame.
 fn sent(cable: &Cable) -> Vec<Option<u32>> {
     let mut sent = Vec::new();
     for frame in cable.bytes.split_inclusive(|byte| *byte == 0) {
@@ -68,7 +68,7 @@ fn sent(cable: &Cable) -> Vec<Option<u32>> {
 }
 
 #[test]
-fn the_stretch_before_and_after_is_sent_once_and_in_order() {
+fn sends_samples_around_an_alarm_once_and_in_order() {
     let (mut cable, mut hub, mut random) = (Cable::default(), hub(), Random(1));
     let mut alarmed: Alarmed<'_> = AlarmRecorder::new(Recorder::new(&mut cable), 50);
     let mut alarm_at = None;
@@ -82,7 +82,7 @@ fn the_stretch_before_and_after_is_sent_once_and_in_order() {
         if output.drift && alarm_at.is_none() {
             alarm_at = Some(n);
         }
-        // two a sample: 150 are sent in 75
+        // two frames per sample: 150 are sent in 75
         assert_eq!(alarmed.is_sending(), alarm_at.is_some_and(|at| n < at + 74), "{n}");
     }
     let at = alarm_at.expect("the model stops fitting");
@@ -91,7 +91,7 @@ fn the_stretch_before_and_after_is_sent_once_and_in_order() {
 }
 
 #[test]
-fn an_alarm_during_a_stretch_prolongs_it() {
+fn alarm_while_sending_prolongs_it() {
     let (mut cable, mut hub, mut random) = (Cable::default(), hub(), Random(1));
     let mut alarmed: Alarmed<'_> = AlarmRecorder::new(Recorder::new(&mut cable), 50);
     for n in 0..1000_u32 {
@@ -102,14 +102,14 @@ fn an_alarm_during_a_stretch_prolongs_it() {
         }
     }
     assert_eq!(ticks(&cable), (301..=480).chain(701..=850).collect::<Vec<u32>>());
-    // who listens since the last stretch knows what the samples of this one hold
+    // a start frame at the beginning of each of the two transmissions
     let sent = sent(&cable);
     let starts = (0..sent.len()).filter(|&at| sent[at].is_none()).map(|at| sent[at + 1]);
     assert_eq!(starts.collect::<Vec<_>>(), [Some(301), Some(701)]);
 }
 
 #[test]
-fn a_broken_cable_costs_its_frames_and_nothing_more() {
+fn broken_cable_loses_only_its_frames() {
     let (mut cable, mut hub, mut random) = (Cable { broken: true, ..Cable::default() }, hub(), Random(1));
     let mut alarmed: Alarmed<'_> = AlarmRecorder::new(Recorder::new(&mut cable), 50);
     let mut failed = 0;

@@ -1,13 +1,13 @@
-//! include/fos.h is checked in, so that nobody needs a generator to use it; here it is held against the source.
+//! include/fos.h is checked in, so that users need no generator; this test compares it with the source.
 
 use std::path::Path;
 
 #[test]
-fn the_header_is_what_the_source_says() {
+fn header_matches_the_source() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("a configuration");
     let mut builder = cbindgen::Builder::new().with_config(config);
-    // their order is that of the header
+    // in the order of the header
     for file in ["status", "values", "hub", "telemetry", "streams", "flash", "store", "unit"] {
         builder = builder.with_src(root.join(format!("src/c_api/{file}.rs")));
     }

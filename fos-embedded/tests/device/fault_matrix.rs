@@ -1,5 +1,5 @@
-//! Every fault at every place where it can be met: finite, bounded, flagged, recovered from. The table that comes of
-//! it is in docs/faults.md.
+//! Every fault at every place where it can occur: output finite, bounded, flagged, recovered. The resulting table is in
+//! docs/faults.md.
 
 #[cfg(feature = "c-api")]
 mod c;
@@ -19,48 +19,48 @@ use fos_embedded::hub::AXES;
 use fos_embedded::raw::Faults;
 use places::{Column, DEPTH, Place, places};
 
-/// The tick of the fault: in the middle of a window of the hub's clock, the history long full.
+/// Tick of the fault: in the middle of a window of the hub's rate measurement, long after the warm-up.
 const FROM: usize = 3000;
 
-/// Longest fault, longest way back, and a second in which all stays as it is.
+/// Longest fault, longest recovery, and one second without further change.
 const TICKS: usize = FROM + 5000 + 4100 + 200;
 
-/// The time constant of a monitor's running statistics, s.
+/// Time constant of a monitor's running statistics, s.
 const MONITOR_TAU_S: f32 = 30.0;
 
-/// Of the noise behind the table.
+/// Seed of the noise behind the table.
 const SEED: u64 = 11;
 
-/// What a fault comes to at one place.
+/// Effect of a fault at one place.
 #[derive(Debug, Clone, PartialEq)]
 struct Cell {
-    /// Reasons that were given in the faulty stretch and not without the fault.
+    /// Reasons set during the fault, and not without the fault.
     validity: u16,
     faults: Faults,
     drift: bool,
-    left_out: bool,
-    /// Samples after its end until all is again as it is without the fault.
+    excluded: bool,
+    /// Samples after the end of the fault until the output equals that without the fault.
     recovered: usize,
-    /// The most that was taken off an axis, of its bound.
+    /// Largest predicted error of an axis, as a share of its bound.
     share: f32,
 }
 
 impl Cell {
-    fn is_seen(&self) -> bool {
-        self.validity != 0 || !self.faults.is_empty() || self.drift || self.left_out
+    fn is_detected(&self) -> bool {
+        self.validity != 0 || !self.faults.is_empty() || self.drift || self.excluded
     }
 
     fn merge(&mut self, other: &Self) {
         self.validity |= other.validity;
         self.faults |= other.faults;
         self.drift |= other.drift;
-        self.left_out |= other.left_out;
+        self.excluded |= other.excluded;
         self.recovered = self.recovered.max(other.recovered);
         self.share = self.share.max(other.share);
     }
 
     fn flags(&self) -> String {
-        // that a history is lost or made up says less than why, where that is said as well
+        // the reason is more informative than the state of the history, if there is one
         let consequence = (Validity::WARMING_UP | Validity::OWN_HISTORY | Validity::COASTING_TOO_LONG).bits();
         let why = self.validity & !consequence;
         let shown = if why == 0 { self.validity } else { why };
@@ -68,12 +68,12 @@ impl Cell {
         let mut names: Vec<&str> = shown.flat_map(Validity::names).collect();
         names.extend(self.faults.iter_names().map(|(name, _)| name));
         names.extend(self.drift.then_some("drift"));
-        names.extend((self.left_out && !self.drift).then_some("left out"));
+        names.extend((self.excluded && !self.drift).then_some("left out"));
         if names.is_empty() { "not seen".into() } else { names.join(", ") }
     }
 }
 
-/// The cell of a fault at a place, by the same stretch with and without it; an error if what came out is not what must.
+/// Compares the output with and without the fault. Returns the cell of the table, or an error if a requirement is violated.
 fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Result<Cell, String> {
     let end = FROM + fault.lasts;
     let mut clean = clean.to_vec();
@@ -84,7 +84,7 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
     let mut without: Vec<Out> = Vec::with_capacity(clean.len());
     let mut corrector = (place.make)();
     for tick in &clean {
-        // what is computed from the clock alone begins anew with the clock
+        // inputs computed from the clock alone restart with the clock
         if place.column == Column::OverClock && tick.index == FROM && faulty.iter().any(|tick| tick.reset) {
             corrector = (place.make)();
         }
@@ -96,13 +96,13 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
         validity: 0,
         faults: Faults::empty(),
         drift: false,
-        left_out: false,
+        excluded: false,
         recovered: 0,
         share: 0.0,
     };
     let limit = (place.limit)(fault);
-    // of missing samples the first one after them tells, of a clock the next looks at it
-    let told = match fault.on {
+    // missing samples are flagged in the first one after them, faults of the clock at its next readings
+    let flagged_until = match fault.on {
         On::Clock => clean.len(),
         _ => end + usize::from(!faulty.iter().any(|tick| (FROM..end).contains(&tick.index))),
     };
@@ -122,13 +122,13 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
             if !same {
                 return Err(format!("not the same before the fault, tick {}", tick.index));
             }
-        } else if tick.index < told {
+        } else if tick.index < flagged_until {
             for ((found, of_gap), expected) in out.validity.iter().zip(out.of_gap).zip(expected.validity) {
                 cell.validity |= (found.bits() | of_gap.bits()) & !expected.bits();
             }
             cell.faults |= out.faults - expected.faults;
             cell.drift |= out.drift;
-            cell.left_out |= out.left_out;
+            cell.excluded |= out.excluded;
         }
         if tick.index >= end && !same {
             cell.recovered = tick.index + 1 - end;
@@ -136,12 +136,12 @@ fn assess(place: &Place, fault: &Fault, strikes: Strikes, clean: &[Tick]) -> Res
         if cell.recovered > limit {
             return Err(format!("after {limit} samples {out:?} instead of {expected:?}"));
         }
-        // an alarm stays until then
+        // an alarm stays until the restart
         if tick.index == end + DEPTH - 1 {
             corrector.restart();
             off = differences(&out.means, &expected.means);
         }
-        // what is left of it in the running mean fades with its time constant
+        // the effect on the running mean decays with its time constant
         if tick.index == TICKS - 1 {
             let share = (-((TICKS - end - DEPTH) as f32) * SCALES.period_s as f32 / MONITOR_TAU_S).exp();
             let left = differences(&out.means, &expected.means);
@@ -157,11 +157,10 @@ fn differences(one: &[f32; AXES], other: &[f32; AXES]) -> [f32; AXES] {
     array::from_fn(|axis| (one[axis] - other[axis]).abs())
 }
 
-/// What is taken off, and what is left of the error, differ by no more than this, scaled; nothing speaks against it
-/// that did not.
+/// True if predictions and innovations differ by at most `tolerance`, in scaled units, and all flags are equal.
 fn same(found: &Out, expected: &Out, tolerance: f32) -> bool {
     let near = |(found, expected): (f32, f32), scale: f32| {
-        // of the hub it is a difference of two roundings
+        // for the hub it is a difference of two rounded values
         tolerance > 0.0 && (found - expected).abs() <= tolerance * scale
             || found.to_bits() == expected.to_bits()
     };
@@ -176,18 +175,18 @@ fn same(found: &Out, expected: &Out, tolerance: f32) -> bool {
     all_near
         && found.validity == expected.validity
         && (found.still, found.temperature_c) == (expected.still, expected.temperature_c)
-        && (found.faults, found.drift, found.left_out) == (expected.faults, expected.drift, expected.left_out)
+        && (found.faults, found.drift, found.excluded) == (expected.faults, expected.drift, expected.excluded)
 }
 
 const BEGIN: &str = "<!-- table: cargo test -p fos-embedded --test device fault_matrix:: -->\n";
 const END: &str = "<!-- end of table -->";
 
-/// What all faults come to at all places.
+/// Results of all faults at all places.
 struct Matrix {
     table: String,
-    /// What is not as it must be.
+    /// Violated requirements.
     wrong: String,
-    /// Fault by fault, the places that say nothing.
+    /// For each fault, the places that do not detect it.
     unseen: String,
     runs: usize,
     share: f32,
@@ -208,7 +207,7 @@ fn matrix(seed: u64) -> Matrix {
             Strikes::Quantities => format!("{} (temperature, supply)", fault.name),
             Strikes::All => fault.name.to_owned(),
         };
-        // all at once is no row of its own where each is one: it must stay finite and bounded, and be over
+        // with separate rows for axes and quantities, all at once has no row, but must meet the requirements too
         let is_row = strikes != Strikes::All || fault.strikes().len() == 1;
         let (mut missed, mut seen) = (Vec::<String>::new(), false);
         let mut row = format!("| {name} |");
@@ -224,8 +223,8 @@ fn matrix(seed: u64) -> Matrix {
                     Ok(cell) => {
                         runs += 1;
                         share = share.max(cell.share);
-                        seen |= cell.is_seen();
-                        if !cell.is_seen() {
+                        seen |= cell.is_detected();
+                        if !cell.is_detected() {
                             silent.push(place.name);
                         }
                         if merged.as_ref().is_none_or(|merged| cell.recovered > merged.recovered) {
@@ -249,7 +248,7 @@ fn matrix(seed: u64) -> Matrix {
                 let named =
                     if here.len() > 1 && !worst.is_empty() { format!(" ({worst})") } else { String::new() };
                 let _ = write!(row, " {}; {}{named} |", cell.flags(), cell.recovered);
-                // what only time shows, the monitor must show
+                // the monitor must detect slow faults
                 let slow = matches!(fault.name, "step" | "drift") && strikes == Strikes::Axes;
                 if slow && matches!(column, Column::Monitor | Column::Hub) && !cell.drift {
                     let _ = writeln!(wrong, "{name}, {column:?}: no alarm");
@@ -285,7 +284,7 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
 
 #[test]
 #[ignore = "a minute: .ci/trust faults runs it"]
-fn so_it_is_over_other_noise() {
+fn table_does_not_depend_on_the_noise() {
     let (mut runs, seeds) = (0, 100..120);
     for seed in seeds.clone() {
         let found = matrix(seed);
@@ -296,7 +295,7 @@ fn so_it_is_over_other_noise() {
     println!("other noise: The same over {} other noises, {runs} runs", seeds.count());
 }
 
-/// Plausible data, one sample at a time: fault, and the places that say nothing of it. `NOWHERE` where no place does.
+/// Faults with plausible samples, and the places that do not detect them; `NOWHERE` if no place does.
 const UNSEEN: &str = "
 NOWHERE stuck (temperature, supply): track, coast, inputs over a quantity, monitor, hub and C interface
 spikes (axes): coast
@@ -321,12 +320,12 @@ reset in mid-stream: inputs over a quantity, inputs over the clock, inputs over 
 ";
 
 #[test]
-fn an_average_that_checks_little_or_nothing_is_found_out() {
+fn detects_a_naive_average() {
     let clean = clean(TICKS, SEED);
-    let place = |gain, at_most| Place {
+    let place = |gain, clamp_at| Place {
         name: "naive",
         column: Column::Track,
-        make: Box::new(move || Box::new(Naive { bias: models::OFFSET, gain, at_most })),
+        make: Box::new(move || Box::new(Naive { bias: models::OFFSET, gain, clamp_at })),
         bound: models::OFFSET.map(|offset| offset.abs() + 1.0),
         tolerance: 1e-3,
         // ten times the longest lag of a model
@@ -339,7 +338,7 @@ fn an_average_that_checks_little_or_nothing_is_found_out() {
                 Err(error) if error.starts_with("not finite") => found[0] += 1,
                 Err(error) if error.starts_with("beyond") => found[1] += 1,
                 Err(_) => found[2] += 1,
-                Ok(cell) => found[3] += usize::from(!cell.is_seen()),
+                Ok(cell) => found[3] += usize::from(!cell.is_detected()),
             }
         }
     }
@@ -349,7 +348,7 @@ fn an_average_that_checks_little_or_nothing_is_found_out() {
         )
     });
     println!("naive: {unchecked}; with its errors clamped: {clamped}");
-    // NaN and both infinities; then, finite and bounded, what it has learnt from them stays
+    // NaN and both infinities; with clamping, it is finite and bounded but does not recover
     assert!(found[0][0] >= 3 && found[0][1] > 0, "{found:?}");
     assert!(found[1][0] == 0 && found[1][2] >= 3, "{found:?}");
 }

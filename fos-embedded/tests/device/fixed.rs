@@ -1,4 +1,4 @@
-//! A hub in fixed point against the same in f32.
+//! A hub in fixed point compared with one in f32.
 
 use crate::models::{self, MADE, Made, Random, SCALES, SPREAD, TestHub, image, limits};
 use fos_core::{Axis, AxisModel, FittedOn, Fixed, Input, Model, ModelError, Quantity, Scalar, Validity};
@@ -8,7 +8,7 @@ use fos_embedded::telemetry::Snapshot;
 
 type FixedHub = Hub<8, 64, 128, Fixed>;
 
-/// The same model in both.
+/// Hubs in f32 and in fixed point with the same model.
 fn both(made: &Made<'_>) -> (TestHub, FixedHub) {
     let image = image(made);
     let (mut single, mut fixed) = (Hub::new(SCALES), Hub::new(SCALES));
@@ -19,18 +19,18 @@ fn both(made: &Made<'_>) -> (TestHub, FixedHub) {
     (single, fixed)
 }
 
-/// How far the one is from the other, in steps of 2⁻²³ of the axis' unit.
+/// Largest difference, in steps of 2⁻²³ of the axis' unit.
 fn steps_apart(a: &[f32; AXES], b: &[f32; AXES]) -> f32 {
     let steps =
         |(a, b): (&f32, &f32)| if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() * 8_388_608.0 };
     a.iter().zip(b).map(steps).fold(0.0, f32::max)
 }
 
-/// What f32 itself rounds to at 39 m/s², where the accelerometers are at full scale: 24 bits, twice.
+/// Twice the rounding of f32 (24 bits) at 39 m/s², the full scale of the accelerometers, in steps of 2⁻²³.
 const FEW: f32 = 64.0;
 
 #[test]
-fn it_says_what_a_hub_in_f32_says() {
+fn output_agrees_with_f32() {
     let (mut single, mut fixed) = both(&Made { stillness: Some(limits()), ..MADE });
     let mut random = Random(7);
     let (mut still, mut otherwise, mut furthest) = (0, 0, 0.0_f32);
@@ -51,7 +51,7 @@ fn it_says_what_a_hub_in_f32_says() {
         let (a, b) = (*single.update(&raw), *fixed.update(&raw));
         still += u32::from(a.still);
         assert_eq!((a.still, a.faults, a.drift, a.tick), (b.still, b.faults, b.drift, b.tick), "sample {n}");
-        // a remainder on the edge of its range is within it in the one and beyond in the other
+        // a remainder on the edge of its range may be inside it in only one of the two
         otherwise += u32::from(a.validity() != b.validity());
         furthest = furthest.max(steps_apart(&a.corrected(), &b.corrected()));
         assert_eq!(a.innovation().map(f32::is_nan), b.innovation().map(f32::is_nan), "sample {n}");
@@ -76,7 +76,7 @@ fn it_says_what_a_hub_in_f32_says() {
 }
 
 #[test]
-fn a_model_that_stops_fitting_is_told_in_the_same_sample() {
+fn drift_is_detected_in_the_same_sample() {
     let (mut single, mut fixed) = both(&Made { axes: &[Axis::Gx], ..MADE });
     single.set_motion(Some(Motion::Still));
     fixed.set_motion(Some(Motion::Still));
@@ -98,7 +98,7 @@ fn a_model_that_stops_fitting_is_told_in_the_same_sample() {
 }
 
 #[test]
-fn values_of_any_kind_are_taken_and_said() {
+fn accepts_and_flags_any_values() {
     let (mut single, mut fixed) = both(&Made { stillness: Some(limits()), ..MADE });
     let mut random = Random(3);
     let wild = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, 256.0, -256.0, 255.9, 0.0, 1e-30];
@@ -122,7 +122,7 @@ fn values_of_any_kind_are_taken_and_said() {
         let (a, b) = (*single.update_si(&sample), *fixed.update_si(&sample));
         finite(&b);
         for ((a, b), value) in a.validity().iter().zip(b.validity()).zip(measured) {
-            // an infinite value is one at full scale, and no number in f32
+            // an infinite value is at full scale in fixed point, and not finite in f32
             if value.is_nan() || value.is_finite() {
                 assert_eq!(
                     a.contains(Validity::NOT_FINITE),
@@ -151,14 +151,14 @@ fn finite(output: &Output<Fixed>) {
 }
 
 #[test]
-fn without_a_model_it_hands_on_what_was_measured() {
+fn passes_measured_values_without_a_model() {
     let mut hub: FixedHub = Hub::new(SCALES);
     let mut random = Random(1);
     let raw = random.at_rest();
     let output = *hub.update(&raw);
     assert!(steps_apart(&output.corrected(), &SCALES.measured(&raw)) <= 1.0);
     assert!(output.validity().iter().all(|validity| *validity == Validity::NOT_MODELLED));
-    // and a sensor of 32 g and more is at full scale where fixed point ends
+    // with a sensor of 32 g or more, full scale is the end of the fixed-point range
     let wide = Scales { accel_mps2: 0.0098, ..SCALES };
     let mut hub: FixedHub = Hub::new(wide);
     let output = *hub.update(&RawSample { accel: [26_400, 0, -26_400], ..raw });
@@ -169,7 +169,7 @@ fn without_a_model_it_hands_on_what_was_measured() {
 }
 
 #[test]
-fn a_model_that_does_not_fit_is_refused_and_leaves_none() {
+fn rejected_model_leaves_the_hub_without_a_model() {
     let (_, mut hub) = both(&MADE);
     let [temperature, supply] = models::inputs();
     let axes = models::SIX.map(|axis| AxisModel {
@@ -179,7 +179,7 @@ fn a_model_that_does_not_fit_is_refused_and_leaves_none() {
     });
     let (fits, pressure) = ([temperature, supply], [temperature, Input { centre: 1013.0, ..supply }]);
     assert_eq!(hub.load_model(&model(&fits, &axes)), Ok(()));
-    // hPa: beyond all there is
+    // a pressure in hPa exceeds the range
     let refused = ModelError::InputNotInFixedPoint { input: 1 };
     assert_eq!(hub.load_model(&model(&pressure, &axes)), Err(HubError::Image(refused.into())));
     assert_eq!(TestHub::new(SCALES).load_model(&model(&pressure, &axes)), Ok(()), "f32 has it");

@@ -1,4 +1,4 @@
-//! The hub against the predictor that it drives, and against what a product will do to it.
+//! The hub compared with its predictor, and under the conditions of a product.
 
 use crate::models::{
     self, AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters,
@@ -33,7 +33,7 @@ fn same(output: &Output, corrections: &[Correction<f32>]) {
 }
 
 #[test]
-fn it_says_what_the_predictor_says_bit_for_bit() {
+fn output_equals_the_predictor_bit_for_bit() {
     let bytes = image(&Made { stillness: Some(limits()), ..MADE });
     let parsed = Image::parse(&bytes).expect("an image");
     let mut predictor: Predictor<f32, 6, 8, 64, 128> = parsed.predictor().expect("it fits");
@@ -72,7 +72,7 @@ fn it_says_what_the_predictor_says_bit_for_bit() {
     assert!((8_000..16_000).contains(&tracked) && skips > 5, "{tracked} tracked, {skips} gaps");
 }
 
-/// What the codes mean, as values.
+/// The sample in SI units.
 fn si(raw: &RawSample) -> SiSample {
     let [ax, ay, az, gx, gy, gz] = SCALES.measured(raw);
     SiSample {
@@ -84,7 +84,7 @@ fn si(raw: &RawSample) -> SiSample {
     }
 }
 
-/// The bits of all that is a number, so that what is absent equals itself.
+/// Bits of all numbers, so that absent values (NaN) compare equal.
 fn bits(output: &Output) -> Vec<u32> {
     let numbers = [output.measured, output.corrected(), output.innovation()].concat();
     let numbers = numbers.iter().chain([&output.temperature_c]).map(|value| value.to_bits());
@@ -95,7 +95,7 @@ fn bits(output: &Output) -> Vec<u32> {
 }
 
 #[test]
-fn values_give_the_bits_that_codes_give() {
+fn si_values_and_codes_give_the_same_bits() {
     let made = Made { stillness: Some(limits()), ..MADE };
     let [mut by_codes, mut by_values] = [loaded(&made), loaded(&made)];
     let mut random = Random(6);
@@ -115,7 +115,7 @@ fn values_give_the_bits_that_codes_give() {
 }
 
 #[test]
-fn what_is_predicted_is_what_is_taken_out() {
+fn corrected_is_measured_minus_predicted() {
     let mut hub = still(&MADE);
     assert_eq!(hub.output().predicted(), [0.0; 6], "before the first sample");
     let mut random = Random(11);
@@ -129,7 +129,7 @@ fn what_is_predicted_is_what_is_taken_out() {
 }
 
 #[test]
-fn whatever_value_comes_what_comes_out_is_finite_and_says_so() {
+fn any_values_give_finite_and_flagged_output() {
     let wild =
         [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e20, -0.0, f32::MIN_POSITIVE];
     let scales = Scales::of_full_scale(f32::MAX, f32::MAX, SCALES.period_s, SCALES.values);
@@ -173,7 +173,7 @@ fn whatever_value_comes_what_comes_out_is_finite_and_says_so() {
 }
 
 #[test]
-fn what_was_not_watched_is_not_taken_to_have_been_still() {
+fn stillness_restarts_after_unobserved_time() {
     let limits = limits();
     let to_stillness = 2 * usize::from(limits.window);
     let mut hub = loaded(&Made { stillness: Some(limits), ..MADE });
@@ -192,7 +192,7 @@ fn what_was_not_watched_is_not_taken_to_have_been_still() {
 }
 
 #[test]
-fn a_model_that_is_taken_up_later_finds_the_sensor_as_warm_as_it_is() {
+fn model_loaded_later_has_the_phase_of_the_warm_up() {
     let warm_up = Input {
         source: Source::Clock,
         transform: Transform::Decay { tau_s: 5.0 },
@@ -223,14 +223,14 @@ fn a_model_that_is_taken_up_later_finds_the_sensor_as_warm_as_it_is() {
     for _ in 0..500 {
         let raw = random.at_rest();
         let [early, late] = [&mut early, &mut late].map(|hub| *hub.update(&raw));
-        // a factor a tick, or one for all of them
+        // one factor per tick, or one for all ticks
         assert!((early.corrected()[3] - late.corrected()[3]).abs() < 1e-7);
         assert!(late.validity()[3].is_valid());
     }
 }
 
 #[test]
-fn missing_samples_are_reported_also_by_a_source_that_only_counts_them() {
+fn skipped_samples_set_the_gap_fault() {
     let mut hub = still(&MADE);
     let mut random = Random(4);
     assert_eq!(hub.update(&random.at_rest()).faults, Faults::empty());
@@ -238,7 +238,7 @@ fn missing_samples_are_reported_also_by_a_source_that_only_counts_them() {
 }
 
 #[test]
-fn without_a_model_it_gives_what_it_measures_and_says_so() {
+fn passes_measured_values_without_a_model() {
     let mut hub = TestHub::new(SCALES);
     let raw = Random(1).at_rest();
     let output = hub.update(&raw);
@@ -248,7 +248,7 @@ fn without_a_model_it_gives_what_it_measures_and_says_so() {
 }
 
 #[test]
-fn an_axis_that_the_model_does_not_have_is_as_measured() {
+fn passes_measured_values_of_axes_without_a_model() {
     let mut hub = still(&Made { axes: &[Axis::Gz, Axis::Ay], ..MADE });
     let mut random = Random(2);
     for _ in 0..50 {
@@ -269,7 +269,7 @@ fn an_axis_that_the_model_does_not_have_is_as_measured() {
 }
 
 #[test]
-fn a_model_for_other_values_or_another_rate_or_another_sensor_is_refused_by_name() {
+fn rejects_models_for_other_values_rates_and_sensors() {
     let mut hub = still(&MADE);
     let factory = Made { fitted_on: FittedOn::FactoryCorrected, ..MADE };
     let refused = HubError::FittedOn { model: FittedOn::FactoryCorrected, sensor: FittedOn::Raw };
@@ -286,7 +286,7 @@ fn a_model_for_other_values_or_another_rate_or_another_sensor_is_refused_by_name
     damaged[30] ^= 1;
     assert!(matches!(hub.load(&damaged), Err(HubError::Image(ImageError::Checksum { .. }))));
 
-    // afterwards there is no model, and the next good one runs as if it were the first
+    // afterwards there is no model, and the next valid one runs like the first
     let mut random = Random(3);
     let raw = random.at_rest();
     assert_eq!(hub.update(&raw).corrected(), SCALES.measured(&raw));
@@ -301,7 +301,7 @@ fn a_model_for_other_values_or_another_rate_or_another_sensor_is_refused_by_name
 }
 
 #[test]
-fn a_clock_three_percent_fast_is_noticed_and_a_good_one_is_not() {
+fn flags_a_clock_error_of_three_percent() {
     for (true_hz, flagged) in [(206.0, true), (194.0, true), (200.0, false), (201.0, false)] {
         let mut hub = still(&MADE);
         let mut random = Random(4);
@@ -318,7 +318,7 @@ fn a_clock_three_percent_fast_is_noticed_and_a_good_one_is_not() {
 }
 
 #[test]
-fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
+fn gravity_in_another_orientation_is_not_a_bias() {
     let mut hub = still(&MADE);
     let mut random = Random(6);
     for _ in 0..100 {
@@ -345,13 +345,13 @@ fn an_accelerometer_that_lies_in_another_pose_is_not_taken_to_be_biased() {
     assert!(hub.output().is_valid(), "level again: {:?}", hub.output().validity());
 }
 
-/// A model of two poses takes the half of what tells them apart for an error, and fits: |a| was 3 m/s² where it had
-/// been 9.8, and all was valid.
+/// Regression: a model fitted to two orientations takes half of their difference for an error, and fits. The corrected |a|
+/// was 3 m/s² instead of 9.8 m/s², with all axes valid.
 #[test]
-fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise() {
+fn flags_models_that_lead_away_from_gravity() {
     static FOLLOWS: [Term<f32>; 1] = [Term::new(0.97, &[y(1)])];
-    // level and on its side: the mean of both as a reference, half of the difference as a deviation
-    let of_two_poses = |axes: &[Axis]| {
+    // level and on its side: the mean of both as the reference, half of the difference as the scale
+    let of_two_orientations = |axes: &[Axis]| {
         let model = |axis: &Axis| {
             let parameters = match axis {
                 Axis::Ax | Axis::Az => {
@@ -378,7 +378,7 @@ fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise(
     let away = |hub: &TestHub| hub.output().validity().map(|v| v.contains(Validity::AWAY_FROM_GRAVITY));
     const ACCELEROMETERS: [bool; 6] = [true, true, true, false, false, false];
     let mut random = Random(8);
-    let mut hub = of_two_poses(&SIX);
+    let mut hub = of_two_orientations(&SIX);
     let mut run = |hub: &mut TestHub, samples: usize| {
         for _ in 0..samples {
             let _ = hub.update(&random.at_rest());
@@ -399,8 +399,8 @@ fn a_model_that_leads_away_from_gravity_is_flagged_until_a_rest_shows_otherwise(
     hub.set_motion(Some(Motion::Still));
     run(&mut hub, 2000);
     assert_eq!(away(&hub), [false; 6]);
-    // two accelerometers do not tell how large gravity is
-    let mut hub = of_two_poses(&[Axis::Ax, Axis::Az, Axis::Gx]);
+    // two accelerometers do not determine the magnitude of gravity
+    let mut hub = of_two_orientations(&[Axis::Ax, Axis::Az, Axis::Gx]);
     run(&mut hub, 2000);
     assert_eq!(away(&hub), [false; 6]);
 }
@@ -432,7 +432,7 @@ fn full_scale_and_stuck_samples_do_not_enter_the_history() {
 }
 
 #[test]
-fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
+fn uses_given_quantities_and_flags_absent_ones() {
     let mut hub = TestHub::new(SCALES);
     hub.load(&image(&MADE)).expect("a model");
     let mut random = Random(8);
@@ -448,7 +448,7 @@ fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
     let before = hub.output().corrected()[3];
     assert!(hub.give_application(0, 3.4));
     let change = hub.update(&raw).corrected()[3] - before;
-    // 0.1 V are a scaled unit of supply: 0.2 scaled units of error, 0.0004 rad/s
+    // 0.1 V is one scaled unit of supply: 0.2 scaled units of error, 0.0004 rad/s
     assert!((change + 0.0004).abs() < 1e-5, "{change}");
     assert_eq!(hub.logged().as_slice(), [25.0, 3.4]);
     let bytes = image(&MADE);
@@ -458,7 +458,7 @@ fn what_the_application_gives_is_used_and_until_then_its_absence_is_flagged() {
 }
 
 #[test]
-fn a_model_that_stops_fitting_is_noticed_on_its_axis_and_forgotten_on_demand() {
+fn drift_is_detected_on_its_axis_and_cleared_by_restart() {
     let mut hub = still(&MADE);
     let mut random = Random(9);
     for _ in 0..20_000 {
@@ -469,8 +469,9 @@ fn a_model_that_stops_fitting_is_noticed_on_its_axis_and_forgotten_on_demand() {
         raw.gyro[2] += (0.004 / SCALES.gyro_rads) as i16;
         raw
     };
-    let noticed = (0..1400).position(|_| hub.update(&shifted(&mut random)).drift).expect("it is noticed");
-    assert!(noticed < 1200 + 160, "six seconds and some: {noticed}");
+    let detected_after =
+        (0..1400).position(|_| hub.update(&shifted(&mut random)).drift).expect("it is noticed");
+    assert!(detected_after < 1200 + 160, "six seconds and some: {detected_after}");
     let drifted = SIX.map(|axis| hub.drift(axis).is_some_and(|drift| drift.mean || drift.variance));
     assert_eq!(drifted, [false, false, false, false, false, true]);
     assert!(hub.statistics(Axis::Gz).is_some() && hub.statistics(Axis::Other).is_none());
@@ -481,7 +482,7 @@ fn a_model_that_stops_fitting_is_noticed_on_its_axis_and_forgotten_on_demand() {
 }
 
 #[test]
-fn whatever_the_codes_the_output_is_finite_and_bounded() {
+fn output_is_finite_and_bounded_for_any_codes() {
     let mut hub = loaded(&Made { stillness: Some(limits()), ..MADE });
     let mut random = Random(10);
     let full = [32_768.0 * SCALES.accel_mps2, 32_768.0 * SCALES.gyro_rads];

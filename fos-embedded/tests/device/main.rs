@@ -1,4 +1,4 @@
-//! The device side through its public interface: hub, sources of samples, streams, store.
+//! Tests of the device side through its public interface: hub, sample sources, streams, store.
 
 mod alarm;
 mod c_header;

@@ -1,4 +1,4 @@
-//! The sources of samples: over transcripts of their buses, over simulated sensors, and in front of a hub.
+//! Tests of the sample sources: with bus transcripts, with simulated sensors, and with a hub.
 
 mod matrix;
 mod simulated;

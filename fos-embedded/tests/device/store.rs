@@ -1,4 +1,4 @@
-//! The model store on a simulated NOR flash whose power is cut at every single operation.
+//! The model store on a simulated NOR flash, with power loss at every single operation.
 
 use crate::models::numbered;
 use fos_embedded::blocking::{Blocking, poll_once};
@@ -23,53 +23,53 @@ fn put(store: &mut Store, image: &[u8]) -> Result<(), StoreError<Fault>> {
     poll_once(store.store(image)).expect("done at once")
 }
 
-/// A model of its own for every number.
+/// A distinct model for every number.
 fn model(number: u32) -> Vec<u8> {
     numbered(number, 0)
 }
 
 #[test]
-fn the_newest_wins_and_the_one_before_can_be_returned_to() {
-    let mut unit = store(Flash::new());
-    assert_eq!(load(&mut unit), None);
+fn loads_the_newest_and_the_previous_image() {
+    let mut device = store(Flash::new());
+    assert_eq!(load(&mut device), None);
     for number in 0..200 {
-        put(&mut unit, &model(number)).expect("stored");
-        assert_eq!(load(&mut unit), Some(model(number)), "update {number}");
+        put(&mut device, &model(number)).expect("stored");
+        assert_eq!(load(&mut device), Some(model(number)), "update {number}");
         let before = number.checked_sub(1).map(model);
-        assert_eq!(previous(&mut unit), before, "update {number}");
+        assert_eq!(previous(&mut device), before, "update {number}");
     }
-    // and after a restart
-    let mut again = store(unit.release().0);
+    // also after a restart
+    let mut again = store(device.release().0);
     assert_eq!(load(&mut again), Some(model(199)));
 }
 
 #[test]
-fn flash_that_held_something_else_is_taken() {
+fn takes_over_flash_with_foreign_contents() {
     let random = |place: usize| (place as u64).wrapping_mul(6_364_136_223_846_793_005).to_be_bytes()[0];
     for before in [|_| 0, |place| (place % 251) as u8, random] {
         let mut flash = Flash::new();
         for (place, byte) in flash.bytes.iter_mut().enumerate() {
             *byte = before(place);
         }
-        let mut unit = store(flash);
-        assert_eq!(load(&mut unit), None);
+        let mut device = store(flash);
+        assert_eq!(load(&mut device), None);
         for number in 0..30 {
-            assert_eq!(put(&mut unit, &model(number)), Ok(()));
-            assert_eq!(load(&mut unit), Some(model(number)));
-            assert_eq!(previous(&mut unit), number.checked_sub(1).map(model));
+            assert_eq!(put(&mut device, &model(number)), Ok(()));
+            assert_eq!(load(&mut device), Some(model(number)));
+            assert_eq!(previous(&mut device), number.checked_sub(1).map(model));
         }
     }
-    // what is in use stays when the other slot is lost
-    let mut unit = store(Flash::new());
-    put(&mut unit, &model(1)).expect("stored");
-    let mut flash = unit.release().0;
+    // the image in use survives the loss of the other slot
+    let mut device = store(Flash::new());
+    put(&mut device, &model(1)).expect("stored");
+    let mut flash = device.release().0;
     flash.bytes[PAGES / 2 * PAGE..].fill(0x55);
     let mut cuts = Cuts::default();
     cuts.cut_everywhere(&flash, Some(&model(1)), &model(2));
     cuts.print("a slot beyond repair");
 }
 
-/// What was valid after cuts of power.
+/// Valid images after power losses.
 #[derive(Debug, Default)]
 struct Cuts {
     updates: usize,
@@ -79,30 +79,30 @@ struct Cuts {
 }
 
 impl Cuts {
-    /// Cuts the power at each operation that stores `new` on a copy of `flash`, which holds `old`.
+    /// Cuts the power at each operation of storing `new`, on copies of `flash`, which holds `old`.
     fn cut_everywhere(&mut self, flash: &Flash, old: Option<&[u8]>, new: &[u8]) {
         let mut whole = store(flash.clone());
         put(&mut whole, new).expect("stored");
         let operations = whole.release().0.operations - flash.operations;
         assert!(operations > 0);
-        // before the operation, in its middle, just after it
+        // before the operation, in its middle, directly after it
         for (at, halves) in (1..=operations).flat_map(|at| [(at, 0), (at, 1), (at, 2)]) {
-            let mut unit = store(Flash { power: Some((at, halves)), ..flash.clone() });
-            let said = put(&mut unit, new);
+            let mut device = store(Flash { power: Some((at, halves)), ..flash.clone() });
+            let stored = put(&mut device, new);
             // the power is back
-            let mut unit = store(Flash { power: None, ..unit.release().0 });
-            let found = load(&mut unit);
+            let mut device = store(Flash { power: None, ..device.release().0 });
+            let found = load(&mut device);
             match found.as_deref() {
                 found if found == Some(new) => self.new += 1,
                 found if found == old => self.old += 1,
                 found => panic!("cut {halves}/2 through {at} of {operations}: {found:?}"),
             }
-            if said.is_ok() {
+            if stored.is_ok() {
                 assert_eq!(found.as_deref(), Some(new), "what was said to be stored is");
             }
-            // and it goes on
-            put(&mut unit, &model(999)).expect("stored after a cut");
-            assert_eq!(load(&mut unit), Some(model(999)));
+            // and later updates work
+            put(&mut device, &model(999)).expect("stored after a cut");
+            assert_eq!(load(&mut device), Some(model(999)));
         }
         self.updates += 1;
         self.longest = self.longest.max(operations);
@@ -120,59 +120,59 @@ impl Cuts {
 }
 
 #[test]
-fn a_cut_of_power_leaves_the_old_image_or_the_new() {
+fn power_loss_leaves_the_old_or_new_image() {
     let mut first = Cuts::default();
     first.cut_everywhere(&Flash::new(), None, &model(1));
     first.print("first store");
-    let mut unit = store(Flash::new());
+    let mut device = store(Flash::new());
     let mut cuts = Cuts::default();
-    // through several turns of all pages, so that erases are among the operations
+    // over several changes of all pages, so that erases are among the operations
     for number in 0..150 {
         let old = model(number);
-        put(&mut unit, &old).expect("stored");
-        let flash = unit.release().0;
+        put(&mut device, &old).expect("stored");
+        let flash = device.release().0;
         cuts.cut_everywhere(&flash, Some(&old), &model(number + 1));
-        unit = store(flash);
+        device = store(flash);
     }
     assert!(cuts.longest > 3, "a page was turned");
     cuts.print("150 updates");
 }
 
 #[test]
-fn a_worn_page_costs_no_image() {
-    let mut unit = store(Flash::new());
-    put(&mut unit, &model(1)).expect("stored");
-    let mut flash = unit.release().0;
-    // bits that stay cleared all over a page of the second slot
+fn worn_page_loses_no_image() {
+    let mut device = store(Flash::new());
+    put(&mut device, &model(1)).expect("stored");
+    let mut flash = device.release().0;
+    // bits that stay cleared throughout a page of the second slot
     flash.worn = (0..PAGE / 64).map(|place| (4 * PAGE + 64 * place + 13, 0x24)).collect();
     flash.wear();
-    let (mut kept, mut refused, mut newest) = (0, 0, model(1));
+    let (mut stored, mut refused, mut newest) = (0, 0, model(1));
     let mut cuts = Cuts::default();
     for number in 2..150 {
         cuts.cut_everywhere(&flash, Some(&newest), &model(number));
-        let mut unit = store(flash);
-        match put(&mut unit, &model(number)) {
-            Ok(()) => (kept, newest) = (kept + 1, model(number)),
-            Err(StoreError::NotKept) => refused += 1,
+        let mut device = store(flash);
+        match put(&mut device, &model(number)) {
+            Ok(()) => (stored, newest) = (stored + 1, model(number)),
+            Err(StoreError::VerifyFailed) => refused += 1,
             Err(error) => panic!("{error:?}"),
         }
-        assert_eq!(load(&mut unit), Some(newest.clone()), "update {number}");
-        flash = unit.release().0;
+        assert_eq!(load(&mut device), Some(newest.clone()), "update {number}");
+        flash = device.release().0;
     }
     cuts.print("148 updates with a worn page");
-    println!("a worn page: {kept} of 148 updates kept, {refused} refused, none lost");
-    assert!(kept > 0);
+    println!("a worn page: {stored} of 148 updates kept, {refused} refused, none lost");
+    assert!(stored > 0);
 }
 
 #[test]
-fn what_is_no_image_is_refused_and_changes_nothing() {
-    let mut unit = store(Flash::new());
-    put(&mut unit, &model(5)).expect("stored");
+fn rejects_invalid_images_without_a_change() {
+    let mut device = store(Flash::new());
+    put(&mut device, &model(5)).expect("stored");
     let mut broken = model(6);
     broken[20] ^= 1;
-    assert!(matches!(put(&mut unit, &broken), Err(StoreError::Image(_))));
-    assert!(matches!(put(&mut unit, b"no image"), Err(StoreError::Image(_))));
-    assert_eq!(load(&mut unit), Some(model(5)));
+    assert!(matches!(put(&mut device, &broken), Err(StoreError::Image(_))));
+    assert!(matches!(put(&mut device, b"no image"), Err(StoreError::Image(_))));
+    assert_eq!(load(&mut device), Some(model(5)));
     let mut small: ModelStore<_, 32> =
         ModelStore::new(Blocking(Flash::new()), 0..(4 * PAGE) as u32).unwrap_or_else(|_| panic!("a range"));
     assert!(matches!(poll_once(small.store(&model(1))), Some(Err(StoreError::TooLong(_)))));

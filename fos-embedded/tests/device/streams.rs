@@ -1,4 +1,4 @@
-//! Streams with stamps of their own as samples for the hub: which ticks are skipped, what is passed over, what is missing.
+//! Streams with separate timestamps as samples for the hub: skipped ticks, passed-over samples, missing values.
 
 use fos_core::align::Refused;
 use fos_embedded::raw::Faults;
@@ -9,7 +9,7 @@ const MS: i64 = 1_000_000;
 const PERIOD: i64 = 5 * MS;
 const PERIODS: Periods = Periods { gyro_ns: 5_000_000, accel_ns: 10_000_000, temperature_ns: 1_000_000_000 };
 
-/// What the gyros with these stamps come to, with accelerometers all along.
+/// Samples from gyros with these timestamps, with accelerometers throughout.
 fn steps(stamps: &[i64]) -> (Vec<StampedSample>, Streams<64>) {
     let mut streams = Streams::<64>::new(&PERIODS);
     let mut found = Vec::new();
@@ -31,8 +31,8 @@ fn stamps(samples: &[StampedSample]) -> Vec<i64> {
 }
 
 #[test]
-fn skipped_ticks_are_those_of_the_stamps() {
-    // 3 % slow and 3 % fast, jittered, after a gap, and as far as stamps go
+fn skipped_ticks_follow_from_timestamps() {
+    // nominal, 3 % slow, 3 % fast, jitter, gaps, and extreme timestamps
     for (stamps, expected) in [
         ([0, PERIOD, 2 * PERIOD, 3 * PERIOD], [0, 0, 0, 0]),
         ([7, 7 + 103 * PERIOD / 100, 7 + 206 * PERIOD / 100, 7 + 309 * PERIOD / 100], [0, 0, 0, 0]),
@@ -49,9 +49,9 @@ fn skipped_ticks_are_those_of_the_stamps() {
 }
 
 #[test]
-fn of_n_times_the_rate_every_nth_sample_remains() {
+fn keeps_every_nth_sample_at_n_times_the_rate() {
     for n in 1..=8 {
-        // jittered by up to 6 % of the faster period
+        // jitter of up to 6 % of the faster period
         let jitter = |k: i64| (k * 7919 % 13 - 6) * PERIOD / n / 100;
         let fast: Vec<i64> = (0..400 * n).map(|k| k * PERIOD / n + jitter(k)).collect();
         let (found, streams) = steps(&fast);
@@ -60,13 +60,13 @@ fn of_n_times_the_rate_every_nth_sample_remains() {
         assert!(skipped(&found).iter().all(|skipped| *skipped == 0));
         assert_eq!(streams.counts().passed_over, 400 * (n as u32 - 1));
     }
-    // in the middle of it another client wants it faster, and goes again
+    // another client requests a faster rate for a while
     let plain = (0..100).map(|k| k * PERIOD);
     let fast = (200..400).map(|k| k * PERIOD / 2);
     let all: Vec<i64> = plain.chain(fast).chain((200..300).map(|k| k * PERIOD)).collect();
     let (found, _) = steps(&all);
     assert_eq!(stamps(&found), (0..300).map(|k| k * PERIOD).collect::<Vec<_>>());
-    // without a period nobody knows
+    // without a period, nothing is passed over
     let mut streams = Streams::<64>::new(&Periods { gyro_ns: 0, ..PERIODS });
     for stamp in [0, 1, 1_000 * MS] {
         streams.push_gyro(stamp, [0.0; 3]).unwrap();
@@ -76,7 +76,7 @@ fn of_n_times_the_rate_every_nth_sample_remains() {
 }
 
 #[test]
-fn a_clock_that_was_set_back_is_a_reset_after_a_gap() {
+fn clock_set_back_is_a_reset_after_a_gap() {
     let before = (100..110).map(|k| k * PERIOD);
     let after = (0..20).map(|k| k * PERIOD + 3);
     let (found, streams) = steps(&before.chain(after).collect::<Vec<_>>());
@@ -90,7 +90,7 @@ fn a_clock_that_was_set_back_is_a_reset_after_a_gap() {
 }
 
 #[test]
-fn what_is_missing_is_no_number() {
+fn missing_values_are_nan() {
     let mut streams = Streams::<64>::new(&PERIODS);
     streams.push_temperature(0, 20.0).unwrap();
     for n in 0..800 {
@@ -116,7 +116,7 @@ fn what_is_missing_is_no_number() {
     assert_eq!(counts.temperature.missing, 198);
     assert_eq!(streams.push_accel(0, [0.0; 3]), Err(Refused::NotIncreasing));
     assert_eq!(streams.push_temperature(1, f32::NAN), Err(Refused::NotFinite));
-    // a slower thermometer is not late yet
+    // with a longer period the thermometer is not late yet
     streams.set_periods(&Periods { temperature_ns: 2_000_000_000, ..PERIODS });
     streams.push_gyro(800 * PERIOD, [0.1; 3]).unwrap();
     let last = std::iter::from_fn(|| streams.flush()).last().expect("a sample");
@@ -124,7 +124,7 @@ fn what_is_missing_is_no_number() {
 }
 
 #[test]
-fn accelerometers_that_died_delay_by_the_depth_alone() {
+fn dead_accelerometers_delay_by_at_most_the_depth() {
     let mut streams = Streams::<64>::new(&PERIODS);
     for n in 0..200_i64 {
         streams.push_gyro(n * PERIOD, [0.1; 3]).unwrap();
@@ -137,7 +137,7 @@ fn accelerometers_that_died_delay_by_the_depth_alone() {
 
 #[test]
 #[cfg(target_pointer_width = "64")]
-fn they_are_as_large_as_their_documentation_says() {
+fn has_the_documented_size() {
     assert_eq!(size_of::<Streams<64>>(), 3504);
 }
 
@@ -177,9 +177,9 @@ fn bits(found: &[StampedSample]) -> Vec<(i64, u32, [u32; 7], u16)> {
 }
 
 proptest! {
-    /// No stamps, values, periods or order make it panic, hang or give more than came.
+    /// No timestamps, values, periods or order cause a panic, a hang or additional samples.
     #[test]
-    fn takes_anything(
+    fn accepts_any_input(
         pushes in prop::collection::vec((0..3_u8, any_stamp(), any::<f32>(), 0..8_u8), 0..400),
         periods in prop::collection::vec(prop_oneof![Just(0), Just(u64::MAX), any::<u64>(), 1..20_000_000_u64], 6),
     ) {
@@ -201,17 +201,17 @@ proptest! {
         prop_assert_eq!(gyros, given + counts.passed_over as usize + counts.gyro.dropped as usize);
     }
 
-    /// Of a sensor on its grid, with samples lost and stamps jittered, ticks add up to the time that passed; and however the
-    /// streams come in between, the samples are the same bits.
+    /// For a regularly sampled sensor with lost samples and jitter, the ticks add up to the elapsed time. The samples have the
+    /// same bits for any order between the streams.
     #[test]
-    fn ticks_add_up_and_the_order_between_streams_does_not_matter(
-        kept in prop::collection::vec((any::<bool>(), -700_000..700_000_i64), 2..40),
+    fn ticks_add_up_for_any_order_of_the_streams(
+        samples in prop::collection::vec((any::<bool>(), -700_000..700_000_i64), 2..40),
         order in prop::collection::vec(1..3_u8, 200),
     ) {
-        let gyros: Vec<Push> = kept
+        let gyros: Vec<Push> = samples
             .iter()
             .enumerate()
-            .filter(|(_, (kept, _))| *kept)
+            .filter(|(_, (present, _))| *present)
             .map(|(k, (_, jitter))| Push { stream: 0, stamp: k as i64 * PERIOD + jitter, value: k as f32 })
             .collect();
         let accels: Vec<Push> = (0..25)

@@ -1,4 +1,4 @@
-//! Model images for tests, and a sensor to go with them.
+//! Model images for tests, and a matching sensor.
 #![allow(dead_code, reason = "no test uses all of it")]
 
 use fos_core::image::encode;
@@ -21,11 +21,11 @@ pub(crate) const SCALES: Scales = Scales {
     values: FittedOn::Raw,
 };
 
-/// True value at rest, level, and the spread of the measured values: m/s², rad/s.
+/// True value at rest, level; [`SPREAD`] is the scatter of the measured values: m/s², rad/s.
 pub(crate) const AT_REST: [f32; 6] = [0.0, 0.0, 9.81, 0.0, 0.0, 0.0];
 pub(crate) const SPREAD: [f32; 6] = [0.01, 0.01, 0.01, 0.002, 0.002, 0.002];
 
-/// The offset of every axis, in its unit.
+/// Offset of every axis, in its unit.
 pub(crate) const OFFSET: [f32; 6] = [0.02, -0.03, 0.05, 0.004, -0.006, 0.002];
 
 pub(crate) static STOCHASTIC: [Term<f32>; 3] =
@@ -69,7 +69,7 @@ const INPUT: Input<f32> = Input {
     range: Range::new(-2.0, 2.0),
 };
 
-/// Temperature through a lag, and supply.
+/// Low-passed temperature, and supply voltage.
 pub(crate) fn inputs() -> [Input<f32>; 2] {
     let supply = Input {
         source: Source::Quantity(1),
@@ -115,7 +115,7 @@ pub(crate) fn image(made: &Made<'_>) -> Vec<u8> {
     encode(&model, &info, &mut [0; 4096]).expect("it fits").to_vec()
 }
 
-/// Uniform in ±1, always the same (a linear congruential generator, Knuth's constants).
+/// Reproducible uniform numbers in ±1 (a linear congruential generator with Knuth's constants).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -124,7 +124,7 @@ impl Random {
         (self.0 >> 40) as f32 / 8_388_608.0 - 1.0
     }
 
-    /// A sample at rest, level, at 25 °C, with noise of `SPREAD` and `OFFSET` on it.
+    /// A sample at rest, level, at 25 °C, with the noise `SPREAD` and the bias `OFFSET`.
     pub(crate) fn at_rest(&mut self) -> RawSample {
         let mut codes = [0; 6];
         for (axis, code) in codes.iter_mut().enumerate() {
@@ -137,7 +137,7 @@ impl Random {
     }
 }
 
-/// An image of its own for every number, for a store: one axis, `provenance` bytes of provenance.
+/// A distinct image for every number, for a store: one axis, `provenance` bytes of provenance.
 pub(crate) fn numbered(number: u32, provenance: usize) -> Vec<u8> {
     let terms = [Term::try_new(0.5 + f64::from(number) * 1e-3, &[y(1)]).expect("a term").convert::<f32>()];
     let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &[], stochastic: &terms }];

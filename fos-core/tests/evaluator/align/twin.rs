@@ -1,15 +1,15 @@
-//! What a row must hold, computed of whole streams at once: a slow, obvious twin of `fos_core::align`.
+//! A slow, simple twin of `fos_core::align`, which computes rows from whole streams.
 #![allow(unreachable_pub)] // a module of a test
 
 use fos_core::Real;
 use fos_core::align::{HELD_PERIODS, Held, Interpolated};
 
-/// What a follower with these samples, in order, has at a stamp.
+/// Values of a follower with these ordered samples at a timestamp.
 pub fn follower<R: Real>(samples: &[(i64, [R; 3])], period: i64, stamp: i64) -> Interpolated<R> {
     let finite = |values: &[R; 3]| values.iter().all(|value| value.is_finite());
-    let sound: Vec<_> = samples.iter().filter(|(_, values)| finite(values)).collect();
-    let before = sound.iter().rfind(|(at, _)| *at <= stamp);
-    let after = sound.iter().find(|(at, _)| *at >= stamp);
+    let usable: Vec<_> = samples.iter().filter(|(_, values)| finite(values)).collect();
+    let before = usable.iter().rfind(|(at, _)| *at <= stamp);
+    let after = usable.iter().find(|(at, _)| *at >= stamp);
     let missing = Interpolated { values: [R::from_f64(f64::NAN); 3], weight: None };
     let (Some((t0, a)), Some((t1, b))) = (before, after) else { return missing };
     if t0 == t1 {
@@ -25,7 +25,7 @@ pub fn follower<R: Real>(samples: &[(i64, [R; 3])], period: i64, stamp: i64) -> 
     if finite(&values) { Interpolated { values, weight: Some(weight as u32) } } else { missing }
 }
 
-/// What a slow channel with these values, in order, has at a stamp.
+/// Value of a slow channel with these ordered values at a timestamp.
 pub fn slow<R: Real>(values: &[(i64, R)], period: i64, stamp: i64) -> Held<R> {
     let newest = values.iter().rfind(|(at, value)| *at <= stamp && value.is_finite());
     let held = newest.map(|(at, value)| (*value, i128::from(stamp) - i128::from(*at)));
@@ -35,13 +35,13 @@ pub fn slow<R: Real>(values: &[(i64, R)], period: i64, stamp: i64) -> Held<R> {
     }
 }
 
-/// Values as bits, every NaN alike.
+/// Bits of a value; every NaN gives the same.
 pub fn bits<R: Real>(value: R) -> u64 {
     let value = value.to_f64();
     if value.is_nan() { u64::MAX } else { value.to_bits() }
 }
 
-/// Whether two have the same bits.
+/// True if both have the same bits.
 pub fn same<R: Real>(a: &Interpolated<R>, b: &Interpolated<R>) -> bool {
     a.weight == b.weight && a.values.map(bits) == b.values.map(bits)
 }

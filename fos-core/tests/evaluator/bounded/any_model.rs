@@ -1,4 +1,4 @@
-//! Models drawn to break the bound, coasted for long over samples drawn to break it.
+//! Adversarial models, coasted for a long time over adversarial samples.
 //!
 //! |predicted| ≤ |offset| + scale·(Σ|c|·Π|u| or the limit of p + limit of the remainder), the inputs at the limits of their
 //! ranges.
@@ -13,14 +13,14 @@ use fos_core::{
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S, Roomy, plain};
 use fos_testkit::noise::Noise;
 
-/// What a run over many models came to.
+/// Results of a run over many models.
 #[derive(Default)]
 struct Findings {
     models: u32,
     samples: u64,
     refused: u32,
     worst: f64,
-    /// Models of which the same terms without limits leave the bound.
+    /// Models whose terms leave the bound without the limits.
     naive_beyond: u32,
 }
 
@@ -45,7 +45,7 @@ fn decade(noise: &mut Noise, low: f64, high: f64) -> f64 {
     10.0_f64.powf(low + (high - low) * noise.uniform())
 }
 
-/// Unstable mostly, and now and then anything that f32 holds.
+/// Mostly unstable coefficients, sometimes any number of f32.
 fn coefficient(noise: &mut Noise) -> f64 {
     let sign = pick(noise, &[-1.0, 1.0]);
     sign * match noise.bits() % 8 {
@@ -63,7 +63,7 @@ fn range(noise: &mut Noise, largest: f64) -> Range<f64> {
     Range::new(low, reach)
 }
 
-/// The index of a transform, so that all of them have their turn.
+/// A random input whose transform has the index `kind`, so that every transform is used.
 fn input(noise: &mut Noise, kind: usize, n_axes: u8) -> Input<f64> {
     let tau_s = decade(noise, -40.0, 30.0);
     let frequency_hz = decade(noise, -30.0, 9.0);
@@ -151,7 +151,7 @@ fn model(noise: &mut Noise, number: usize) -> OwnedModel<f32> {
     OwnedModel::<f64> { period_s: PERIOD_S, stillness: None, quantities, inputs, axes }.convert()
 }
 
-/// Of every axis, and the sum of its terms rounded in f32: so many additions and multiplications, half a unit each.
+/// Bound of every axis, with the rounding of its terms in f32: half a unit for each addition and multiplication.
 fn bounds(model: &OwnedModel<f32>) -> Vec<f64> {
     let limit = |range: &Range<f32>, margin: f64| {
         let (low, high) = (f64::from(range.low), f64::from(range.high));
@@ -179,7 +179,7 @@ fn bounds(model: &OwnedModel<f32>) -> Vec<f64> {
         .collect()
 }
 
-/// Anything that a sensor, a driver or a broken pointer could give.
+/// Any value that a sensor, a driver or a broken pointer could give.
 fn any(noise: &mut Noise) -> f32 {
     match noise.bits() % 8 {
         0 => f32::from_bits(noise.bits() as u32),
@@ -189,7 +189,7 @@ fn any(noise: &mut Noise) -> f32 {
     }
 }
 
-/// Coasts; the largest share of its bound that an axis reaches.
+/// Coasts, and returns the largest share of its bound that an axis reaches.
 fn coast(model: &OwnedModel<f32>, predictor: &mut Roomy<f32>, samples: u64, noise: &mut Noise) -> f64 {
     let bounds = bounds(model);
     let mut measured = [0.0; 6];
@@ -204,11 +204,11 @@ fn coast(model: &OwnedModel<f32>, predictor: &mut Roomy<f32>, samples: u64, nois
     let mut quantities = [25.0, 3.3, 50.0];
     let mut worst = 0.0;
     for n in 0..samples {
-        // a fresh draw is dearer than a step: most samples change one value
+        // a draw costs more than a step, so most samples change one value
         let value = any(noise);
         let place = n as usize % (measured.len() + quantities.len());
         match measured.get_mut(place) {
-            // what is not finite is a gap: now and then only, so that the recursion goes on
+            // non-finite values are gaps: only occasionally, so that the recursion continues
             Some(slot) => *slot = if value.is_finite() || n % 4096 < 64 { value } else { 0.0 },
             None => quantities[place - measured.len()] = value,
         }
@@ -225,9 +225,9 @@ fn coast(model: &OwnedModel<f32>, predictor: &mut Roomy<f32>, samples: u64, nois
     worst
 }
 
-/// The same stochastic terms fed back without a limit, the inputs anywhere in their ranges: whether an axis leaves
+/// Feeds the stochastic terms back without a limit, with inputs anywhere in their ranges. Returns true if an axis leaves
 /// its bound within 1000 samples.
-fn leaves_its_bound_without_the_limit(model: &OwnedModel<f32>, noise: &mut Noise) -> bool {
+fn leaves_the_bound_without_limits(model: &OwnedModel<f32>, noise: &mut Noise) -> bool {
     let bounds = bounds(model);
     model.axes.iter().zip(bounds).any(|(axis, bound)| {
         let mut history = [axis.parameters.range.high; 13];
@@ -248,7 +248,7 @@ fn leaves_its_bound_without_the_limit(model: &OwnedModel<f32>, noise: &mut Noise
             history.rotate_right(1);
             history[0] = sum;
             let predicted = f64::from(axis.parameters.offset + axis.parameters.scale * sum);
-            // not a number: beyond any bound
+            // NaN counts as beyond the bound
             predicted.is_nan() || predicted.abs() > bound
         })
     })
@@ -267,7 +267,7 @@ fn coast_many(models: u32, samples: u64) -> Findings {
                 findings.refused += 1;
                 continue;
             }
-            // a number that f32 does not hold, or its reciprocal: refused, but not for this reason
+            // rejected for another reason: f32 cannot hold a number or its reciprocal
             Err(
                 ModelError::InputParameter { .. }
                 | ModelError::AxisParameter { .. }
@@ -277,7 +277,7 @@ fn coast_many(models: u32, samples: u64) -> Findings {
         };
         coasted += 1;
         findings.worst = coast(&model, &mut predictor, samples, &mut noise).max(findings.worst);
-        findings.naive_beyond += u32::from(leaves_its_bound_without_the_limit(&model, &mut noise));
+        findings.naive_beyond += u32::from(leaves_the_bound_without_limits(&model, &mut noise));
     }
     println!("any model: {findings}");
     findings
@@ -290,12 +290,12 @@ fn check(findings: &Findings) {
 }
 
 #[test]
-fn models_drawn_to_break_it_keep_their_bound_for_a_million_samples() {
+fn adversarial_models_stay_bounded_for_a_million_samples() {
     check(&coast_many(6, 1_000_000));
 }
 
 #[test]
 #[ignore = "minutes in release: .ci/trust bounded runs it"]
-fn models_drawn_to_break_it_keep_their_bound_for_ten_million_samples() {
+fn adversarial_models_stay_bounded_for_ten_million_samples() {
     check(&coast_many(40, 10_000_000));
 }

@@ -1,34 +1,34 @@
-//! How far fixed point may be from f64: docs/MATHS.md, "In fixed point".
+//! Bound on the difference between fixed point and f64: docs/MATHS.md, "In fixed point".
 
 use fos_core::{Channel, Input, Source, Term, Transform};
 use fos_testkit::models::{OwnedAxis, OwnedModel, PERIOD_S};
 
-/// From one value to the next.
+/// Step of the values.
 pub(crate) const STEP: f64 = 1.0 / 8_388_608.0;
-/// What rounding once leaves.
+/// Error of one rounding.
 const ROUNDED: f64 = STEP / 2.0;
-/// Of a gain, relative: 31 bits.
+/// Relative error of a gain with 31 bits.
 const GAIN: f64 = 1.0 / 2_147_483_648.0;
 
-/// Of an axis, in its unit.
+/// Bounds of an axis, in its unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bound {
-    /// Of what is subtracted.
+    /// Bound of the predicted error.
     pub(crate) predicted: f64,
-    /// Of what is left, where the history is measured.
+    /// Bound of the innovation, with a measured history.
     pub(crate) innovation: f64,
 }
 
-/// An error and the magnitude it is of.
+/// Error and magnitude of a value.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     error: f64,
     magnitude: f64,
 }
 
-/// Of every axis, tracked and coasted over so many samples; the stochastic part is linear, or the axis is tracked only.
+/// Bounds of every axis over `samples` tracked or coasted samples; a nonlinear stochastic part may only be tracked.
 pub(crate) fn bounds(model: &OwnedModel<f64>, samples: u32) -> Vec<Bound> {
-    // an input of a remainder has the remainder's error, which has that of inputs that are logged
+    // an input over a remainder has the error of the remainder, which has that of the logged inputs
     let logged: Vec<Part> = model.inputs.iter().map(|input| of_input(input, 0.0, samples)).collect();
     let remainders: Vec<f64> = model.axes.iter().map(|axis| remainder(axis, &logged).1).collect();
     let inputs: Vec<Part> = model
@@ -42,7 +42,7 @@ pub(crate) fn bounds(model: &OwnedModel<f64>, samples: u32) -> Vec<Bound> {
     model.axes.iter().map(|axis| of_axis(axis, &inputs)).collect()
 }
 
-/// Of p, and of r = y − p.
+/// Error of p, and of r = y − p.
 fn remainder(axis: &OwnedAxis<f64>, inputs: &[Part]) -> (f64, f64) {
     let p = axis.physical.iter().map(|term| of_term(term, inputs, Part::NONE)).sum::<f64>() + 2.0 * ROUNDED;
     let parameters = &axis.parameters;
@@ -60,7 +60,7 @@ fn of_axis(axis: &OwnedAxis<f64>, inputs: &[Part]) -> Bound {
     let output = Part { error: remainder + ROUNDED, magnitude };
     let once: f64 =
         axis.stochastic.iter().map(|term| of_term(term, inputs, output)).sum::<f64>() + 2.0 * ROUNDED;
-    // what a coast feeds back comes out again as the impulse response has it
+    // while coasting, errors are fed back: amplified by the sum of the impulse response
     let predicted = once * response(&axis.stochastic);
     let all = parameters.scale * (p + predicted + 2.0 * ROUNDED);
     let slack = ROUNDED + parameters.scale * GAIN * 256.0;
@@ -95,7 +95,8 @@ impl Part {
     const NONE: Self = Self { error: 0.0, magnitude: 0.0 };
 }
 
-/// |c|·Σ δ_i Π m_k of the others, the coefficient's own rounding, and that of a partial product, times the factors after it.
+/// Error of a term: |c|·Σ δ_i Π m_k over the other factors, the rounding of the coefficient, and that of partial products
+/// times the following factors.
 fn of_term(term: &Term<f64>, inputs: &[Part], output: Part) -> f64 {
     let factors: Vec<Part> = term
         .factors()
@@ -123,11 +124,11 @@ fn of_term(term: &Term<f64>, inputs: &[Part], output: Part) -> f64 {
     moved + coefficient + partial
 }
 
-/// Of u.
+/// Error and magnitude of u.
 fn of_input(input: &Input<f64>, of_source: f64, samples: u32) -> Part {
     let x = input.source_range;
     let reach = 1.1 * x.low.abs().max(x.high.abs()) + 0.1;
-    // centre and product, the limits too
+    // rounding of centre, product and limits
     let x = (of_source + ROUNDED) / input.scale + 2.0 * ROUNDED + GAIN * 256.0;
     let slow = |error: f64| error + ROUNDED + 2.0 * GAIN * reach;
     let error = match input.transform {

@@ -1,4 +1,4 @@
-//! A small image, byte by byte, as docs/MODEL_FORMAT.md describes it: written without the encoder it checks.
+//! A small image, byte by byte, as docs/MODEL_FORMAT.md describes it; written without the encoder that it checks.
 #![allow(unreachable_pub)] // a module of a test
 
 use fos_core::{
@@ -9,7 +9,7 @@ use fos_core::{
 use fos_core::Info;
 use fos_testkit::models::{OwnedAxis, OwnedModel};
 
-/// What some bytes mean.
+/// Bytes with their meaning.
 #[derive(Debug, Clone)]
 pub struct Field {
     pub meaning: &'static str,
@@ -23,7 +23,7 @@ pub const INFO: Info<'_> = Info {
     provenance: "written by hand",
 };
 
-/// The model that the bytes below are.
+/// The model encoded by the bytes below.
 pub fn model() -> OwnedModel<f32> {
     OwnedModel {
         period_s: 0.005,
@@ -176,7 +176,7 @@ pub fn bytes(fields: &[Field]) -> Vec<u8> {
     fields.iter().flat_map(|field| field.bytes.clone()).collect()
 }
 
-/// The header, its checksum right, for a body and an information block.
+/// Header with a correct checksum for a body and an information block.
 pub fn header(body: &[u8], information: &[u8]) -> Vec<Field> {
     let mut fields = vec![
         field("magic: FOSM", b"FOSM"),
@@ -194,7 +194,7 @@ pub fn assemble(body: &[u8], information: &[u8]) -> Vec<u8> {
     [&bytes(&header(body, information)), body, information].concat()
 }
 
-/// The checksum made right again after a change.
+/// Corrects the checksum after a change.
 pub fn sealed(mut image: Vec<u8>) -> Vec<u8> {
     let checksum = crc_32(&[&image[..16], &image[20..]].concat());
     image[16..20].copy_from_slice(&checksum.to_le_bytes());
@@ -221,7 +221,7 @@ pub fn dump() -> String {
     for (title, fields) in [("header", header), ("body", body), ("information", information)] {
         text += &format!("; {title}\n");
         for Field { meaning, bytes } in fields {
-            // at most eight bytes a line
+            // at most eight bytes per line
             for (line, chunk) in bytes.chunks(8).enumerate() {
                 let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();
                 let meaning = if line == 0 { meaning } else { "  …" };

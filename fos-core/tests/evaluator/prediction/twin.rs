@@ -1,4 +1,4 @@
-//! The evaluator as its documentation words it, with everything ever seen kept in plain vectors.
+//! The evaluator as documented, with the complete history in plain vectors.
 #![allow(unreachable_pub)] // a module of a test
 
 #[path = "../../../src/exponential.rs"]
@@ -24,7 +24,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Measured values are drawn around 0: reference and offset of the axis are added.
+    /// Adds reference and offset of the axes to measured values drawn around 0 in scaled units.
     fn lifted(measured: &[f64], model: &OwnedModel<f64>) -> Vec<f64> {
         let lift = |(value, axis): (&f64, &OwnedAxis<f64>)| {
             value * axis.parameters.scale + axis.parameters.reference + axis.parameters.offset
@@ -58,7 +58,7 @@ impl Event {
     }
 }
 
-/// What happens to a predictor: mostly samples at rest without a fault.
+/// Random events for a predictor: mostly samples at rest without a fault.
 pub fn events() -> impl Strategy<Value = Vec<Event>> {
     let values = prop::collection::vec(-1.5..1.5, 6);
     let reading =
@@ -69,7 +69,7 @@ pub fn events() -> impl Strategy<Value = Vec<Event>> {
     let one = prop_oneof![
         12 => (measured.clone(), quantities.clone())
             .prop_map(|(measured, quantities)| Event::Track { measured, quantities }),
-        // no fault: otherwise a history is hardly ever full
+        // without faults, because otherwise the history would hardly ever be full
         40 => (values.clone(), prop::collection::vec(-2.5..2.5, 3))
             .prop_map(|(measured, quantities)| Event::Track { measured, quantities }),
         6 => (values.clone(), quantities.clone(), prop::collection::vec(prop_oneof![9 => -1.0..1.0, 1 => Just(f64::NAN)], 0..=6)).prop_map(
@@ -83,13 +83,13 @@ pub fn events() -> impl Strategy<Value = Vec<Event>> {
     prop::collection::vec(one, 0..250)
 }
 
-/// Runs the predictor and its twin over the events; a `tolerance` of 0 asks for equal bits. The error says where they
-/// differ.
+/// Runs the predictor and its twin over the events; a `tolerance` of 0 requires equal bits. The error describes the first
+/// difference.
 pub fn compare(model: &OwnedModel<f64>, events: &[Event], tolerance: f64) -> Result<(), String> {
     compare_with(Twin::new(model), model, events, tolerance)
 }
 
-/// As [`compare`], with a twin that need not be of the same model.
+/// Same as [`compare`], with a twin that may have another model.
 pub fn compare_with(
     mut twin: Twin,
     model: &OwnedModel<f64>,
@@ -122,21 +122,21 @@ enum Reading {
     Missing,
 }
 
-/// What entered the history in a tick.
+/// Kind of the history entry of a tick.
 #[derive(Clone, Copy, PartialEq)]
-enum Kept {
+enum Entry {
     Measured,
     Own,
-    /// Nothing: the axis had no full history.
+    /// No entry: the history of the axis was not full.
     Nothing,
-    /// Nothing, and what was before does not count any more.
+    /// No entry, and earlier entries no longer count.
     Restart,
 }
 
 #[derive(Default)]
 struct TwinAxis {
     r: Vec<f64>,
-    kept: Vec<Kept>,
+    entries: Vec<Entry>,
     measured: Vec<f64>,
     missing: u32,
     coasted: u32,
@@ -146,12 +146,12 @@ struct TwinAxis {
 
 #[derive(Default)]
 struct TwinInput {
-    /// The last x; none before the first.
+    /// Last x; `None` before the first.
     x: Option<f64>,
-    /// Low-pass or play, and variance.
+    /// State of the low-pass or play; `variance` is that of the variance.
     s: Option<f64>,
     variance: Option<f64>,
-    /// What it gave, limited.
+    /// Values of u so far, limited.
     u: Vec<f64>,
 }
 
@@ -165,7 +165,7 @@ fn widened(low: f64, high: f64, share: f64) -> (f64, f64) {
     (low - share * (high - low), high + share * (high - low))
 }
 
-/// u(n) by definition; what has a memory starts at the first x, of a remainder at 0.
+/// u(n) by definition; a transform with a memory starts at the first x, one of a remainder at 0.
 fn transformed(parameters: &Input<f64>, state: &mut TwinInput, n: usize, x: Option<f64>) -> f64 {
     let t = n as f64 * PERIOD_S;
     let low_pass = |s: &mut Option<f64>, x: Option<f64>, tau_s: f64| {
@@ -187,7 +187,7 @@ fn transformed(parameters: &Input<f64>, state: &mut TwinInput, n: usize, x: Opti
         }
         Transform::Backlash { half_width } => {
             let r = half_width / parameters.scale;
-            // from either end of the play, as far as it must
+            // moved by either end of the play
             state.s = x.map(|x| state.s.map_or(x, |play| play.max(x - r).min(x + r)));
             state.s.map_or(0.0, |play| play - now)
         }
@@ -219,7 +219,7 @@ impl Twin {
                 Some(&measured) => {
                     let fitted = model.axes[index].parameters.reference;
                     let reference = *reference.get(index).unwrap_or(&fitted);
-                    // a true value that is not a number is not known
+                    // a true value that is not finite is unknown
                     if reference.is_finite() {
                         Reading::Still(measured, reference)
                     } else {
@@ -245,8 +245,8 @@ impl Twin {
                 self.step(&readings, quantities)
             }
             Event::Skip(ticks) => {
-                if *ticks > self.reach() + 1 {
-                    // longer than any axis coasts or remembers: all is lost from the start
+                if *ticks > self.settling_ticks() + 1 {
+                    // longer than every gap limit and lag: all axes restart at once
                     for (axis, parts) in self.axes.iter_mut().zip(&self.model.axes) {
                         axis.restart(&parts.parameters);
                     }
@@ -265,8 +265,8 @@ impl Twin {
         }
     }
 
-    /// Ticks that any axis coasts over when samples are missing, or remembers.
-    fn reach(&self) -> u32 {
+    /// Longest gap limit or lag of any axis, ticks.
+    fn settling_ticks(&self) -> u32 {
         let lag = |terms: &[Term<f64>]| {
             terms.iter().flat_map(Term::factors).map(|factor| u32::from(factor.lag)).max().unwrap_or(0)
         };
@@ -304,7 +304,8 @@ impl Twin {
             Source::Quantity(index) => quantities.get(usize::from(index)).copied().filter(|x| x.is_finite()),
             Source::Remainder(axis) => {
                 let axis = &self.axes[usize::from(axis)];
-                matches!(axis.kept.last(), Some(Kept::Measured | Kept::Own)).then(|| *axis.r.last().unwrap())
+                matches!(axis.entries.last(), Some(Entry::Measured | Entry::Own))
+                    .then(|| *axis.r.last().unwrap())
             }
         };
         let x = match logged {
@@ -321,7 +322,7 @@ impl Twin {
                     validity |= Validity::INPUT_NOT_FINITE;
                 }
                 match parameters.source {
-                    // nothing is known of it: its mean
+                    // an unknown remainder is replaced by its mean
                     Source::Remainder(_) => Some(0.0),
                     _ => state.x,
                 }
@@ -341,8 +342,8 @@ impl Twin {
 impl TwinAxis {
     fn restart(&mut self, parameters: &AxisParameters<f64>) {
         self.missing = u32::from(parameters.gap_limit_samples);
-        if let Some(last) = self.kept.last_mut() {
-            *last = Kept::Restart;
+        if let Some(last) = self.entries.last_mut() {
+            *last = Entry::Restart;
         }
     }
 
@@ -369,9 +370,9 @@ impl TwinAxis {
         let depth = lags.map(|factor| usize::from(factor.lag)).max().unwrap_or(0);
         let (low, high) = widened(parameters.range.low, parameters.range.high, 0.5);
 
-        let since_restart = self.kept.rsplit(|kept| *kept == Kept::Restart).next().unwrap_or(&[]);
-        let ready = since_restart.split(|kept| *kept != Kept::Measured).any(|run| run.len() >= depth);
-        let measured_run = since_restart.iter().rev().take_while(|kept| **kept == Kept::Measured).count();
+        let since_restart = self.entries.rsplit(|entry| *entry == Entry::Restart).next().unwrap_or(&[]);
+        let ready = since_restart.split(|entry| *entry != Entry::Measured).any(|run| run.len() >= depth);
+        let measured_run = since_restart.iter().rev().take_while(|entry| **entry == Entry::Measured).count();
         let own_history = ready && measured_run < depth;
 
         let mut validity = Validity::VALID;
@@ -423,14 +424,14 @@ impl TwinAxis {
                 validity |= Validity::OUTPUT_OUT_OF_RANGE;
             }
             self.r.push(r.clamp(low, high));
-            self.kept.push(Kept::Measured);
+            self.entries.push(Entry::Measured);
             (self.missing, self.coasted, self.gain) = (0, 0, 1.0);
             let predicted = parameters.offset + parameters.scale * (p + r_hat);
             self.corrected = measured - predicted;
             return Correction { predicted, innovation, corrected: self.corrected, validity };
         }
 
-        // it moves, or there is nothing to use
+        // in motion, or without a usable sample
         let unusable = match reading {
             Reading::Still(..) | Reading::Missing => true,
             Reading::Moving(_) => fault.intersects(Validity::NOT_FINITE),
@@ -444,7 +445,7 @@ impl TwinAxis {
         self.coasted += 1;
         if f64::from(self.coasted) > limit {
             validity |= Validity::COASTING_TOO_LONG;
-            // the crate's own, held against libm's in its unit tests: the last bits differ
+            // the function of the crate, compared with libm in its unit tests: the last bits differ
             self.gain *= 1.0 + exp_m1(-PERIOD_S / parameters.coast_limit_s);
             if self.gain < 1e-6 {
                 self.gain = 0.0;
@@ -455,10 +456,10 @@ impl TwinAxis {
             validity |= Validity::OWN_HISTORY;
         }
         self.r.push(if goes_on { r_hat } else { 0.0 });
-        self.kept.push(match (goes_on, restarted) {
-            (true, _) => Kept::Own,
-            (false, false) => Kept::Nothing,
-            (false, true) => Kept::Restart,
+        self.entries.push(match (goes_on, restarted) {
+            (true, _) => Entry::Own,
+            (false, false) => Entry::Nothing,
+            (false, true) => Entry::Restart,
         });
         let predicted = parameters.offset + parameters.scale * (p + r_hat * self.gain);
         if let Reading::Still(measured, _) | Reading::Moving(measured) = *reading

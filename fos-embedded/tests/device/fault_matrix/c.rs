@@ -1,4 +1,4 @@
-//! The C interface says of every fault what the hub says, bit for bit: its column of the table is the hub's.
+//! The C interface gives the output of the hub bit for bit under every fault, so both share a column of the table.
 
 use core::mem::MaybeUninit;
 use core::ptr::null_mut;
@@ -13,7 +13,7 @@ use super::{FROM, SEED, TICKS};
 use crate::models::{SCALES, TestHub};
 
 #[test]
-fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
+fn output_in_c_equals_the_hub_under_every_fault() {
     let clean = clean(TICKS, SEED);
     let (image, mut samples) = (image(), 0);
     for fault in &FAULTS {
@@ -27,7 +27,7 @@ fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
         };
         let mut memory = vec![0_u64; FOS_HUB_BYTES / 8];
         let mut in_c = null_mut();
-        // SAFETY: memory and image are as long as said
+        // SAFETY: memory and image have the stated lengths
         unsafe {
             let status = fos_hub_init(memory.as_mut_ptr().cast(), FOS_HUB_BYTES, &scales, &mut in_c);
             assert_eq!(status, fos_status::Ok);
@@ -54,7 +54,7 @@ fn an_output_in_c_is_that_of_the_hub_through_every_fault() {
             let mut output = MaybeUninit::<fos_output>::uninit();
             hub.give(fos_core::Quantity::Supply, supply);
             let expected = *hub.update(&raw);
-            // SAFETY: a hub, and places of the types said
+            // SAFETY: a hub, and places of the right types
             let output = unsafe {
                 assert_eq!(fos_hub_give(in_c, FOS_QUANTITY_SUPPLY_V, supply), fos_status::Ok);
                 assert_eq!(fos_hub_update(in_c, &sample, output.as_mut_ptr()), fos_status::Ok);

@@ -1,4 +1,4 @@
-//! Whoever corrects, as the matrix sees it: one tick in, what is taken off and what is said of it out.
+//! Correctors in the view of the matrix: one tick in, predicted errors and flags out.
 
 use fos_core::{Monitor, Predictor, Quantity, Sample, Validity};
 use fos_embedded::hub::AXES;
@@ -10,31 +10,31 @@ use crate::models::{AT_REST, OFFSET, SCALES, SIX, SPREAD, TestHub, parameters};
 
 pub(crate) type Roomy = Predictor<f32, AXES, 8, 64, 128>;
 
-/// What comes out at one tick.
+/// Output at one tick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Out {
-    /// What is taken off each axis.
+    /// Predicted error of each axis.
     pub(crate) predicted: [f32; AXES],
-    /// Where it is known.
+    /// Innovation of each axis, if known.
     pub(crate) innovation: [Option<f32>; AXES],
-    /// As the hub says them.
+    /// Stillness, and below temperature, as reported by the hub.
     pub(crate) still: bool,
     pub(crate) temperature_c: Option<f32>,
-    /// The monitors' running means, in standard deviations of the fit.
+    /// Running means of the monitors, in standard deviations of the fit.
     pub(crate) means: [f32; AXES],
     /// All other numbers are finite.
     pub(crate) finite: bool,
     pub(crate) validity: [Validity; AXES],
     pub(crate) faults: Faults,
     pub(crate) drift: bool,
-    /// It did not count for the monitor.
-    pub(crate) left_out: bool,
-    /// What was said of the samples that were missing before it.
+    /// The monitor did not count the sample.
+    pub(crate) excluded: bool,
+    /// Validity of the missing samples before this one.
     pub(crate) of_gap: [Validity; AXES],
 }
 
 impl Out {
-    /// Nothing taken off, nothing said.
+    /// No prediction, no flags.
     const NOTHING: Self = Self {
         predicted: [0.0; AXES],
         innovation: [None; AXES],
@@ -45,7 +45,7 @@ impl Out {
         validity: [Validity::VALID; AXES],
         faults: Faults::empty(),
         drift: false,
-        left_out: false,
+        excluded: false,
         of_gap: [Validity::VALID; AXES],
     };
 }
@@ -53,14 +53,14 @@ impl Out {
 pub(crate) trait Corrector {
     fn step(&mut self, tick: &Tick) -> Out;
 
-    /// Forgets an alarm.
+    /// Clears an alarm.
     fn restart(&mut self) {}
 }
 
-/// The predictor, and the monitors behind it.
+/// The predictor, with monitors if present.
 pub(crate) struct Predicting {
     pub(crate) predictor: Roomy,
-    /// The measured values that it gets.
+    /// Selects its measured values.
     pub(crate) reads: fn(&Tick) -> [f32; AXES],
     pub(crate) monitors: Option<[Monitor<f32>; AXES]>,
 }
@@ -96,10 +96,10 @@ impl Corrector for Predicting {
             let fitted = parameters(SIX[axis]).innovation;
             out.means[axis] = (statistics.mean - fitted.mean) / fitted.variance.sqrt();
             out.drift |= drift.mean || drift.variance;
-            out.left_out |= monitor.samples() == before;
+            out.excluded |= monitor.samples() == before;
         }
         if self.monitors.is_some() {
-            // the monitor's own word alone
+            // only the output of the monitor
             (out.predicted, out.innovation) = ([0.0; AXES], [None; AXES]);
             (out.validity, out.of_gap) = ([Validity::VALID; AXES], [Validity::VALID; AXES]);
         }
@@ -111,17 +111,17 @@ impl Corrector for Predicting {
     }
 }
 
-/// Axes at rest on which nothing happens.
+/// Undisturbed axes at rest.
 pub(crate) fn quiet(tick: &Tick) -> [f32; AXES] {
     core::array::from_fn(|axis| AT_REST[axis] + OFFSET[axis] + (tick.index % 3) as f32 * SPREAD[axis])
 }
 
-/// Codes, as a sensor gives them.
+/// Codes of a sensor.
 pub(crate) fn raw(tick: &Tick) -> RawSample {
     let mut codes = [0; AXES];
     for (axis, code) in codes.iter_mut().enumerate() {
         let lsb = if axis < 3 { SCALES.accel_mps2 } else { SCALES.gyro_rads };
-        // no code is NaN: what is not finite comes by another way
+        // codes cannot be NaN, so non-finite values are replaced
         let value = if tick.axes[axis].is_finite() { tick.axes[axis] } else { quiet(tick)[axis] };
         *code = (value / lsb).round() as i16;
     }
@@ -132,12 +132,12 @@ pub(crate) fn raw(tick: &Tick) -> RawSample {
         accel: [ax, ay, az],
         gyro: [gx, gy, gz],
         temperature: temperature.is_finite().then_some(temperature.round() as i16),
-        // what is flagged, the hub has found itself
+        // every flag must come from the hub itself
         faults: Faults::empty(),
     }
 }
 
-/// The clock is looked at after so many samples.
+/// Samples between readings of the clock.
 pub(crate) const POLL: usize = 10;
 
 impl Corrector for TestHub {
@@ -162,7 +162,7 @@ impl Corrector for TestHub {
             validity: output.validity(),
             faults: output.faults,
             drift: output.drift,
-            left_out: false,
+            excluded: false,
             of_gap: [Validity::VALID; AXES],
         }
     }
@@ -172,13 +172,12 @@ impl Corrector for TestHub {
     }
 }
 
-/// A bias by an exponential average of the error, as it is written in an afternoon: it has no flags, and forgets
-/// nothing.
+/// A naive bias estimate by an exponential average of the error, without flags or recovery.
 pub(crate) struct Naive {
     pub(crate) bias: [f32; AXES],
     pub(crate) gain: f32,
-    /// An error counts for at most so much; a check that the plain average does not have.
-    pub(crate) at_most: Option<f32>,
+    /// Limit of the error; the plain average has none.
+    pub(crate) clamp_at: Option<f32>,
 }
 
 impl Corrector for Naive {
@@ -186,7 +185,7 @@ impl Corrector for Naive {
         for (axis, bias) in self.bias.iter_mut().enumerate() {
             let error = tick.axes[axis] - AT_REST[axis] - *bias;
             *bias += self.gain
-                * match self.at_most {
+                * match self.clamp_at {
                     None => error,
                     Some(_) if error.is_nan() => 0.0,
                     Some(limit) => error.clamp(-limit, limit),

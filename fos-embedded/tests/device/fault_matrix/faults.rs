@@ -1,4 +1,4 @@
-//! A stretch of samples at rest, and everything that can happen to it.
+//! A log at rest, and the faults that can occur in it.
 
 use std::ops::Range;
 
@@ -6,32 +6,32 @@ use fos_embedded::raw::RawSample;
 
 use crate::models::{AT_REST, OFFSET, Random, SCALES, SPREAD};
 
-/// One instant, as it reaches whoever corrects it.
+/// One instant, as it reaches a corrector.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tick {
-    /// Which instant of the clean stretch it is compared with.
+    /// Index of the instant in the clean log that it is compared with.
     pub(crate) index: usize,
     pub(crate) axes: [f32; 6],
-    /// °C.
+    /// Temperature, °C.
     pub(crate) temperature: f32,
-    /// V, as the application measures it.
+    /// Supply voltage measured by the application, V.
     pub(crate) supply: f32,
     /// Ticks without a sample before this one.
     pub(crate) skipped: u32,
-    /// Whoever corrects it is set back to power-on before it.
+    /// The corrector is reset to power-on before this tick.
     pub(crate) reset: bool,
     pub(crate) clock_us: u64,
-    /// The unit moves.
+    /// The device moves.
     pub(crate) moving: bool,
 }
 
-/// The temperature swings by ±3 K around 25 °C once in so many ticks: wider than the play of the backlash.
+/// Period of the temperature, which varies by ±3 K around 25 °C, in ticks; more than the play of the backlash.
 pub(crate) const SWING: usize = 400;
 
-/// V.
+/// Supply voltage, V.
 const SUPPLY: f32 = 3.3;
 
-/// A clean stretch: six axes at rest with the noise of their model, a temperature that goes up and down.
+/// A clean log: six axes at rest with the noise of their model, and a periodic temperature.
 pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
     let mut random = Random(seed);
     let mut noise = move || random.next() + random.next() + random.next();
@@ -55,7 +55,7 @@ pub(crate) fn clean(ticks: usize, seed: u64) -> Vec<Tick> {
         .collect()
 }
 
-/// What happens, for how many ticks, and how.
+/// A fault: its name, duration in ticks, target and effect.
 pub(crate) struct Fault {
     pub(crate) name: &'static str,
     pub(crate) lasts: usize,
@@ -63,24 +63,24 @@ pub(crate) struct Fault {
     happens: fn(&mut Vec<Tick>, Range<usize>),
 }
 
-/// What a fault is a fault of.
+/// Target of a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum On {
     /// Every measured value.
     Values,
     /// The measured axes.
     Axes,
-    /// Measured axes, and nothing that a code cannot hold.
+    /// Every measured value, with values that a code cannot represent.
     NotInCodes,
     Temperature,
-    /// Samples that are not there.
+    /// Missing samples.
     Gap,
-    /// The application's clock against the sensor's.
+    /// The application's clock relative to that of the sensor.
     Clock,
     Reset,
 }
 
-/// Which measured values a fault of them strikes.
+/// Measured values affected by a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Strikes {
     Axes,
@@ -90,7 +90,7 @@ pub(crate) enum Strikes {
 }
 
 impl Fault {
-    /// A fault of values strikes axes and quantities each alone, where one cannot hide the other, and all at once.
+    /// A fault of values affects axes and quantities separately, so that neither hides the other, and all at once.
     pub(crate) fn strikes(&self) -> &'static [Strikes] {
         match self.on {
             On::Values | On::NotInCodes => &[Strikes::Axes, Strikes::Quantities, Strikes::All],
@@ -98,7 +98,7 @@ impl Fault {
         }
     }
 
-    /// The stretch with the fault in it, from tick `from` on.
+    /// The log with the fault, from tick `from` on.
     pub(crate) fn into(&self, clean: &[Tick], from: usize, strikes: Strikes) -> Vec<Tick> {
         let mut ticks = clean.to_vec();
         (self.happens)(&mut ticks, from..from + self.lasts);
@@ -114,15 +114,14 @@ impl Fault {
     }
 }
 
-/// Every measured value is `value`.
+/// Sets every measured value to `value`.
 fn all(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     for tick in &mut ticks[range] {
         (tick.axes, tick.temperature, tick.supply) = ([value; 6], value, value);
     }
 }
 
-/// The axes are so many standard deviations off, and the temperature so many K; as a function of the ticks since it
-/// began.
+/// Adds standard deviations to the axes and K to the temperature, as a function of the ticks since the start.
 fn off(ticks: &mut [Tick], range: Range<usize>, by: impl Fn(usize) -> (f32, f32)) {
     for (since, tick) in ticks[range].iter_mut().enumerate() {
         let (deviations, kelvin) = by(since);
@@ -139,7 +138,7 @@ fn temperature(ticks: &mut [Tick], range: Range<usize>, value: f32) {
     }
 }
 
-/// The application's clock takes so many µs more for every tick of the range.
+/// Adds `more_us` to the application's clock for every tick of the range.
 fn rate_off(ticks: &mut [Tick], range: Range<usize>, more_us: i64) {
     let long = range.len() as i64;
     for (since, tick) in (0..).zip(&mut ticks[range.start..]) {
@@ -152,15 +151,14 @@ fn missing(ticks: &mut Vec<Tick>, range: Range<usize>) {
     ticks.drain(range);
 }
 
-/// Standard deviations that a step is high, and a drift ends at: within what was seen while fitting, so that no
-/// single sample shows it.
+/// Height of a step and end of a drift, in standard deviations: within the fitted range, so that no single sample shows it.
 const SMALL: f32 = 2.0;
 
-/// Ticks that a fault lasts that only time shows: three turns of the hub's watch over its six axes.
+/// Duration of slow faults, ticks: three rounds of the hub's monitoring of its six axes.
 const LONG: usize = 3600;
 
-/// Turns the unit about x by so many rad, as a function of the ticks since it began, and its gyro shows it.
-fn turned(ticks: &mut [Tick], range: Range<usize>, angle: impl Fn(usize) -> f32) {
+/// Rotates the device about x by an angle in rad, as a function of the ticks since the start; the gyro measures it.
+fn rotate(ticks: &mut [Tick], range: Range<usize>, angle: impl Fn(usize) -> f32) {
     for (since, tick) in ticks[range].iter_mut().enumerate() {
         let (sine, cosine) = angle(since).sin_cos();
         let [_, y, z, ..] = tick.axes;
@@ -169,7 +167,7 @@ fn turned(ticks: &mut [Tick], range: Range<usize>, angle: impl Fn(usize) -> f32)
     }
 }
 
-/// Ticks that a hand takes to turn a unit.
+/// Duration of a rotation by hand, ticks.
 const HAND: usize = 200;
 
 pub(crate) const FAULTS: [Fault; 33] = [
@@ -212,7 +210,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
         happens: |ticks, range| {
             let raw = RawSample { accel: [i16::MAX; 3], gyro: [i16::MIN; 3], ..RawSample::default() };
             for tick in &mut ticks[range] {
-                // and a thermometer at its last code
+                // the thermometer at its last code too
                 (tick.axes, tick.temperature) = (SCALES.measured(&raw), 153.0);
             }
         },
@@ -244,7 +242,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
     },
     Fault {
         name: "swapped axes, accelerometers",
-        // long enough to be still again, in another pose
+        // long enough to be still again, in another orientation
         lasts: LONG,
         on: On::Axes,
         happens: |ticks, range| ticks[range].iter_mut().for_each(|tick| tick.axes.swap(0, 2)),
@@ -257,7 +255,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
     },
     Fault {
         name: "sign flip, accelerometers",
-        // long enough to be still again, in another pose
+        // long enough to be still again, in another orientation
         lasts: LONG,
         on: On::Axes,
         happens: |ticks, range| {
@@ -278,7 +276,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
     },
     Fault {
         name: "knocks",
-        // four blows in three seconds; each rings at a fifth of the rate
+        // four knocks in three seconds; each rings at a fifth of the sampling rate
         lasts: 600,
         on: On::Axes,
         happens: |ticks, range| {
@@ -300,7 +298,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
         on: On::Axes,
         happens: |ticks, range| {
             let back = range.len() - HAND;
-            turned(ticks, range, |since| {
+            rotate(ticks, range, |since| {
                 let out = since.min(back + HAND - since.min(back + HAND)).min(HAND) as f32 / HAND as f32;
                 1.2 * out * out * (3.0 - 2.0 * out)
             });
@@ -308,11 +306,11 @@ pub(crate) const FAULTS: [Fault; 33] = [
     },
     Fault {
         name: "turned about x, and at rest",
-        // long enough to be still again, in another pose that x does not feel
+        // long enough to be still again, in another orientation, which does not change x
         lasts: LONG,
         on: On::Axes,
         happens: |ticks, range| {
-            turned(ticks, range, |since| 0.5 * (since.min(HAND) as f32 / HAND as f32));
+            rotate(ticks, range, |since| 0.5 * (since.min(HAND) as f32 / HAND as f32));
         },
     },
     Fault {
@@ -355,7 +353,7 @@ pub(crate) const FAULTS: [Fault; 33] = [
         name: "time going back by 3 s",
         lasts: 1,
         on: On::Clock,
-        // from then on; the tick is in the middle of a window of the hub's
+        // from this tick on, in the middle of a window of the hub's rate measurement
         happens: |ticks, range| {
             ticks[range.start..].iter_mut().for_each(|tick| tick.clock_us -= 3_000_000);
         },

@@ -1,5 +1,5 @@
-//! The places: the predictor tracking and coasting, every transform over everything it can be computed from, the
-//! monitor, the hub. Each with what must come out of it, as it follows from its model.
+//! The places: the tracking and the coasting predictor, every transform over each of its possible sources, the monitor, the
+//! hub; each with the requirements that follow from its model.
 
 use fos_core::image::encode;
 use fos_core::{
@@ -13,16 +13,16 @@ use super::correctors::{Corrector, POLL, Predicting, Roomy, quiet};
 use super::faults::{Fault, On, SWING, Strikes};
 use crate::models::{PHYSICAL, SCALES, SIX, STOCHASTIC, TestHub, limits, parameters};
 
-/// Where a fault is met.
+/// A place at which a fault occurs.
 pub(crate) struct Place {
     pub(crate) name: &'static str,
     pub(crate) column: Column,
     pub(crate) make: Box<dyn Fn() -> Box<dyn Corrector>>,
-    /// No more than this is ever taken off an axis, in its unit.
+    /// Largest predicted error of an axis, in its unit.
     pub(crate) bound: [f32; AXES],
-    /// What is taken off is again what it is without the fault up to this, in scaled units; 0 for bit by bit.
+    /// Tolerance of the predicted error after recovery, in scaled units; 0 for bit by bit.
     pub(crate) tolerance: f32,
-    /// So many samples after the fault at the latest.
+    /// Largest recovery time after a fault, samples.
     pub(crate) limit: Box<dyn Fn(&Fault) -> usize>,
 }
 
@@ -48,7 +48,7 @@ impl Column {
         (Self::Hub, "hub and C interface"),
     ];
 
-    /// Whether a fault can be met there; else the cell has a dash.
+    /// True if the fault can occur there; otherwise the cell has a dash.
     pub(crate) fn meets(self, on: On, strikes: Strikes) -> bool {
         let of_axes = on == On::Axes || strikes == Strikes::Axes;
         let of_quantities = on == On::Temperature || strikes == Strikes::Quantities;
@@ -56,10 +56,10 @@ impl Column {
             // a predictor counts samples and reads no clock
             Self::Track | Self::Coast | Self::Monitor => on != On::Clock,
             Self::OverQuantity => on != On::Clock && !of_axes,
-            // nothing measured goes into it
+            // no measured value enters it
             Self::OverClock => matches!(on, On::Gap | On::Reset),
             Self::OverRemainder => on != On::Clock && !of_quantities,
-            // a code is always a number
+            // a code is always finite
             Self::Hub => !(on == On::NotInCodes && strikes == Strikes::Axes),
         }
     }
@@ -67,14 +67,14 @@ impl Column {
 
 const PERIOD_S: f64 = 0.005;
 
-/// The time constant of every transform that has one.
+/// Time constant of all transforms that have one, s.
 const TAU_S: f64 = 0.5;
 
-/// An output whose transform remembers is again what it was up to this share of the transform's range.
+/// Tolerance after recovery for transforms with a memory, as a share of their range.
 const SHARE: f64 = 1e-3;
 
-/// Samples until what is off by `from` and fades with [`TAU_S`] is off by `to`.
-fn faded(from: f64, to: f64) -> usize {
+/// Samples until a deviation `from`, which decays with [`TAU_S`], is `to`.
+fn decay_samples(from: f64, to: f64) -> usize {
     (TAU_S / PERIOD_S * (from / to).ln()).ceil() as usize
 }
 
@@ -104,7 +104,7 @@ fn predictor(inputs: &[Input<f32>], physical: &[Term<f32>], stochastic: &[Term<f
     predictor
 }
 
-/// |offset| + scale·(Σ|c|·Π|u| + the limit of the remainder), and the roundings.
+/// |offset| + scale·(Σ|c|·Π|u| + limit of the remainder), with rounding.
 fn bound(inputs: &[Input<f32>], physical: &[Term<f32>], stochastic: &[Term<f32>]) -> [f32; AXES] {
     let reach = |range: Range<f32>, share: f32| {
         range.low.abs().max(range.high.abs()) + share * (range.high - range.low)
@@ -128,7 +128,7 @@ fn bound(inputs: &[Input<f32>], physical: &[Term<f32>], stochastic: &[Term<f32>]
 
 fn input(source: Source, transform: Transform<f32>, low: f32, high: f32) -> Input<f32> {
     let reach = if matches!(source, Source::Remainder(_)) { 5.0 } else { 2.0 };
-    // a quantity is in K around 25 °C, time in 100 s
+    // quantities in 10 K around 25 °C, time in 100 s
     let (centre, scale) = match source {
         Source::Quantity(_) => (25.0, 10.0),
         Source::Clock => (0.0, 100.0),
@@ -144,7 +144,7 @@ fn input(source: Source, transform: Transform<f32>, low: f32, high: f32) -> Inpu
     }
 }
 
-/// The model of the hub: temperature through a low-pass, supply.
+/// Image of the hub's model: low-passed temperature, and supply voltage.
 pub(crate) fn image() -> Vec<u8> {
     let info = Info { quantities: "temp_c °C\nsupply_v V", ..Info::default() };
     with_model(&hub_inputs(), &PHYSICAL, &STOCHASTIC, |model| {
@@ -158,13 +158,13 @@ fn hub_inputs() -> [Input<f32>; 2] {
     [input(Source::Quantity(0), Transform::LowPass { tau_s: TAU_S as f32 }, -2.0, 2.0), supply]
 }
 
-/// The longest lag of [`STOCHASTIC`].
+/// Longest lag of [`STOCHASTIC`], samples.
 pub(crate) const DEPTH: usize = 2;
 
-/// Two windows of the hub's estimate of the rate, and a look at the clock.
+/// Two windows of the hub's rate measurement, and one reading of the clock, samples.
 const RATE: usize = 4000 + POLL;
 
-/// Stillness is lost at once and found again after two whole windows; a third one may be under way.
+/// Samples until stillness is detected again: two complete windows, and a third that may be incomplete.
 const STILLNESS: usize = 3 * 100;
 
 pub(crate) fn places() -> Vec<Place> {
@@ -192,7 +192,7 @@ pub(crate) fn places() -> Vec<Place> {
     ];
 
     let tau_s = TAU_S as f32;
-    // name, transform, range, off at the end of a fault at most (0: it remembers nothing), over a quantity
+    // over a quantity: name, transform, range, largest deviation at the end of a fault (0 without a memory)
     let width = 2.0 * 2.2;
     let wide = width * width;
     let over_quantity = [
@@ -206,11 +206,11 @@ pub(crate) fn places() -> Vec<Place> {
     ];
     for (name, transform, low, high, off) in over_quantity {
         let tolerance = SHARE * f64::from(high - low);
-        // a play is forgotten once the quantity has passed through all of it
+        // backlash recovers once the quantity has passed through the whole play
         let limit = if off.is_infinite() {
             SWING
         } else if off > 0.0 {
-            faded(off, tolerance)
+            decay_samples(off, tolerance)
         } else {
             0
         };
@@ -234,15 +234,15 @@ pub(crate) fn places() -> Vec<Place> {
     ];
     for (name, transform, low, high, off) in over_remainder {
         let tolerance = SHARE * f64::from(high - low);
-        // three of four steps of the noise are wider than the play: that none of 20 is has a probability of 10⁻¹²
+        // three of four steps of the noise exceed the play: none of 20 does with a probability of 10⁻¹²
         let limit = if off.is_infinite() {
             20
         } else if off > 0.0 {
-            faded(off, tolerance)
+            decay_samples(off, tolerance)
         } else {
             0
         };
-        // it is one sample late
+        // the remainder is delayed by one sample
         places.push(over(
             Source::Remainder(3),
             name,
@@ -252,7 +252,7 @@ pub(crate) fn places() -> Vec<Place> {
             off > 0.0 && off.is_finite(),
         ));
     }
-    // a gap is one rotation, or one product, instead of many
+    // not bit by bit: a gap is computed by one rotation or product instead of many
     for (name, transform, low, high) in [
         ("decay", Transform::Decay { tau_s: 30.0 }, 0.0, 1.0),
         ("time", Transform::Time, 0.0, 1.0),
@@ -271,25 +271,25 @@ pub(crate) fn places() -> Vec<Place> {
             hub.load(&image()).expect("a model for this sensor");
             Box::new(hub)
         }),
-        // and the rounding of measured less corrected, both up to 40
+        // plus the rounding of measured minus corrected, both up to 40
         bound: bound(&hub_inputs(), &PHYSICAL, &STOCHASTIC).map(|bound| bound + 1e-5),
         tolerance: SHARE as f32,
         limit: Box::new(move |fault| match fault.on {
             On::Clock => RATE,
-            _ => (STILLNESS + DEPTH).max(faded(low_pass, SHARE)),
+            _ => (STILLNESS + DEPTH).max(decay_samples(low_pass, SHARE)),
         }),
     });
     places
 }
 
-/// One input, and nothing else in the model.
+/// A model with a single input.
 fn over(
     source: Source,
     name: &'static str,
     transform: Transform<f32>,
     [low, high]: [f32; 2],
     limit: usize,
-    remembers: bool,
+    has_memory: bool,
 ) -> Place {
     let inputs = [input(source, transform, low, high)];
     let term = [Term::new(0.5, &[u(0, 0)])];
@@ -311,13 +311,13 @@ fn over(
                 predictor: predictor(&inputs, physical, stochastic),
                 reads: match source {
                     Source::Remainder(_) => |tick| tick.axes,
-                    // the axes are not the subject
+                    // the axes are undisturbed
                     _ => quiet,
                 },
                 monitors: None,
             })
         }),
-        tolerance: if remembers { 0.5 * SHARE as f32 * (high - low) } else { 0.0 },
+        tolerance: if has_memory { 0.5 * SHARE as f32 * (high - low) } else { 0.0 },
         limit: Box::new(move |_| limit),
     }
 }

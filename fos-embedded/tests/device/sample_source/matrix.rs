@@ -1,4 +1,4 @@
-//! Every fault in front of a hub: flagged, bounded, recovered. The table that comes of it is in docs/faults.md.
+//! Every sensor fault, with a hub: flagged, bounded, recovered. The resulting table is in docs/faults.md.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -17,17 +17,16 @@ use super::simulated::{
     BIAS, Chip, NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x, codes,
 };
 
-/// Between polls, µs: ten samples.
+/// Interval between polls, µs: ten samples.
 const POLL_US: f64 = 50_000.0;
 
-/// Before the fault, µs.
+/// Time before the fault, µs.
 const CLEAN_US: f64 = 5e6;
 
-/// A corrected value is further from the truth than this only if something is wrong: 5 standard deviations of the
-/// noise, and as much again. m/s² for accelerometers, rad/s for gyros.
+/// Largest error of a corrected value, m/s² for accelerometers, rad/s for gyros: 10 standard deviations of the noise.
 const BOUNDS: [f64; 2] = [0.1, 0.025];
 
-/// Across a reset only the application's clock counts, and a poll is up to a sample late at either end.
+/// Largest miscount, ticks: across a reset the application's clock counts, and a poll may be one sample late at either end.
 const MISCOUNTED: i64 = 2;
 
 struct Fault {
@@ -36,17 +35,17 @@ struct Fault {
     lasts_us: f64,
     ends: fn(&mut Chip),
     polled: bool,
-    /// What the outputs say.
+    /// Expected faults of the outputs.
     flagged: Faults,
-    /// What a poll returns.
+    /// Expected error of a poll.
     error: &'static str,
-    /// The outputs are valid again at the latest so many ticks after the fault has gone.
+    /// Largest time from the end of the fault to valid outputs, ticks.
     within: u64,
     /// Seconds of the application's clock after the fault.
     after_s: f64,
 }
 
-/// One that is gone at once, if not said otherwise.
+/// Default of a momentary fault.
 const MOMENT: Fault = Fault {
     name: "",
     begins: |_| (),
@@ -59,7 +58,7 @@ const MOMENT: Fault = Fault {
     after_s: 5.0,
 };
 
-/// One that lasts for 1 s, if not said otherwise.
+/// Default of a fault that lasts 1 s.
 const SECOND: Fault = Fault { lasts_us: 1e6, within: 300, ..MOMENT };
 
 const FAULTS: [Fault; 11] = [
@@ -146,14 +145,14 @@ const FAULTS: [Fault; 11] = [
         lasts_us: 25e6,
         ends: |chip| chip.fast = 1.0,
         flagged: Faults::RATE,
-        // two windows of 10 s of the hub's estimate
+        // two windows of 10 s of the hub's rate measurement
         within: 4100,
         after_s: 25.0,
         ..MOMENT
     },
 ];
 
-/// An output, and the tick of the sensor that it belongs to.
+/// An output with its tick of the sensor.
 struct At {
     tick: u64,
     output: Output,
@@ -162,11 +161,11 @@ struct At {
 struct Run {
     outputs: Vec<At>,
     errors: Vec<String>,
-    /// Ticks of the sensor: the first one that was not given when the fault began, the first one after it ended.
+    /// Ticks of the sensor: first sample not yet returned at the start of the fault, first sample after its end.
     fault: [u64; 2],
 }
 
-/// Lets `source` run into a fault and out of it.
+/// Runs `source` through a fault.
 fn run<P: Imu<BusError = NoAnswer>>(
     chip: &Shared,
     mut source: SampleSource<P>,
@@ -206,7 +205,7 @@ fn run<P: Imu<BusError = NoAnswer>>(
                     for raw in samples {
                         let before = run.outputs.last().map(|at| at.tick);
                         let next = before.map_or(0, |tick| tick + 1 + u64::from(raw.skipped));
-                        // codes that stand still are of no tick
+                        // stuck codes belong to no tick
                         let tick = known.get(&(raw.accel, raw.gyro)).copied();
                         let tick = tick.filter(|tick| before.is_none_or(|before| *tick > before));
                         if tick.is_none()
@@ -242,22 +241,22 @@ fn name(error: &SourceError<NoAnswer>) -> &'static str {
     }
 }
 
-/// What a fault came to.
+/// Effect of a fault.
 #[derive(Debug, PartialEq)]
 struct Row {
     flagged: String,
     errors: usize,
-    /// Ticks with a flag.
+    /// Number of ticks with a flag.
     ticks: usize,
-    /// Valid again after so many ticks.
+    /// Ticks from the end of the fault to valid outputs.
     recovered: u64,
-    /// Ticks that were counted too many, or too few.
+    /// Ticks counted in excess; negative if too few.
     miscounted: i64,
-    /// Furthest from the truth, accelerometers and gyros.
+    /// Largest error of accelerometers and gyros.
     furthest: [f64; 2],
 }
 
-/// The table row of a fault; an error if what came out is not what must.
+/// Returns the table row of a fault, or an error if a requirement is violated.
 fn assess<P: Imu<BusError = NoAnswer>>(
     (chip, source): (Shared, SampleSource<P>),
     fault: &Fault,
@@ -279,7 +278,7 @@ fn assess<P: Imu<BusError = NoAnswer>>(
             let truth = if axis == 2 { 9.80665 } else { 0.0 };
             let off = (f64::from(*corrected) - truth).abs();
             let furthest = &mut row.furthest[axis / 3];
-            // not a number: never in bounds
+            // NaN is never within bounds
             if off.is_nan() || off > BOUNDS[axis / 3] {
                 return Err(format!("axis {axis} is {off} from the truth at tick {tick}"));
             }
@@ -332,7 +331,7 @@ fn assess<P: Imu<BusError = NoAnswer>>(
     Ok(row)
 }
 
-/// What comes out without a fault, by tick of the sensor.
+/// Corrected values without a fault, by tick of the sensor.
 fn undisturbed<P: Simulated>() -> HashMap<u64, [f32; AXES]> {
     let (chip, source) = P::source();
     let nothing = Fault { after_s: 55.0, ..MOMENT };
@@ -349,7 +348,7 @@ fn input(centre_c: f32) -> Input<f32> {
     Input { source, transform: Transform::Identity, centre: centre_c, scale: 5.0, source_range: range, range }
 }
 
-/// A model of the noise that [`codes`] gives, linear in temperature.
+/// A model of the noise of [`codes`], linear in temperature.
 fn image(scales: &Scales) -> Vec<u8> {
     const PHYSICAL: [Term<f32>; 1] = [Term::new(0.5, &[u(0, 0)])];
     const STOCHASTIC: [Term<f32>; 2] = [Term::new(0.1, &[y(1)]), Term::new(0.05, &[y(2)])];
@@ -369,7 +368,7 @@ fn image(scales: &Scales) -> Vec<u8> {
             stuck_after_repeats: 200,
             gap_limit_samples: 20,
             coast_limit_s: 60.0,
-            // of white noise through 1 - 0.1/z - 0.05/z²
+            // white noise filtered by 1 - 0.1/z - 0.05/z²
             innovation: InnovationStatistics { mean: 0.0, variance: 1.0125, lag_1_correlation: -0.0938 },
         };
         AxisModel { parameters, physical: &PHYSICAL, stochastic: &STOCHASTIC }
@@ -427,11 +426,11 @@ fn every_fault_is_flagged_bounded_and_recovered_from() {
     crate::page::holds(BEGIN, END, &table);
 }
 
-/// What may be wrong with a part's code.
+/// Deliberate defects of a driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Defect {
     None,
-    /// A transfer that failed is not repeated.
+    /// Failed transfers are not repeated.
     NoRetry,
     /// Axes x and y are exchanged.
     Exchanged,
@@ -439,11 +438,11 @@ enum Defect {
     Swapped,
     /// The sensor's clock is not read.
     NoClock,
-    /// Nobody looks whether the sensor was reset.
+    /// Resets of the sensor are not detected.
     Blind,
-    /// An overrun is not told.
+    /// Overruns are not reported.
     NoOverrun,
-    /// An invalid temperature is a temperature.
+    /// Invalid temperatures are passed on.
     AnyTemperature,
 }
 
@@ -511,7 +510,7 @@ impl<P: Simulated> Imu for Defective<P> {
     }
 }
 
-/// Which faults show that something is wrong with a part's code.
+/// Names of the faults that reveal a defect of a driver.
 fn found<P: Simulated>(defect: Defect, clean: &HashMap<u64, [f32; AXES]>) -> Vec<&'static str> {
     let is_fine = |fault: &&Fault| {
         let row = assess(Defective::<P>::source(defect), fault, clean);
@@ -521,7 +520,7 @@ fn found<P: Simulated>(defect: Defect, clean: &HashMap<u64, [f32; AXES]>) -> Vec
     short.filter(|fault| !is_fine(fault)).map(|fault| fault.name).collect()
 }
 
-fn a_defect_is_found<P: Simulated>() {
+fn assert_defects_are_detected<P: Simulated>() {
     let clean = undisturbed::<P>();
     assert_eq!(found::<P>(Defect::None, &clean), [""; 0]);
     for (defect, shows) in [
@@ -539,7 +538,7 @@ fn a_defect_is_found<P: Simulated>() {
 }
 
 #[test]
-fn a_defect_of_either_part_is_found() {
-    a_defect_is_found::<SimulatedLsm6dsv16x>();
-    a_defect_is_found::<SimulatedBmi323>();
+fn detects_defects_of_both_drivers() {
+    assert_defects_are_detected::<SimulatedLsm6dsv16x>();
+    assert_defects_are_detected::<SimulatedBmi323>();
 }

@@ -1,4 +1,4 @@
-//! Both parts as simulated on the level of registers and FIFO, with faults to order.
+//! Both parts, simulated at the level of registers and FIFO, with selectable faults.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -10,10 +10,10 @@ use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::Blocking;
 use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
 
-/// Of the sensor, by its own clock.
+/// Sample period of the sensor by its own clock, µs.
 pub(crate) const PERIOD_US: f64 = 5000.0;
 
-/// Codes at tick `n`, whatever happens in between: bias and noise of 8 codes, and 1 g on z.
+/// Codes at tick `n`, independent of all other ticks: bias, noise of 8 codes, and 1 g on z.
 pub(crate) fn codes(n: u64) -> ([i16; 3], [i16; 3]) {
     let code = |axis: u64| {
         let mut noise = 0.0;
@@ -38,38 +38,38 @@ pub(crate) enum Kind {
     Bmi323,
 }
 
-/// What is wrong with the sensor, or with the way to it.
+/// Faults of the sensor or of the bus.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Trouble {
-    /// So many transfers fail, from now on.
+    /// Number of following transfers that fail.
     pub(crate) failing: u32,
-    /// So many bursts from the FIFO end early: the rest is lost.
+    /// Number of following FIFO bursts that end early and lose the rest.
     pub(crate) short: u32,
-    /// It says that it is another part.
+    /// The identity is that of another part.
     pub(crate) other_part: bool,
-    /// Its codes stand still.
+    /// The codes are stuck.
     pub(crate) stuck: bool,
-    /// Its thermometer has nothing to say.
+    /// The thermometer has no valid value.
     pub(crate) no_temperature: bool,
-    /// Nothing comes into its FIFO.
+    /// The FIFO stays empty.
     pub(crate) silent: bool,
-    /// It forgets every register that is written.
+    /// Registers do not hold written values.
     pub(crate) forgetful: bool,
 }
 
-/// A sensor, the bus to it, and the time that passes.
+/// A sensor with its bus and the time.
 #[derive(Debug)]
 pub(crate) struct Chip {
     kind: Kind,
     pub(crate) now_us: f64,
-    /// Its clock, of the nominal one.
+    /// Rate of its clock relative to the nominal one.
     pub(crate) fast: f64,
     next_tick_us: f64,
-    /// Ticks since it was made.
+    /// Ticks since its creation.
     pub(crate) tick: u64,
-    /// Ticks since it was reset.
+    /// Ticks since the last reset.
     since_reset: u64,
-    /// Samples since it runs: at first it has nothing to give.
+    /// Samples since the start; the first ones have no data.
     since_start: u32,
     registers: [u16; 256],
     fifo: VecDeque<Vec<u8>>,
@@ -106,7 +106,7 @@ impl Chip {
         Rc::new(RefCell::new(chip))
     }
 
-    /// As at power-on.
+    /// Returns to the state at power-on.
     pub(crate) fn reset(&mut self) {
         self.registers = [0; 256];
         self.registers[0x12] = 0x04;
@@ -181,7 +181,7 @@ impl Chip {
         self.fifo.push_back(item);
     }
 
-    /// Bytes from the FIFO; `nothing` where it has none.
+    /// Reads bytes from the FIFO, filled up with `nothing`.
     fn burst(&mut self, bytes: &mut [u8], item: usize, nothing: &[u8]) {
         let n = bytes.len() / item;
         let whole = if self.trouble.short > 0 { n / 2 } else { n };
@@ -195,8 +195,8 @@ impl Chip {
 
     fn transfer(&mut self, bytes: usize) -> Result<(), NoAnswer> {
         self.transfers += 1;
-        let us_a_byte = if self.kind == Kind::Bmi323 { 1.0 } else { 22.5 };
-        self.pass(bytes as f64 * us_a_byte);
+        let us_per_byte = if self.kind == Kind::Bmi323 { 1.0 } else { 22.5 };
+        self.pass(bytes as f64 * us_per_byte);
         if self.trouble.failing > 0 {
             self.trouble.failing -= 1;
             return Err(NoAnswer);
@@ -317,7 +317,7 @@ impl SpiDevice for SpiBus {
     }
 }
 
-/// A delay in which the sensor goes on.
+/// A delay during which the sensor continues.
 #[derive(Debug, Clone)]
 pub(crate) struct Delay(pub(crate) Shared);
 
@@ -330,7 +330,7 @@ impl DelayNs for Delay {
 pub(crate) type SimulatedLsm6dsv16x = Lsm6dsv16x<Blocking<I2cBus>, Blocking<Delay>>;
 pub(crate) type SimulatedBmi323 = Bmi323<Blocking<SpiBus>, Blocking<Delay>>;
 
-/// A part that is simulated here.
+/// A simulated part.
 pub(crate) trait Simulated: Imu<BusError = NoAnswer> + Sized {
     const KIND: Kind;
 

@@ -1,4 +1,4 @@
-//! Long streams: what must hold whatever happens.
+//! Long streams of samples: invariants under all conditions.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c};
@@ -9,7 +9,7 @@ use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES,
 
 use super::simulated::{NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x, codes};
 
-/// Lets time pass up to the next multiple of `period_us`, and polls.
+/// Advances the time to the next multiple of `period_us` and polls.
 fn poll<P: Simulated>(
     chip: &Shared,
     source: &mut SampleSource<P>,
@@ -21,8 +21,8 @@ fn poll<P: Simulated>(
     poll_once(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec)
 }
 
-/// Every sample of five minutes, in order.
-fn loses_nothing<P: Simulated>(fast: f64) {
+/// Checks that every sample of five minutes arrives, in order.
+fn assert_no_loss<P: Simulated>(fast: f64) {
     let (chip, mut source) = P::source();
     chip.borrow_mut().fast = fast;
     let mut samples = Vec::new();
@@ -32,7 +32,7 @@ fn loses_nothing<P: Simulated>(fast: f64) {
     let given = samples.iter().map(|raw| (raw.accel, raw.gyro));
     let first = (0..).find(|tick| codes(*tick) == (samples[0].accel, samples[0].gyro)).expect("a tick");
     assert!(given.eq((first..).take(samples.len()).map(codes)));
-    // more came while the last were read
+    // a few more arrived while the last ones were read
     assert!(chip.borrow().tick - first - samples.len() as u64 <= 4);
     // only the first temperature is a few samples late
     assert!(samples.iter().skip(13).all(|raw| raw.faults.is_empty() && raw.skipped == 0));
@@ -41,14 +41,14 @@ fn loses_nothing<P: Simulated>(fast: f64) {
 }
 
 #[test]
-fn nothing_is_lost_in_five_minutes_whatever_the_clock() {
+fn no_sample_is_lost_in_five_minutes_for_any_clock_error() {
     for fast in [0.97, 1.0, 1.03] {
-        loses_nothing::<SimulatedLsm6dsv16x>(fast);
-        loses_nothing::<SimulatedBmi323>(fast);
+        assert_no_loss::<SimulatedLsm6dsv16x>(fast);
+        assert_no_loss::<SimulatedBmi323>(fast);
     }
 }
 
-/// After naps of so many ms: ticks counted, ticks there were.
+/// Counted and actual ticks, with pauses of `nap_ms` between polls.
 fn naps<P: Simulated>(nap_ms: u32, fast: f64) -> (u64, u64) {
     let (chip, mut source) = P::source();
     chip.borrow_mut().fast = fast;
@@ -67,7 +67,7 @@ fn naps<P: Simulated>(nap_ms: u32, fast: f64) -> (u64, u64) {
 }
 
 #[test]
-fn a_nap_is_counted_by_the_sensor_s_own_clock() {
+fn pauses_are_counted_by_the_sensor_clock() {
     for nap_ms in [300, 700, 1300, 2500, 2600, 5000, 20_000] {
         for fast in [0.97, 1.03] {
             let (counted, ticks) = naps::<SimulatedLsm6dsv16x>(nap_ms, fast);
@@ -78,7 +78,7 @@ fn a_nap_is_counted_by_the_sensor_s_own_clock() {
     }
 }
 
-/// Polls that came to the bus while nobody answers.
+/// Polls that access the bus while no device answers.
 fn attempts<P: Simulated>(n: usize) -> Vec<usize> {
     let (chip, mut source) = P::source();
     chip.borrow_mut().trouble.failing = u32::MAX;
@@ -93,7 +93,7 @@ fn attempts<P: Simulated>(n: usize) -> Vec<usize> {
 }
 
 #[test]
-fn a_dead_sensor_is_asked_less_and_less_often() {
+fn dead_sensor_is_accessed_with_increasing_intervals() {
     let mut expected = vec![0, 1, 3, 7, 15, 31, 63];
     expected.extend((1..6).map(|more| 63 + 64 * more));
     assert_eq!(attempts::<SimulatedLsm6dsv16x>(400), expected);
@@ -122,12 +122,12 @@ fn stuck<P: Simulated>() {
 }
 
 #[test]
-fn a_stuck_sensor_is_set_up_anew_less_and_less_often() {
+fn stuck_sensor_is_set_up_with_increasing_intervals() {
     stuck::<SimulatedLsm6dsv16x>();
     stuck::<SimulatedBmi323>();
 }
 
-/// A bus that answers anything, or not at all.
+/// A bus with random answers, or none.
 struct Nonsense(u64);
 
 impl Nonsense {
@@ -142,7 +142,7 @@ impl Nonsense {
         for byte in bytes.iter_mut() {
             *byte = (self.next() >> 32) as u8;
         }
-        // what gets past the set-up, most of the time
+        // values that pass the set-up, most of the time
         let known: &[u8] = match address {
             0x07 => &[0, 0, 0x77, 0x66, 0, 0, 0, 0, 0x70, 0x17, 0x17, 0x44, 0x08, 0, 0x02, 0, 0x01, 0],
             0x08 | 0x01 | 0x18 => &[0],
@@ -204,7 +204,7 @@ impl DelayNs for NoTime {
     fn delay_ns(&mut self, _: u32) {}
 }
 
-fn takes_any<P: Imu>(part: P) {
+fn accepts_any_answers<P: Imu>(part: P) {
     let mut source = SampleSource::new(part);
     let mut random = Nonsense(7);
     let mut now_us = 0;
@@ -224,7 +224,7 @@ fn takes_any<P: Imu>(part: P) {
 }
 
 #[test]
-fn takes_any_bytes_and_any_clock() {
-    takes_any(Lsm6dsv16x::new(Blocking(Nonsense(1)), Address::Low, Blocking(NoTime)));
-    takes_any(Bmi323::new(Blocking(Nonsense(2)), Blocking(NoTime)));
+fn accepts_any_bytes_and_any_clock() {
+    accepts_any_answers(Lsm6dsv16x::new(Blocking(Nonsense(1)), Address::Low, Blocking(NoTime)));
+    accepts_any_answers(Bmi323::new(Blocking(Nonsense(2)), Blocking(NoTime)));
 }

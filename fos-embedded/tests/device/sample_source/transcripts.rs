@@ -1,4 +1,4 @@
-//! What goes over the buses, byte by byte, in blocking and in asynchronous form.
+//! Bus traffic, byte by byte, in blocking and asynchronous form.
 
 mod bmi323;
 mod lsm6dsv16x;
@@ -14,16 +14,16 @@ use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::raw::{Faults, RawSample};
 use fos_embedded::sample_source::{Address, Bmi323, Counts, Imu, Lsm6dsv16x, SampleSource, SourceError};
 
-/// What happens on the way to the sensor.
+/// A bus transfer or delay.
 #[derive(Debug, Clone)]
 enum Step {
-    /// These bytes are written from this register on.
+    /// Writes bytes from a register on.
     Write(u8, Vec<u8>),
-    /// These bytes are read from this register on.
+    /// Reads bytes from a register on.
     Read(u8, Vec<u8>),
-    /// So many bytes are asked for from this register on, and nobody answers.
+    /// A read of a number of bytes from a register on, without an answer.
     NoAnswer(u8, usize),
-    /// µs.
+    /// A delay, µs.
     Wait(u32),
 }
 use Step::{NoAnswer, Read, Wait, Write};
@@ -68,7 +68,7 @@ fn spi_bus(steps: &[Step]) -> eh1::spi::Mock<u8> {
         Read(register, bytes) => vec![
             Transaction::transaction_start(),
             Transaction::write_vec(vec![0x80 | *register]),
-            // a byte without meaning comes first
+            // a dummy byte comes first
             Transaction::read_vec([vec![0xa5], bytes.clone()].concat()),
             Transaction::transaction_end(),
         ],
@@ -78,16 +78,16 @@ fn spi_bus(steps: &[Step]) -> eh1::spi::Mock<u8> {
     eh1::spi::Mock::new(&transfers.collect::<Vec<_>>())
 }
 
-/// A bus or delay whose every operation is done only when it is asked for the second time.
+/// A bus or delay whose operations complete at the second poll.
 struct Yielding<T>(T);
 
 async fn yield_once() {
-    let mut asked = false;
+    let mut polled = false;
     core::future::poll_fn(move |_| {
-        if asked {
+        if polled {
             return Poll::Ready(());
         }
-        asked = true;
+        polled = true;
         Poll::Pending
     })
     .await;
@@ -141,7 +141,7 @@ impl<T: embedded_hal_async::delay::DelayNs> embedded_hal_async::delay::DelayNs f
     }
 }
 
-/// What a future gives, and how often it was asked in vain.
+/// Output of a future, and the number of polls that returned pending.
 fn block_on<T>(future: impl Future<Output = T>) -> (T, usize) {
     let mut future = pin!(future);
     let mut pending = 0;
@@ -155,7 +155,7 @@ fn block_on<T>(future: impl Future<Output = T>) -> (T, usize) {
 
 type Polls = Vec<Result<Vec<RawSample>, SourceError<String>>>;
 
-/// Every error of the bus is as good as its name.
+/// Replaces an error of the bus by its name.
 fn named<E: Debug>(
     polled: Result<&[RawSample], SourceError<E>>,
 ) -> Result<Vec<RawSample>, SourceError<String>> {
@@ -168,7 +168,7 @@ fn named<E: Debug>(
     })
 }
 
-/// Polls every 50 ms, in blocking form.
+/// Polls every 50 ms in blocking form.
 fn blocking<P: Imu>(part: P, polls: usize) -> (P, Polls, Counts) {
     let mut source = SampleSource::new(part);
     let times = (1..=polls as u64).map(|poll| poll * 50_000);
@@ -177,7 +177,7 @@ fn blocking<P: Imu>(part: P, polls: usize) -> (P, Polls, Counts) {
     (source.release(), polls, counts)
 }
 
-/// As above, in a form that is suspended at every transfer.
+/// Polls every 50 ms in a form that is suspended at every transfer.
 fn yielding<P: Imu>(part: P, polls: usize, steps: usize) -> (P, Polls, Counts) {
     let mut source = SampleSource::new(part);
     let mut pending = 0;
@@ -222,7 +222,7 @@ fn bmi323(polls: usize, steps: &[Step]) -> (Polls, Counts) {
     (result, counts)
 }
 
-/// A sample without faults, as the words below have it.
+/// A sample without faults, encoded by the words below.
 fn sample(n: i16) -> RawSample {
     let (skipped, faults) = (0, Faults::empty());
     RawSample { skipped, accel: [n, -2, 8192], gyro: [3, -n, -32768], temperature: Some(-256), faults }

@@ -1,4 +1,4 @@
-//! What goes over the SPI bus of a BMI323. Register values are those of its data sheet.
+//! Traffic on the SPI bus of a BMI323. Register values are from its data sheet.
 
 use super::{Faults, Polls, RawSample, Read, SourceError, Step, Wait, Write, bmi323, bytes, sample};
 
@@ -32,7 +32,7 @@ fn set_up() -> Vec<Step> {
     steps
 }
 
-/// The clock turns after tick 2.
+/// Timestamp; the clock wraps after tick 2.
 fn stamp(n: i16) -> i16 {
     (i32::from(n) * 128 - 300) as u16 as i16
 }
@@ -57,7 +57,7 @@ fn burst(frames: Vec<u8>) -> Vec<Step> {
     steps
 }
 
-/// Set up, a first poll with tick 0, then these.
+/// Runs the set-up and a first poll with tick 0, then `steps`.
 fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
     let (mut result, counts) = bmi323(polls + 2, &[set_up(), burst(frame(0)), steps].concat());
     assert_eq!(result.drain(..2).collect::<Polls>(), [Ok(vec![]), Ok(vec![sample(0)])]);
@@ -79,7 +79,7 @@ fn every_eight_words_make_a_sample() {
 }
 
 #[test]
-fn frames_before_the_sensor_is_ready_are_no_samples() {
+fn no_samples_before_the_sensor_is_ready() {
     let mut no_accel = frame(-2);
     no_accel[..2].copy_from_slice(&[0x01, 0x7f]);
     let mut no_gyro = frame(-1);
@@ -91,7 +91,7 @@ fn frames_before_the_sensor_is_ready_are_no_samples() {
 }
 
 #[test]
-fn at_most_8_frames_a_transfer_and_32_samples_a_poll() {
+fn at_most_8_frames_per_transfer_and_32_samples_per_poll() {
     let frames: Vec<u8> = (1..=41).flat_map(frame).collect();
     let mut steps = watch().to_vec();
     steps.push(level(41));
@@ -113,7 +113,7 @@ fn fewer_frames_than_announced_are_missing() {
 }
 
 #[test]
-fn a_frame_that_comes_twice_is_one_sample() {
+fn duplicate_frame_is_one_sample() {
     let (result, counts) = polls(1, burst([frame(1), frame(1), frame(2)].concat()));
     let after = RawSample { faults: Faults::BUS, ..sample(2) };
     assert_eq!(result, [Ok(vec![sample(1), after])]);
@@ -121,7 +121,7 @@ fn a_frame_that_comes_twice_is_one_sample() {
 }
 
 #[test]
-fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
+fn overrun_gap_is_counted_by_the_sensor_clock() {
     let frames: Vec<u8> = (21..=52).flat_map(frame).collect();
     let mut steps = watch().to_vec();
     steps.push(level(128));
@@ -142,7 +142,7 @@ fn another_part_is_an_error() {
 }
 
 #[test]
-fn a_register_that_is_not_kept_is_named() {
+fn reports_registers_that_do_not_hold_their_value() {
     let mut steps = set_up();
     steps.truncate(steps.len() - 3);
     steps.push(Read(0x21, vec![0x39, 0x70]));
@@ -152,7 +152,7 @@ fn a_register_that_is_not_kept_is_named() {
 }
 
 #[test]
-fn the_same_codes_twenty_times_are_stuck() {
+fn twenty_equal_samples_are_stuck() {
     let frames: Vec<u8> = (1..=20).flat_map(|n| words(n, &sample(0))).collect();
     let (result, counts) = polls(2, [burst(frames), set_up()].concat());
     let Ok(samples) = &result[0] else { panic!("{result:?}") };
@@ -162,7 +162,7 @@ fn the_same_codes_twenty_times_are_stuck() {
 }
 
 #[test]
-fn a_thermometer_may_have_nothing_to_say() {
+fn flags_invalid_temperatures() {
     let cold = |n| RawSample { temperature: None, faults: Faults::TEMPERATURE, ..sample(n) };
     let frames = [frame(1), words(2, &cold(2)), frame(3)].concat();
     let (result, counts) = polls(1, burst(frames));
@@ -171,8 +171,8 @@ fn a_thermometer_may_have_nothing_to_say() {
 }
 
 #[test]
-fn a_sensor_that_was_reset_is_set_up_anew_at_once() {
-    // two looks: the first may be damaged
+fn sets_up_a_reset_sensor_at_once() {
+    // two checks, because the first may be damaged
     let reset = vec![Read(0x20, vec![0; 2]); 2];
     let steps = [reset, set_up(), burst(frame(20))].concat();
     let (result, counts) = polls(2, steps);

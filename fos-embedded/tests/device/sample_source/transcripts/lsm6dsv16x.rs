@@ -1,4 +1,4 @@
-//! What goes over the I2C bus of an LSM6DSV16X. Register values are those of its data sheet.
+//! Traffic on the I2C bus of an LSM6DSV16X. Register values are from its data sheet.
 
 use super::{
     Faults, NoAnswer, Polls, RawSample, Read, SourceError, Step, Wait, Write, bytes, lsm6dsv16x, sample,
@@ -8,17 +8,17 @@ use super::{
 const CONFIGURATION: [(u8, u8); 13] = [
     (0x01, 0x00), // FUNC_CFG_ACCESS: main bank
     (0x12, 0x44), // CTRL3: BDU, IF_INC
-    (0x13, 0x08), // CTRL4: nothing before the filters have settled
+    (0x13, 0x08), // CTRL4: no data before the filters have settled
     (0x15, 0x02), // CTRL6: ±500 dps
     (0x17, 0x01), // CTRL8: ±4 g
     (0x18, 0x00), // CTRL9: no user offset, no filter
     (0x62, 0x02), // HAODR_CFG: the set with 200 Hz
-    (0x50, 0x40), // FUNCTIONS_ENABLE: time stamps
+    (0x50, 0x40), // FUNCTIONS_ENABLE: timestamps
     (0x08, 0x00), // FIFO_CTRL2
     (0x09, 0x77), // FIFO_CTRL3: both batched at their rate
     (0x10, 0x17), // CTRL1: high accuracy, 200 Hz
     (0x11, 0x17), // CTRL2: high accuracy, 200 Hz
-    (0x0a, 0x66), // FIFO_CTRL4: time stamps 1:1, temperature 15 Hz, continuous
+    (0x0a, 0x66), // FIFO_CTRL4: timestamps 1:1, temperature 15 Hz, continuous
 ];
 
 fn set_up() -> Vec<Step> {
@@ -28,7 +28,7 @@ fn set_up() -> Vec<Step> {
     steps
 }
 
-/// FIFO_CTRL1 to CTRL9 as they should be.
+/// Check of the registers FIFO_CTRL1 to CTRL9.
 fn watch() -> Step {
     let mut registers = [0; 18];
     registers[0x0f - 0x07] = 0x70;
@@ -60,7 +60,7 @@ fn temperature(n: i16) -> Vec<u8> {
     word(3, n, &[-256, 0, 0])
 }
 
-/// The clock turns after tick 2.
+/// Timestamp word; the clock wraps after tick 2.
 fn stamp(n: i16) -> Vec<u8> {
     let stamp = (f64::from(n) * 230.4) as u32;
     let [a, b, c, d] = stamp.wrapping_sub(500).to_le_bytes();
@@ -75,7 +75,7 @@ fn burst(words: Vec<u8>) -> [Step; 3] {
     [watch(), level((words.len() / 7) as u8), Read(0x78, words)]
 }
 
-/// Set up, a first poll with tick 0, then these.
+/// Runs the set-up and a first poll with tick 0, then `steps`.
 fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
     let first = burst([temperature(0), all(0)].concat()).to_vec();
     let (mut result, counts) = lsm6dsv16x(polls + 2, &[set_up(), first, steps].concat());
@@ -95,7 +95,7 @@ fn words_of_one_instant_make_a_sample_in_any_order() {
     let words = [
         vec![accel(1), gyro(1), stamp(1)],
         vec![stamp(2), gyro(2), accel(2)],
-        // its last word comes with the next poll
+        // the last word comes with the next poll
         vec![accel(3), stamp(3)],
     ];
     let mut steps = burst(words.concat().concat()).to_vec();
@@ -107,7 +107,7 @@ fn words_of_one_instant_make_a_sample_in_any_order() {
 }
 
 #[test]
-fn before_the_filters_have_settled_there_are_no_samples() {
+fn no_samples_before_the_filters_have_settled() {
     let unsettled = |tag, n| word(tag, n, &[0x7ffd, 0x7fff, 0x7ffe]);
     let words = [
         // the gyro starts later
@@ -123,7 +123,7 @@ fn before_the_filters_have_settled_there_are_no_samples() {
 }
 
 #[test]
-fn at_most_32_words_a_transfer_and_32_samples_a_poll() {
+fn at_most_32_words_per_transfer_and_32_samples_per_poll() {
     let words: Vec<u8> = (1..=41).flat_map(all).collect();
     let mut steps = vec![watch(), level(123)];
     let (now, later) = words.split_at(96 * 7);
@@ -134,7 +134,7 @@ fn at_most_32_words_a_transfer_and_32_samples_a_poll() {
 }
 
 #[test]
-fn a_transfer_without_an_answer_is_repeated_after_1_and_2_ms() {
+fn repeats_unanswered_transfers_after_1_and_2_ms() {
     let mut steps = vec![NoAnswer(0x07, 18), Wait(1000), watch(), NoAnswer(0x1b, 2), Wait(2000)];
     steps.extend(burst(all(1)));
     let (result, counts) = polls(1, steps);
@@ -143,7 +143,7 @@ fn a_transfer_without_an_answer_is_repeated_after_1_and_2_ms() {
 }
 
 #[test]
-fn after_three_it_is_set_up_anew_later_and_later() {
+fn sets_up_again_with_increasing_delays() {
     let fail = [NoAnswer(0x07, 18), Wait(1000), NoAnswer(0x07, 18), Wait(2000), NoAnswer(0x07, 18)];
     let no_id = NoAnswer(0x0f, 1);
     let mut steps = fail.to_vec();
@@ -154,7 +154,7 @@ fn after_three_it_is_set_up_anew_later_and_later() {
     let nack = || Err(SourceError::Bus("NoAcknowledge(Address)".into()));
     let resting = |polls| Err(SourceError::Resting(polls));
     let faults = Faults::BUS | Faults::RESET | Faults::GAP;
-    // by the application's clock 450 ms after the sample before
+    // 450 ms after the previous sample by the application's clock
     let sample = RawSample { skipped: 89, faults, ..sample(9) };
     let expected: Polls = vec![
         nack(),
@@ -172,7 +172,7 @@ fn after_three_it_is_set_up_anew_later_and_later() {
 }
 
 #[test]
-fn fewer_words_than_announced_tear_a_sample() {
+fn fewer_words_than_announced_damage_a_sample() {
     let words = [all(1), gyro(2), accel(2), vec![0; 7], all(3)];
     let (result, counts) = polls(1, burst(words.concat()).to_vec());
     let faults = Faults::BUS | Faults::GAP;
@@ -181,7 +181,7 @@ fn fewer_words_than_announced_tear_a_sample() {
 }
 
 #[test]
-fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
+fn overrun_gap_is_counted_by_the_sensor_clock() {
     // the overwriting stopped in the middle of tick 21
     let words = [accel(21), stamp(21), all(22)].concat();
     let steps = [watch(), Read(0x1b, vec![5, 0x48]), Read(0x78, words)];
@@ -192,14 +192,14 @@ fn an_overrun_leaves_a_gap_by_the_sensor_s_own_clock() {
 }
 
 #[test]
-fn another_part_is_not_written_to() {
+fn does_not_write_to_another_part() {
     let (result, counts) = lsm6dsv16x(2, &[vec![Read(0x0f, vec![0x6c])], set_up()].concat());
     assert_eq!(result, [Err(SourceError::WrongPart(0x6c)), Ok(vec![])]);
     assert_eq!(counts.wrong_part, 1);
 }
 
 #[test]
-fn a_register_that_is_not_kept_is_named() {
+fn reports_registers_that_do_not_hold_their_value() {
     let mut steps = set_up();
     let place = steps.len() - 10;
     assert!(matches!(&steps[place], Read(0x15, _)));
@@ -211,7 +211,7 @@ fn a_register_that_is_not_kept_is_named() {
 }
 
 #[test]
-fn the_same_codes_twenty_times_are_stuck() {
+fn twenty_equal_samples_are_stuck() {
     let held = |n: i16| [word(1, n, &sample(0).gyro), word(2, n, &sample(0).accel), stamp(n)].concat();
     let words: Vec<u8> = (1..=20).flat_map(held).collect();
     let mut steps = vec![watch(), level(60)];
@@ -219,14 +219,14 @@ fn the_same_codes_twenty_times_are_stuck() {
     steps.extend(set_up());
     let (result, counts) = polls(2, steps);
     let Ok(samples) = &result[0] else { panic!("{result:?}") };
-    // with tick 0 the twentieth is tick 19
+    // counting tick 0, the twentieth is tick 19
     let stuck: Vec<bool> = samples.iter().map(|sample| sample.faults == Faults::STUCK).collect();
     assert_eq!(stuck, (1..=20).map(|n| n >= 19).collect::<Vec<_>>());
     assert_eq!((counts.stuck, counts.resets), (2, 1));
 }
 
 #[test]
-fn a_temperature_is_good_for_a_second() {
+fn temperature_is_valid_for_one_second() {
     let mut steps = Vec::new();
     for poll in 0..22 {
         let words: Vec<u8> = (1..=10).flat_map(|n| all(10 * poll + n)).collect();
@@ -245,13 +245,13 @@ fn a_temperature_is_good_for_a_second() {
 }
 
 #[test]
-fn a_sensor_that_was_reset_is_set_up_anew_at_once() {
+fn sets_up_a_reset_sensor_at_once() {
     let mut reset = [0; 18];
     (reset[0x0f - 0x07], reset[0x12 - 0x07]) = (0x70, 0x04);
-    let look = Read(0x07, reset.to_vec());
-    // two looks: the first may be damaged
-    let mut steps = vec![look.clone(), watch(), level(0)];
-    steps.extend([look.clone(), look]);
+    let check = Read(0x07, reset.to_vec());
+    // two checks, because the first may be damaged
+    let mut steps = vec![check.clone(), watch(), level(0)];
+    steps.extend([check.clone(), check]);
     steps.extend(set_up());
     steps.extend(burst([temperature(30), all(30)].concat()));
     let (result, counts) = polls(3, steps);
