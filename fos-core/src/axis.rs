@@ -227,7 +227,7 @@ impl<R: Scalar> RunningAxis<R> {
         }
     }
 
-    /// Ticks of a gap after which the axis no longer changes: the larger of gap limit and longest lag.
+    /// The larger of gap limit and longest lag, ticks: in a gap, the axis reaches a steady state after them.
     pub(crate) fn settling_ticks(&self) -> u32 {
         u32::from(self.depth.max(u16::from(self.gap_limit_samples)))
     }

@@ -16,7 +16,7 @@ const F32_BIAS: u32 = 127;
 const F64_FRACTION: u32 = 52;
 const F64_BIAS: i32 = 1023;
 
-/// A number from −256 to 256 in steps of 2⁻²³, or not a number: 32 bits.
+/// A 32-bit fixed-point number: −256 to 256 in steps of 2⁻²³, or NaN.
 ///
 /// The range covers the values of a hub: m/s², rad/s, °C and scaled units. Arithmetic saturates and never wraps; a model
 /// whose terms could saturate is rejected

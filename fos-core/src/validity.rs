@@ -15,7 +15,8 @@ bitflags! {
         /// The history is not full yet: only the physical part is subtracted.
         const WARMING_UP = 1;
         /// Part of the history is the model's own prediction, not measurement. Normal while coasting and until the
-        /// history is measured again. The innovation of such a sample is not a one-step error.
+        /// history is measured again. The innovation of such a sample is not a one-step
+        /// prediction error.
         const OWN_HISTORY = 1 << 1;
         /// Coasting has lasted longer than the model was validated for: the stochastic part fades out.
         const COASTING_TOO_LONG = 1 << 2;

@@ -46,8 +46,8 @@ pub struct StreamCounts {
 /// [`Aligner`] documents the guarantees on order, batches and clocks. Missing values are NaN, which the hub flags:
 /// accelerometers where one of their samples was lost, a temperature older than three of its periods, gyro samples with NaN.
 ///
-/// - **Skipped ticks** follow from the timestamps: with the distance D from the previous sample and the period P,
-///   round(D/P) − 1. Counting from sample to sample, a sensor whose clock is a few percent off loses none.
+/// - **Skipped ticks** follow from the timestamps: with the distance D from the last returned sample and the period P,
+///   round(D/P) − 1. Counted from sample to sample, a sensor whose clock is a few percent off loses none.
 /// - **A faster rate**, requested by another client: a sample is passed over, and counted, if the following one, at the same
 ///   distance d as this one from its predecessor, will be nearer to one period after the last returned sample:
 ///   2D + d < 2P. At n times the rate every n-th sample remains; at rates in between, steps are 2/3 to 4/3 P. There is no

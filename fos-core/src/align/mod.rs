@@ -48,8 +48,9 @@ pub use slow::{HELD_PERIODS, Held, SLOW_DEPTH};
 ///   delays the output by at most `DEPTH` samples.
 /// - **Every lost sample is counted** ([`Counts`]). A timestamp that does not increase within its stream is rejected. A
 ///   sample with a value that is not finite is missing; for the lead, the row remains, with NaN.
-/// - **Clock jumps.** After a jump ahead, or a single wild timestamp, a stream recovers when [`SET_BACK_AFTER`] consecutive
-///   timestamps were not above the newest but increased among themselves: it restarts at the last of them.
+/// - **Clock jumps.** After a jump ahead a stream continues at once. After a clock was set back, or a single timestamp was
+///   far ahead, it restarts at the last of [`SET_BACK_AFTER`] consecutive timestamps that are not above the newest but
+///   increase among themselves.
 /// - **The same bits on every machine**, no heap, no panic; a push or a pop takes at most a few passes over one queue.
 ///
 /// The queues hold `DEPTH` samples of the lead and of each follower, and [`SLOW_DEPTH`] of each slow channel; a batch must

@@ -155,7 +155,7 @@ impl<'a> UnitRecord<'a> {
 ///
 /// # Errors
 ///
-/// Image or record are damaged or do not belong together, or the buffer is too small.
+/// Image or record is damaged, they do not belong together, or the buffer is too small.
 ///
 /// ```
 /// use fos_core::image::{UnitError, for_unit};
