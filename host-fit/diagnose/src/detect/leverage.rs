@@ -1,5 +1,5 @@
-//! How far a log goes in a combination of inputs that another has hardly excited: each input alone may stay where it was
-//! seen, and yet nothing is known of what they do together.
+//! Extrapolation in combinations of inputs: each input alone may stay in its fitted range while their combination was
+//! hardly excited.
 
 use fos_fit::signal;
 use nalgebra::{DMatrix, DVector};
@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 /// Share of the blocks that may go further.
 const TAIL: f64 = 0.05;
 
-/// The largest leverage xᵀ C⁻¹ x of the blocks of a log over the largest of those that the coefficients were learnt from,
-/// C their covariance; but for a twentieth of the blocks. One column alone is held by its limits.
+/// Returns the largest leverage xᵀ C⁻¹ x of the blocks of a log divided by the largest of the fitted blocks, with C
+/// their covariance; 5 % of the blocks are ignored. `None` for a single column, which is bounded by its limits.
 pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
     let (k, n) = (learnt.len(), learnt.first()?.len());
     if k < 2 || judged.len() != k {
@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_never_excited_together_is_far_although_each_alone_is_near() {
+    fn flags_combinations_outside_the_fitted_range() {
         let along = |a: f64, b: f64| -> [Vec<f64>; 2] {
             let wave = |row: usize| (0.1 * row as f64).sin();
             let other = |row: usize| 0.01 * (1.7 * row as f64).cos();

@@ -1,14 +1,14 @@
-//! The refinement with two rules that contradict one another, as it was: a negative control, nothing else.
+//! The earlier refinement with two contradictory rules, as a negative control only.
 //!
-//! It takes a term out whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above what noise
-//! would do: where what is left is smaller than either, both hold of the same term, for ever.
+//! It removes a term whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above that of
+//! noise: if the residual is smaller than both, both rules apply to the same term forever.
 
 use super::{ForEachSwap, WORTH, for_each_pair, for_each_single, without};
 use crate::fit::fos::{Expansion, Selection};
 use crate::fit::stop::{EXACT, StopRule};
 use crate::moments::Gram;
 
-/// How many moves it makes, of at most `most`.
+/// Returns the number of moves, at most `most`.
 pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selection) -> usize {
     let threshold = rule.noise.threshold(gram.rows(), gram.size());
     let exact = EXACT * gram.target_mean_square();
