@@ -115,13 +115,14 @@ fn evaluate(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
-    let of_rival = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
+    let rival_errors = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
         let trace = trace::<f64>(&rival(model, *kind, lag_1), &playback, rows.clone(), |_| {})?;
         Ok(of(kind.name(), &trace))
     };
     // a trace may be larger than the log; that of the model, which is stored, comes last
     let at_once = (TRACES_AT_ONCE / Trace::bytes(rows.len(), n_axes).max(1)).clamp(1, Rival::ALL.len());
-    let rivals: Vec<_> = Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, of_rival)).collect();
+    let rivals: Vec<_> =
+        Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, rival_errors)).collect();
     progress(MODEL);
     let trace = trace::<f64>(model, &playback, rows, |_| {})?;
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];

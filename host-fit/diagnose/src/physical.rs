@@ -56,10 +56,10 @@ pub(crate) fn in_known_pose(
     stillness: &Stillness,
 ) -> Result<Option<Recording>, PhysicalError> {
     let has_reference = |column: &str| log.channel(&Column::named(column).reference()).is_ok();
-    let bears = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
+    let is_accelerometer = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
     let places: Vec<usize> = (0..model.axes.len())
         .filter(|place| {
-            bears(model.axes[*place].parameters.axis) && !has_reference(&model.axes[*place].column)
+            is_accelerometer(model.axes[*place].parameters.axis) && !has_reference(&model.axes[*place].column)
         })
         .collect();
     if stillness.turns.is_empty() || places.is_empty() {
@@ -70,8 +70,8 @@ pub(crate) fn in_known_pose(
     for place in places {
         let axis = &model.axes[place];
         let (reference, scale) = (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale);
-        let is_of_fit = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
-        let wanted = |level| if is_of_fit(level) { level } else { reference };
+        let is_fitted_orientation = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
+        let wanted = |level| if is_fitted_orientation(level) { level } else { reference };
         let values = &log.channel(&axis.column)?.values;
         let moved = pose::with_levels(values, &explained[place], &stillness.still, &stillness.turns, wanted);
         other = other.with_values(&axis.column, moved);

@@ -219,11 +219,11 @@ impl<'a> Playback<'a> {
     /// Returns the rows in the scalar of a predictor.
     pub fn feed<R: Scalar>(&self) -> Feed<'_, 'a, R> {
         let gate = |parameters: &AxisParameters<f64>| {
-            let of_device: AxisParameters<R::Stored> = parameters.convert();
+            let device_parameters: AxisParameters<R::Stored> = parameters.convert();
             Gate {
-                pose: PoseGate::new(&of_device).convert(),
-                offset: R::of(of_device.offset),
-                reference: R::of(of_device.reference),
+                pose: PoseGate::new(&device_parameters).convert(),
+                offset: R::of(device_parameters.offset),
+                reference: R::of(device_parameters.reference),
             }
         };
         let gates: Vec<Option<Gate<R>>> =

@@ -30,10 +30,10 @@ const CLEAR_OF_MEAN: f64 = 3.0;
 const CORRELATION: [f64; 3] = [1.0, 4.0 / 9.0, 1.0 / 36.0];
 
 /// Least number of stretches for a usual power.
-const FEWEST: usize = 8;
+const MIN_STRETCHES: usize = 8;
 
 /// Least degrees of freedom of a cell.
-const FEWEST_FREEDOM: f64 = 4.0;
+const MIN_FREEDOM: f64 = 4.0;
 
 /// Steepest spectral slope of noise; a steeper one is a line in the band.
 const STEEPEST: f64 = 4.0;
@@ -91,9 +91,9 @@ struct Stretch {
     pieces: Vec<Piece>,
 }
 
-/// Computes the map of the residual `left`, one value per row, NaN if unknown, over `rows`.
-pub(super) fn power_map(recording: &Recording, rows: Range<usize>, left: &[f64]) -> PowerMap {
-    let (stretches, stretch_ticks) = stretches(recording, rows, left);
+/// Computes the map of `residual`, one value per row, NaN if unknown, over `rows`.
+pub(super) fn power_map(recording: &Recording, rows: Range<usize>, residual: &[f64]) -> PowerMap {
+    let (stretches, stretch_ticks) = stretches(recording, rows, residual);
     let rate_hz = 1.0 / recording.rate.period_s;
     let mut low_hz = LOWEST * rate_hz / stretch_ticks as f64;
     let mut cells = Vec::new();
@@ -109,7 +109,7 @@ pub(super) fn power_map(recording: &Recording, rows: Range<usize>, left: &[f64])
 }
 
 /// Returns the stretches, and their length in ticks.
-fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<Stretch>, u64) {
+fn stretches(recording: &Recording, rows: Range<usize>, residual: &[f64]) -> (Vec<Stretch>, u64) {
     let inside = |segment: &fos_data::recording::Segment| {
         let part = segment.rows.start.max(rows.start)..segment.rows.end.min(rows.end);
         (!part.is_empty()).then(|| (segment.tick + (part.start - segment.rows.start) as u64, part))
@@ -132,9 +132,9 @@ fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<St
         let (Some(first), Some(last)) = (parts.first(), parts.last()) else { continue };
         let pieces = parts
             .iter()
-            .flat_map(|part| runs(part.clone(), |row| left[row].is_finite()))
+            .flat_map(|part| runs(part.clone(), |row| residual[row].is_finite()))
             .filter(|piece| piece.len() as f64 > 4.0 * CLEAR_OF_MEAN)
-            .map(|piece| Piece::new(&left[piece], recording.rate.period_s))
+            .map(|piece| Piece::new(&residual[piece], recording.rate.period_s))
             .collect();
         made.push(Stretch {
             begin_s: recording.time_s[first.start],
@@ -191,10 +191,10 @@ fn cells_of(stretches: &[Stretch], band: (f64, f64)) -> Vec<Cell> {
                 }
             }
             let freedom = 2.0 * expected * expected / variance;
-            (freedom >= FEWEST_FREEDOM && power > 0.0).then_some((stretch, power / expected, freedom))
+            (freedom >= MIN_FREEDOM && power > 0.0).then_some((stretch, power / expected, freedom))
         })
         .collect();
-    if known.len() < FEWEST {
+    if known.len() < MIN_STRETCHES {
         return Vec::new();
     }
     let mut levels: Vec<f64> =

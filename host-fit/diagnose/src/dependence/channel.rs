@@ -4,14 +4,14 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::likelihood::{Remainder, Test};
+use super::likelihood::{BlockResidual, Test};
 use fos_fit::noise::Fitted;
 use fos_fit::noise::{Gls, NoiseLevels};
 
 const BINS: usize = 12;
 
 /// Least number of blocks in a bin: where a temperature reverses, single rising blocks lie among falling ones.
-const FEWEST: usize = 3;
+const MIN_BIN_BLOCKS: usize = 3;
 
 /// Share of the log over which the slope of a channel is taken: much longer than a step of a thermometer, much shorter
 /// than its course.
@@ -49,8 +49,8 @@ pub struct Bins {
 }
 
 /// Tests a curve with the noise levels fitted; also returns the fit.
-pub(super) fn curve(remainder: &Remainder<'_>, null: &Fitted, values: &[f64]) -> Option<(Test, Fitted)> {
-    remainder.test(null, &natural_curve(values))
+pub(super) fn curve(residual: &BlockResidual<'_>, null: &Fitted, values: &[f64]) -> Option<(Test, Fitted)> {
+    residual.test(null, &natural_curve(values))
 }
 
 /// Noise estimated by a test.
@@ -79,16 +79,16 @@ impl<'a> Noise<'a> {
 }
 
 /// Computes the residual in bins of `values`, one per block; also by the sign of the slope if `split`.
-pub(super) fn bins(remainder: &Remainder<'_>, noise: Noise<'_>, values: &[f64], split: bool) -> Bins {
+pub(super) fn bins(residual: &BlockResidual<'_>, noise: Noise<'_>, values: &[f64], split: bool) -> Bins {
     let place = equal_counts(values);
-    let all = levels_in(remainder, noise, values, &place).into_iter().flatten().collect();
+    let all = levels_in(residual, noise, values, &place).into_iter().flatten().collect();
     if !split {
         return Bins { all, ..Bins::default() };
     }
-    let rises = rising(remainder, values);
+    let rises = rising(residual, values);
     let by_slope: Vec<usize> =
         place.iter().zip(&rises).map(|(bin, rises)| 2 * bin + usize::from(*rises)).collect();
-    let split = levels_in(remainder, noise, values, &by_slope);
+    let split = levels_in(residual, noise, values, &by_slope);
     let half = |odd: usize| split.iter().skip(odd).step_by(2).flatten().cloned().collect();
     Bins { all, rising: half(1), falling: half(0) }
 }
@@ -113,7 +113,7 @@ fn equal_counts(values: &[f64]) -> Vec<usize> {
 /// Computes the bins given by `place`; those with too few blocks are omitted from the result but not from the
 /// regression.
 fn levels_in(
-    remainder: &Remainder<'_>,
+    residual: &BlockResidual<'_>,
     noise: Noise<'_>,
     values: &[f64],
     place: &[usize],
@@ -124,7 +124,7 @@ fn levels_in(
         .map(|bin| place.iter().map(|place| f64::from(u8::from(*place == bin))).collect())
         .collect();
     let regressors: Vec<&[f64]> = indicators.iter().map(Vec::as_slice).collect();
-    let gls = Gls::new(remainder.blocks, noise.levels, remainder.means, &regressors);
+    let gls = Gls::new(residual.blocks, noise.levels, residual.means, &regressors);
     let (coefficients, covariance) = (gls.coefficients(), gls.covariance());
     let share: Vec<f64> = indicators.iter().map(|column| column.iter().sum::<f64>() / n as f64).collect();
     let overall: f64 = coefficients.iter().zip(&share).map(|(level, share)| level * share).sum();
@@ -147,11 +147,11 @@ fn levels_in(
             .map(|(i, j)| contrast[i] * covariance[(i, j)] * contrast[j])
             .sum();
         let blocks = (share[bin] * n as f64).round() as usize;
-        if blocks >= FEWEST {
+        if blocks >= MIN_BIN_BLOCKS {
             bins[bin] = Some(Bin {
                 channel: own(values),
                 blocks,
-                mean: own(remainder.means),
+                mean: own(residual.means),
                 level: coefficients[bin] - overall,
                 half_width: wide * variance.sqrt(),
             });
@@ -161,8 +161,8 @@ fn levels_in(
 }
 
 /// Returns for each block whether the channel rises: the sign of its least-squares slope around the block.
-fn rising(remainder: &Remainder<'_>, values: &[f64]) -> Vec<bool> {
-    let blocks = &remainder.blocks.blocks;
+fn rising(residual: &BlockResidual<'_>, values: &[f64]) -> Vec<bool> {
+    let blocks = &residual.blocks.blocks;
     let span = blocks.last().map_or(0, |last| last.index) - blocks.first().map_or(0, |first| first.index);
     let reach = ((span as f64 * SLOPE_SHARE / 2.0) as u64).max(1);
     let (mut begin, mut end) = (0, 0);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::likelihood::{Remainder, Test};
+use super::likelihood::{BlockResidual, Test};
 use fos_data::recording::{Boundary, Recording};
 use fos_fit::noise::{Blocks, Fitted, Gls, NoiseLevels};
 
@@ -136,21 +136,21 @@ impl Shift {
 /// Computes the profile of a channel with the block means `delayed` by delay, under noise of `levels`. `None` if the
 /// channel does not change.
 pub(super) fn profile(
-    remainder: &Remainder<'_>,
+    residual: &BlockResidual<'_>,
     (null, levels): (&Fitted, &NoiseLevels),
     delayed: &[Vec<f64>; N_DELAYS],
 ) -> Option<LagProfile> {
-    let blocks = remainder.blocks;
+    let blocks = residual.blocks;
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0);
     let ones = vec![1.0; blocks.len()];
-    let alone = Gls::new(blocks, levels, remainder.means, &[&ones]).deviance();
+    let alone = Gls::new(blocks, levels, residual.means, &[&ones]).deviance();
     let mut delays = Vec::new();
     let mut best: Option<(f64, &Vec<f64>)> = None;
     for (delay_s, values) in DELAYS_S.into_iter().zip(delayed) {
         if delay_s > LONGEST_SHARE * span_s {
             continue;
         }
-        let gls = Gls::new(blocks, levels, remainder.means, &[&ones, values]);
+        let gls = Gls::new(blocks, levels, residual.means, &[&ones, values]);
         if gls.kept.len() < 2 {
             continue;
         }
@@ -162,7 +162,7 @@ pub(super) fn profile(
         }
     }
     let (most, values) = best?;
-    let (test, _) = remainder.test(null, std::slice::from_ref(values))?;
+    let (test, _) = residual.test(null, std::slice::from_ref(values))?;
     let possible =
         || delays.iter().filter(|delay| delay.gain > most - INDISTINGUISHABLE).map(|delay| delay.delay_s);
     Some(LagProfile {

@@ -11,11 +11,11 @@ use fos_fit::noise::{Fitted, Regression};
 const STEP: f64 = 0.1;
 
 /// Number of effective samples above which the noise counts as known.
-const MOST_EFFECTIVE: f64 = 1e6;
+const MAX_EFFECTIVE: f64 = 1e6;
 
 /// Residual of an axis in block means, and the prior of its noise.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Remainder<'a> {
+pub(crate) struct BlockResidual<'a> {
     pub(crate) blocks: &'a Blocks,
     pub(crate) means: &'a [f64],
     pub(crate) prior: &'a LevelPrior,
@@ -37,7 +37,7 @@ pub struct Test {
     pub p: f64,
 }
 
-impl Remainder<'_> {
+impl BlockResidual<'_> {
     fn regression<'r>(&'r self, regressors: &'r [&'r [f64]]) -> Regression<'r> {
         Regression { blocks: self.blocks, y: self.means, regressors, prior: self.prior }
     }
@@ -82,7 +82,7 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
         all.view((1, 1), (terms, terms)).into_owned()
     };
     let centre = fitted.levels.logs();
-    let Some(root) = covariance(&centre).cholesky() else { return MOST_EFFECTIVE };
+    let Some(root) = covariance(&centre).cholesky() else { return MAX_EFFECTIVE };
     let root = root.l();
     let moves: [Option<DMatrix<f64>>; 3] = std::array::from_fn(|level| {
         let moved = |by: f64| {
@@ -99,14 +99,14 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
     let precision = regression.posterior(fitted).precision;
     let known = nalgebra::Matrix3::from_fn(|i, j| precision[i][j]).try_inverse();
     let ([Some(white), Some(flicker), Some(walk)], Some(known)) = (&moves, known) else {
-        return MOST_EFFECTIVE;
+        return MAX_EFFECTIVE;
     };
     let moves = [white, flicker, walk];
     let sum: f64 = (0..3)
         .flat_map(|a| (0..3).map(move |b| (a, b)))
         .map(|(a, b)| known[(a, b)] * moves[a].dot(moves[b]))
         .sum();
-    (2.0 * root.nrows() as f64 / sum).clamp(1.0, MOST_EFFECTIVE)
+    (2.0 * root.nrows() as f64 / sum).clamp(1.0, MAX_EFFECTIVE)
 }
 
 /// Probability of a gain. In a regression with n independent errors of one unknown size, the gain is exactly

@@ -35,7 +35,7 @@ use fos_fit::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
 use fos_fit::playback::Playback;
 use lag::Delays;
-use likelihood::Remainder;
+use likelihood::BlockResidual;
 
 /// Approximate number of blocks of the evaluation rows, and shortest block, s; as for a diagnosis.
 const BLOCKS: f64 = 600.0;
@@ -113,14 +113,14 @@ pub fn dependence(
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
 ) -> Result<Vec<Option<Dependence>>, DependenceError> {
-    let left = remainders(model, recording, stillness)?;
+    let left = residuals(model, recording, stillness)?;
     let is_same = |trained: &&Trained<'_>| {
         std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.stillness, stillness)
     };
     // usually the fitted rows are of the same log; its residual, as large as its axes, is then computed once
-    let of_another = trained.filter(|trained| !is_same(trained));
-    let of_another =
-        of_another.map(|trained| remainders(model, trained.recording, trained.stillness)).transpose()?;
+    let other_residuals = trained.filter(|trained| !is_same(trained));
+    let other_residuals =
+        other_residuals.map(|trained| residuals(model, trained.recording, trained.stillness)).transpose()?;
     let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
     let n_axes = model.axes.len();
     let judged: Vec<EvaluatedRows> = in_parallel(0..n_axes, |axis| {
@@ -144,7 +144,7 @@ pub fn dependence(
     });
     Ok(in_parallel(0..n_axes, |axis| {
         let learnt_from = trained.map(|trained| {
-            let left = of_another.as_ref().unwrap_or(&left);
+            let left = other_residuals.as_ref().unwrap_or(&left);
             (trained.recording, trained.rows.clone(), left[axis].as_slice())
         });
         let column = &model.axes[axis].column;
@@ -154,7 +154,7 @@ pub fn dependence(
             .filter(|((first, channel), _)| *first == first_alike[axis] && channel.name != *column);
         let channels = alike.filter_map(|((_, channel), in_blocks)| Some((*channel, in_blocks.as_ref()?)));
         let power = || bands::power_map(recording, rows.clone(), &left[axis]);
-        of_axis(&judged[axis], channels.collect(), learnt_from, power)
+        axis_dependence(&judged[axis], channels.collect(), learnt_from, power)
     }))
 }
 
@@ -209,7 +209,7 @@ pub enum DependenceError {
 
 /// Returns the measured error minus offset and physical part, one value per row of the recording for each axis; NaN in
 /// motion and if the value is unknown.
-fn remainders(
+fn residuals(
     model: &UnitModel,
     recording: &Recording,
     stillness: &Stillness,
@@ -250,7 +250,7 @@ fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s:
     (blocks, means)
 }
 
-fn of_axis(
+fn axis_dependence(
     EvaluatedRows { blocks, means, length_s }: &EvaluatedRows,
     channels: Vec<(&Channel, &ChannelInBlocks)>,
     learnt_from: Option<(&Recording, Range<usize>, &[f64])>,
@@ -267,23 +267,24 @@ fn of_axis(
         (blocks.len() >= MIN_BLOCKS).then(|| prior.learnt(&blocks, &means, &[ones]).ok())?
     });
     let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(blocks, means));
-    let remainder = Remainder { blocks, means, prior: &prior };
+    let remainder = BlockResidual { blocks, means, prior: &prior };
     let null = remainder.constant();
-    let of_channel = |(channel, in_blocks): (&Channel, &ChannelInBlocks)| -> Option<ChannelDependence> {
-        let values = in_blocks.means();
-        let (curve, fitted) = channel::curve(&remainder, &null, values)?;
-        let noise = Noise::of(&curve, &fitted);
-        Some(ChannelDependence {
-            channel: channel.name.clone(),
-            unit: Column::named(&channel.name).unit().label().to_owned(),
-            p_of_all: curve.p,
-            bins: channel::bins(&remainder, noise, values, channel.unit == Unit::Celsius),
-            lag: lag::profile(&remainder, (&null, &fitted.levels), &in_blocks.0)?,
-            curve,
-        })
-    };
+    let channel_dependence =
+        |(channel, in_blocks): (&Channel, &ChannelInBlocks)| -> Option<ChannelDependence> {
+            let values = in_blocks.means();
+            let (curve, fitted) = channel::curve(&remainder, &null, values)?;
+            let noise = Noise::of(&curve, &fitted);
+            Some(ChannelDependence {
+                channel: channel.name.clone(),
+                unit: Column::named(&channel.name).unit().label().to_owned(),
+                p_of_all: curve.p,
+                bins: channel::bins(&remainder, noise, values, channel.unit == Unit::Celsius),
+                lag: lag::profile(&remainder, (&null, &fitted.levels), &in_blocks.0)?,
+                curve,
+            })
+        };
     let mut channels: Vec<ChannelDependence> =
-        in_parallel(channels, of_channel).into_iter().flatten().collect();
+        in_parallel(channels, channel_dependence).into_iter().flatten().collect();
     let tried = channels.len() as f64;
     channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));
     channels.sort_by(|a, b| a.curve.p.total_cmp(&b.curve.p).then(b.curve.score.total_cmp(&a.curve.score)));

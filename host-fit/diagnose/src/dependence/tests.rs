@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::channel::Noise;
-use super::likelihood::Remainder;
+use super::likelihood::BlockResidual;
 use super::{bands, channel, lag};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::noise::{Blocks, Gls, LevelPrior, NoiseLevels};
@@ -46,8 +46,8 @@ impl Log {
         Self { means: noise.simulate(blocks, &mut random), channel, prior }
     }
 
-    fn remainder<'a>(&'a self, blocks: &'a Blocks) -> Remainder<'a> {
-        Remainder { blocks, means: &self.means, prior: &self.prior }
+    fn remainder<'a>(&'a self, blocks: &'a Blocks) -> BlockResidual<'a> {
+        BlockResidual { blocks, means: &self.means, prior: &self.prior }
     }
 }
 
@@ -216,12 +216,12 @@ fn false_alarm_rate_of_power_map_is_as_stated() {
         let alarms: Vec<bool> = (0..200_u64)
             .into_par_iter()
             .map(|seed| {
-                let mut left = noise.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+                let mut residual = noise.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
                 // handling, so that pieces of several lengths are combined
                 for row in (0..SAMPLES).filter(|row| row % 1000 > 900) {
-                    left[row] = f64::NAN;
+                    residual[row] = f64::NAN;
                 }
-                let map = bands::power_map(&recording, 0..SAMPLES, &left);
+                let map = bands::power_map(&recording, 0..SAMPLES, &residual);
                 assert!(map.cells.len() >= 80, "{}", map.cells.len());
                 !map.worst().is_empty()
             })
@@ -241,14 +241,14 @@ fn finds_time_band_and_power_of_shaking() {
     let found: Vec<bool> = (0..200_u64)
         .into_par_iter()
         .map(|seed| {
-            let mut left = FAST_NOISE[0].simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+            let mut residual = FAST_NOISE[0].simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
             let shaken = 2100..2400;
             for row in shaken {
                 // a band of 2.13 Hz about 3.2 Hz holds white noise of power 2·2.13; five times that is added
-                left[row] += (2.0_f64 * 5.0 * 4.27).sqrt()
+                residual[row] += (2.0_f64 * 5.0 * 4.27).sqrt()
                     * (std::f64::consts::TAU * 3.2 * row as f64 * PERIOD_S).sin();
             }
-            let map = bands::power_map(&recording, 0..SAMPLES, &left);
+            let map = bands::power_map(&recording, 0..SAMPLES, &residual);
             let worst = map.worst();
             worst.first().is_some_and(|cell| {
                 (cell.begin_s - 210.0).abs() < 0.2

@@ -67,8 +67,8 @@ impl<'a> Cleaned<'a> {
     /// Returns the warnings about the logs that concern the column to explain.
     pub(super) fn cautions(&self) -> Vec<String> {
         let mut cautions = self.field.cautions(&self.column);
-        let of_quiet = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
-        cautions.extend(of_quiet.map(|caution| format!("reference log: {caution}")));
+        let reference_cautions = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
+        cautions.extend(reference_cautions.map(|caution| format!("reference log: {caution}")));
         cautions
     }
 }
@@ -101,14 +101,14 @@ impl<'a> Log<'a> {
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {
-        let bears = |oddity: &Oddity| match oddity {
+        let concerns_column = |oddity: &Oddity| match oddity {
             Oddity::NotGravity { .. } | Oddity::LevelAfterPause(_) => {
                 Column::named(column).is_specific_force()
             }
             _ => true,
         };
         let odd = self.whole.oddities_about(&[column], &self.still);
-        odd.iter().filter(|oddity| bears(oddity)).map(ToString::to_string).collect()
+        odd.iter().filter(|oddity| concerns_column(oddity)).map(ToString::to_string).collect()
     }
 }
 

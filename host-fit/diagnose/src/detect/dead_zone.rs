@@ -6,10 +6,10 @@
 //! register, the neighbours of the repeated value occur at other times.
 
 /// Least number of samples at the repeated value.
-const FEWEST_HELD: usize = 20;
+const MIN_HELD: usize = 20;
 
 /// Least number of samples on each side within one half width of the edge.
-const FEWEST_OUTSIDE: usize = 12;
+const MIN_OUTSIDE: usize = 12;
 
 /// Least ratio of the empty range to the usual distance of neighbouring values outside.
 const EMPTY_STEPS: f64 = 4.0;
@@ -57,7 +57,7 @@ pub(super) fn search(values: &[f64]) -> Searched {
     let middle = quantile(0.75) - quantile(0.25);
     let turns = [value - quantile(0.001), quantile(0.999) - value].iter().all(|side| *side > REST * middle);
     let nothing = if turns { Searched::None } else { Searched::NotShown };
-    if held == 0 || held + 1 == distinct.len() || count < FEWEST_HELD {
+    if held == 0 || held + 1 == distinct.len() || count < MIN_HELD {
         return nothing;
     }
     let sides = [value - distinct[held - 1].0, distinct[held + 1].0 - value];
@@ -78,7 +78,7 @@ pub(super) fn search(values: &[f64]) -> Searched {
         }
         let mut gaps: Vec<f64> = beyond.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         gaps.sort_unstable_by(f64::total_cmp);
-        samples >= FEWEST_OUTSIDE
+        samples >= MIN_OUTSIDE
             && parts.iter().filter(|has| **has).count() >= PARTS_WITH_VALUES
             && gaps.get(gaps.len() / 2).is_some_and(|gap| half_width > EMPTY_STEPS * gap)
             && beyond.iter().all(|(_, outside)| 2 * outside < count)

@@ -51,10 +51,10 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     let mut untested = prepared.testable.untested.clone();
     let mut effects = Vec::new();
     if !hidden {
-        let of_attitude = prepared.testable.of_attitude(&hypotheses, &inputs, column)?;
-        let tested = prepared.testable.effects.iter().filter(|effect| !is_among(&of_attitude, effect));
+        let attitude_effects = prepared.testable.attitude_effects(&hypotheses, &inputs, column)?;
+        let tested = prepared.testable.effects.iter().filter(|effect| !is_among(&attitude_effects, effect));
         effects.extend(tested.cloned());
-        untested.extend(of_attitude);
+        untested.extend(attitude_effects);
     }
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let pass =
@@ -81,10 +81,10 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         false => telegraph::instead(&prepared, &slow, &left),
     };
     if let Some(found) = &telegraph {
-        let beside = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
-        let again = pass(&beside, &effects)?;
+        let with_telegraph = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
+        let again = pass(&with_telegraph, &effects)?;
         match found.leaves_noise(&again.0) {
-            true => (given, (slow, left)) = (beside, again),
+            true => (given, (slow, left)) = (with_telegraph, again),
             false => telegraph = None,
         }
     }
@@ -229,7 +229,7 @@ fn learnt_from(question: &Question<'_>) -> String {
     .to_owned()
 }
 
-/// Finds spectral lines that are errors of the sensor. Motion is excluded: on a shaker or beside a machine, lines that
+/// Finds spectral lines that are errors of the sensor. Motion is excluded: on a shaker or near a machine, lines that
 /// another axis shows too; anywhere, intermittent or wandering lines that several axes show.
 fn lines(
     question: &Question<'_>,

@@ -134,23 +134,23 @@ impl ErrorInBlocks {
 
     /// Returns the variance of the block means of a residual, over the blocks that begin in `rows`, about a separate
     /// mean for each dwell if gravity may have turned.
-    pub fn slow_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+    pub fn slow_variance(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
         let begins_before = |row: usize| self.blocks.blocks.partition_point(|block| block.rows.start < row);
-        self.variance_in(&self.blocks.means(left), begins_before(rows.start)..begins_before(rows.end))
+        self.variance_in(&self.blocks.means(residual), begins_before(rows.start)..begins_before(rows.end))
     }
 
     /// Returns the mean of the block means of a residual, over the blocks that begin in `rows`.
-    pub fn slow_mean(&self, left: &[f64], rows: &Range<usize>) -> f64 {
-        let means = self.blocks.means(left);
+    pub fn slow_mean(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(residual);
         let inside =
             self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
         signal::mean(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
     }
 
     /// Returns the variance of the samples of a residual, over the used rows in `rows`.
-    pub fn wide_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
-        let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();
-        signal::variance(&[&rows.clone().filter(counts).map(|row| left[row]).collect::<Vec<f64>>()])
+    pub fn wide_variance(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
+        let counts = |row: &usize| self.blocks.known()[*row] && residual[*row].is_finite();
+        signal::variance(&[&rows.clone().filter(counts).map(|row| residual[row]).collect::<Vec<f64>>()])
     }
 }
 

@@ -34,7 +34,7 @@ impl Hypothesis {
     }
 
     /// Returns the hypothesis with some of its regressors.
-    pub(super) fn of_terms(&self, places: &[usize]) -> Self {
+    pub(super) fn with_terms(&self, places: &[usize]) -> Self {
         let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
         let terms = places.iter().map(|place| self.terms[*place]).collect();
         let regressors = places.iter().filter_map(|place| self.regressors.get(*place).cloned()).collect();
@@ -45,7 +45,7 @@ impl Hypothesis {
     pub(super) fn with_terms_of(&self, other: &Self) -> Self {
         let places: Vec<usize> =
             (0..self.terms.len()).filter(|place| other.terms.contains(&self.terms[*place])).collect();
-        if places.len() == self.terms.len() { self.clone() } else { self.of_terms(&places) }
+        if places.len() == self.terms.len() { self.clone() } else { self.with_terms(&places) }
     }
 
     /// Returns true if `other` is of the same effect, for any parameter value.
@@ -132,7 +132,7 @@ impl<'a> Hypotheses<'a> {
         }
         let made = match effect.search {
             Detector::Step => self.step(effect, value),
-            _ => self.of_regressors(effect, value)?,
+            _ => self.from_regressors(effect, value)?,
         };
         Ok(self.made.insert(key, made))
     }
@@ -156,7 +156,11 @@ impl<'a> Hypotheses<'a> {
         })
     }
 
-    fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+    fn from_regressors(
+        &self,
+        effect: &Arc<Effect>,
+        value: Option<f64>,
+    ) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()

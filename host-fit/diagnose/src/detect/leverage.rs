@@ -16,13 +16,14 @@ pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
     }
     let means: Vec<f64> = learnt.iter().map(|column| signal::mean(&[column])).collect();
     let at = |columns: &dyn Fn(usize) -> f64| DVector::from_fn(k, |i, _| columns(i) - means[i]);
-    let of_learnt: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
-    let of_judged: Vec<DVector<f64>> = (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
-    let covariance = of_learnt.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
+    let learnt_vectors: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
+    let judged_vectors: Vec<DVector<f64>> =
+        (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
+    let covariance = learnt_vectors.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
     let cholesky = covariance.cholesky()?;
     let leverage = |x: &DVector<f64>| x.dot(&cholesky.solve(x));
-    let most = of_learnt.iter().map(leverage).fold(0.0, f64::max);
-    let mut judged: Vec<f64> = of_judged.iter().map(leverage).collect();
+    let most = learnt_vectors.iter().map(leverage).fold(0.0, f64::max);
+    let mut judged: Vec<f64> = judged_vectors.iter().map(leverage).collect();
     judged.sort_unstable_by(f64::total_cmp);
     let last = judged.len().checked_sub(1)?;
     Some(judged[((1.0 - TAIL) * last as f64) as usize] / most)

@@ -34,38 +34,38 @@ pub fn with_measured_reduction(
     let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
     let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
     let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
-    let left_of =
+    let residual_of =
         |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
             let taken = correction(findings, field, log)?;
             Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
         };
-    let left = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
-        let left = left_of(&reduced, judged, findings)?;
+    let error = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
+        let residual = residual_of(&reduced, judged, findings)?;
         Ok(match as_of.band {
-            Band::Wide => reduced.wide_variance(&left, rows),
+            Band::Wide => reduced.wide_variance(&residual, rows),
             // a step is constant here: its error counts from the bias of the log in which it was found
             _ if is_step(as_of) => {
-                let bias = own.slow_mean(&left_of(&own, field, findings)?, &(0..field.n_rows()));
-                reduced.slow_variance(&left, rows) + (reduced.slow_mean(&left, rows) - bias).powi(2)
+                let bias = own.slow_mean(&residual_of(&own, field, findings)?, &(0..field.n_rows()));
+                reduced.slow_variance(&residual, rows) + (reduced.slow_mean(&residual, rows) - bias).powi(2)
             }
-            _ => reduced.slow_variance(&left, rows),
+            _ => reduced.slow_variance(&residual, rows),
         })
     };
-    let mut held: Vec<Finding> = Vec::new();
+    let mut accepted: Vec<Finding> = Vec::new();
     let mut is_confirmed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() {
-            held.push(finding);
+            accepted.push(finding);
             continue;
         }
         if is_step(&finding) && !is_bias_known(judged, &diagnosis.target) {
-            held.push(finding);
+            accepted.push(finding);
             continue;
         }
-        let before = left(&held, &finding)?;
-        let mut with = held.clone();
+        let before = error(&accepted, &finding)?;
+        let mut with = accepted.clone();
         with.push(finding.clone());
-        let reduction = 1.0 - left(&with, &finding)? / before;
+        let reduction = 1.0 - error(&with, &finding)? / before;
         finding.measured_reduction = Some(reduction);
         // the evaluation log may confirm an effect that its own log leaves open; but not a function of the clock, which
         // fits any drift, nor an implausible size
@@ -94,10 +94,10 @@ pub fn with_measured_reduction(
                 decides: true,
             });
         } else {
-            held.push(finding);
+            accepted.push(finding);
         }
     }
-    diagnosis.findings = held;
+    diagnosis.findings = accepted;
     if (is_confirmed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());

@@ -25,7 +25,7 @@ const SHAKEN: f64 = 1.5;
 const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
 
 /// Least number of blocks from which noise and lines can be estimated; slow effects need [`MIN_BLOCKS`].
-const FEWEST_BLOCKS: usize = 10;
+const MIN_NOISE_BLOCKS: usize = 10;
 
 /// Standard deviation of the logarithm of an unknown random walk.
 const FREE_WALK: f64 = 3.0;
@@ -65,7 +65,7 @@ impl Prepared {
         let inputs = Inputs::new(field);
         let testable = Testable::of(question, &inputs, &column)?;
         let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
-        if reduced.blocks.beyond_levels() < FEWEST_BLOCKS {
+        if reduced.blocks.beyond_levels() < MIN_NOISE_BLOCKS {
             return Err(too_short(&column, &reduced));
         }
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
@@ -131,8 +131,8 @@ impl Prepared {
     pub(super) fn time_needed(&self, question: &Question<'_>) -> Result<String, DiagnoseError> {
         let (has, wanted) = (self.reduced.blocks.len(), MIN_BLOCKS as f64 * self.reduced.blocks.length_s);
         let has_s = has as f64 * self.reduced.blocks.length_s;
-        let whatever_known = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
-        Ok(match whatever_known.blocks.len() < MIN_BLOCKS {
+        let any_inputs = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
+        Ok(match any_inputs.blocks.len() < MIN_BLOCKS {
             true => format!("{wanted:.0} s at rest, {:.0} s more than this log has", (wanted - has_s).ceil()),
             false => format!(
                 "values of every logged input over {wanted:.0} s at rest; they are all known in only {has_s:.0} s"

@@ -20,9 +20,9 @@ fn log(seed: u64, time_s: Vec<f64>, force: impl Fn(usize) -> [f64; 3]) -> Column
     let temperature = time_s.iter().map(|t| 25.0 + 5.0 * (t / 2000.0).sin()).collect();
     let axis = |(i, name): (usize, &str)| {
         let noise = white_noise(10 * seed + i as u64, n);
-        let of_gravity = |row: usize| if i < 3 { force(row)[i] } else { 0.0 };
+        let gravity_at = |row: usize| if i < 3 { force(row)[i] } else { 0.0 };
         let deviation = if i < 3 { 0.012 } else { 0.0015 };
-        (name.to_owned(), (0..n).map(|row| of_gravity(row) + deviation * noise[row]).collect())
+        (name.to_owned(), (0..n).map(|row| gravity_at(row) + deviation * noise[row]).collect())
     };
     let axes = AXES.into_iter().enumerate().map(axis);
     [("t_s".to_owned(), time_s), ("temp_c".to_owned(), temperature)].into_iter().chain(axes).collect()

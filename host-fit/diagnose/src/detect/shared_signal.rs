@@ -28,7 +28,7 @@ const STANDARD_ERRORS: f64 = 4.5;
 const VARIANCE_OF_WHITE: f64 = 1.5;
 
 /// Least number of axes that share a signal: two may be one cause seen twice, as under a tilt.
-const FEWEST: usize = 3;
+const MIN_AXES: usize = 3;
 
 /// Clipping limit of changes, in standard deviations: one shock in all axes is not a slow signal.
 const CLIP_AT: f64 = 3.0;
@@ -116,7 +116,7 @@ fn shared_signal(
 ) -> Result<Option<SharedSignal>, RecordingError> {
     let inertial: Vec<(&str, &[Finding])> =
         axes.iter().copied().filter(|(axis, _)| AXES.contains(axis)).collect();
-    if inertial.len() < FEWEST {
+    if inertial.len() < MIN_AXES {
         return Ok(None);
     }
     let at_rest = &*disturbance::marked(recording).0;
@@ -156,20 +156,20 @@ impl Means {
         lengths_s: [f64; N],
     ) -> Result<[Self; N], RecordingError> {
         let found = correction(findings, recording, recording)?;
-        let mut of_lengths = Vec::with_capacity(N);
+        let mut by_length = Vec::with_capacity(N);
         for length_s in lengths_s {
             let ErrorInBlocks { blocks, error, .. } =
                 ErrorInBlocks::in_blocks_of(recording, axis, &[], length_s)?;
             let left: Vec<f64> = error.iter().zip(&found).map(|(error, found)| error - found).collect();
             let means = blocks.means(&left);
-            of_lengths.push(Self {
+            by_length.push(Self {
                 index: blocks.blocks.iter().map(|block| block.index).collect(),
                 values: blocks.about_levels(&means, 0..means.len()),
                 restarts: blocks.restarts().to_vec(),
             });
         }
-        let mut of_lengths = of_lengths.into_iter();
-        Ok(std::array::from_fn(|_| of_lengths.next().expect("one for each length")))
+        let mut by_length = by_length.into_iter();
+        Ok(std::array::from_fn(|_| by_length.next().expect("one for each length")))
     }
 }
 
@@ -223,7 +223,7 @@ impl Together {
             .filter(|axis| changes[*axis].iter().all(|change| change.is_finite()))
             .collect();
         let least = STANDARD_ERRORS * (VARIANCE_OF_WHITE / n.max(1.0)).sqrt();
-        if known.len() < FEWEST || least >= 1.0 {
+        if known.len() < MIN_AXES || least >= 1.0 {
             return None;
         }
         let correlation = |axis: &usize| -> f64 {
@@ -235,7 +235,7 @@ impl Together {
             known.iter().map(|axis| (*axis, correlation(axis))).filter(|(_, one)| *one > least).collect();
         let axes: Vec<usize> = sharing.iter().map(|(axis, _)| *axis).collect();
         let has_gyro = axes.iter().any(|axis| Column::named(&self.axes[*axis]).is_angular_rate());
-        if axes.len() < FEWEST || !has_gyro {
+        if axes.len() < MIN_AXES || !has_gyro {
             return None;
         }
         let course = combination(&self.means, &self.scaled(&weights(&changes, &axes)), self.time_s.len());

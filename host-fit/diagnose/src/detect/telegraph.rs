@@ -13,7 +13,7 @@ use super::slow::{ACCEPT, Found, SlowResult};
 use crate::effects::Detector;
 
 /// Least number of transitions in each direction: one up and one down may be a temporary fault.
-const FEWEST_EACH_WAY: usize = 2;
+const MIN_EACH_WAY: usize = 2;
 
 /// Windows over which slow wander is removed before decoding, as shares of the log; above 1 it is not removed.
 const WINDOWS: [f64; 4] = [2.0, 0.4, 0.15, 0.05];
@@ -208,7 +208,7 @@ fn decoded(values: &[f64], share: f64) -> Option<Decoded> {
     }
     let flat: Vec<f64> = values.iter().zip(&wander).map(|(value, wander)| value - wander).collect();
     let decoded = Decoded { course: course(&flat, &states, levels), states };
-    decoded.each_way().iter().all(|count| *count >= FEWEST_EACH_WAY).then_some(decoded)
+    decoded.each_way().iter().all(|count| *count >= MIN_EACH_WAY).then_some(decoded)
 }
 
 /// Returns the means of the values in the lower and in the upper state.

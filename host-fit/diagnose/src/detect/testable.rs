@@ -66,13 +66,13 @@ impl Testable {
     /// # Errors
     ///
     /// A column is missing.
-    pub(super) fn of_attitude(
+    pub(super) fn attitude_effects(
         &self,
         hypotheses: &Hypotheses<'_>,
         inputs: &Inputs<'_>,
         target: &str,
     ) -> Result<Vec<Untested>, RecordingError> {
-        let mut of_attitude = Vec::new();
+        let mut attitude_effects = Vec::new();
         for effect in self.effects.iter().filter(|effect| effect.parameter.is_none()) {
             let Hypothesis { regressors, columns, .. } = hypotheses.make(effect, None)?;
             let axes = regressors.iter().zip(columns.iter()).filter_map(|(regressor, means)| {
@@ -81,10 +81,10 @@ impl Testable {
             });
             let at_rest: Vec<bool> = axes.collect();
             if !at_rest.is_empty() && !at_rest.contains(&false) {
-                of_attitude.push(Self::needs_variation(effect, inputs, target));
+                attitude_effects.push(Self::needs_variation(effect, inputs, target));
             }
         }
-        Ok(of_attitude)
+        Ok(attitude_effects)
     }
 
     /// Returns the entry of an effect whose inputs change too little.

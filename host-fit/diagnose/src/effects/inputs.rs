@@ -13,7 +13,7 @@ use fos_fit::noise::Blocks;
 
 /// Largest share of the rows, at the start of the log, in which a column may be empty. Beyond it, too much of its past
 /// would have to be guessed, and excluding the rows would cost every other effect its evidence.
-const LATEST: f64 = 0.1;
+const MAX_EMPTY_SHARE: f64 = 0.1;
 
 /// Evaluates inputs over a recording, one value per row, as fos-core does on the device.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ impl<'a> Inputs<'a> {
         let first = channel.values.iter().position(|value| !value.is_nan());
         match first {
             None => Some(format!("{column} (every cell is empty)")),
-            Some(row) if row as f64 > LATEST * self.recording.n_rows() as f64 => {
+            Some(row) if row as f64 > MAX_EMPTY_SHARE * self.recording.n_rows() as f64 => {
                 let time_s = self.recording.time_s[row] - self.recording.time_s[0];
                 Some(format!("{column} (empty for the first {time_s:.1} s)"))
             }

@@ -106,9 +106,9 @@ mod tests {
             assert!(wrong.contains(part), "{part}: {wrong}");
         }
         // the other effect may be a user's own, in either order
-        let of_other = MINE.replace("temp_linear", "other");
+        let with_other_rival = MINE.replace("temp_linear", "other");
         let other = MINE.replace("\"mine\"", "\"other\"");
-        assert_eq!(message_for(&[("mine.toml", &of_other), ("other.toml", &other)]), "ok");
+        assert_eq!(message_for(&[("mine.toml", &with_other_rival), ("other.toml", &other)]), "ok");
     }
 
     #[test]

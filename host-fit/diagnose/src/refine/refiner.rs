@@ -172,9 +172,9 @@ impl<'a> Refiner<'a> {
         let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
         let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         let judged = self.without(refinement, &added, self.judged)?;
-        let of_field = self.without_base(refinement, &added)?;
+        let field_residual = self.without_base(refinement, &added)?;
         let mut diagnosis =
-            with_measured_reduction(diagnose(&question)?, &of_field, &judged, &self.judged_rows)?;
+            with_measured_reduction(diagnose(&question)?, &field_residual, &judged, &self.judged_rows)?;
         // the diagnosis fits the added effects again, so it does not see that they made the model worse
         if diagnosis.verdict == Verdict::NothingMissing
             && let Some((verdict, sentence)) = identifiable::all_clear_refuted(refinement)

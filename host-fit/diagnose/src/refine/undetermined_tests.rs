@@ -65,7 +65,7 @@ fn begin(refiner: &Refiner<'_>, quiet: &Recording) -> Refinement {
 }
 
 /// Slow effects of the library that follow a logged column, for a log without a reference.
-fn of_inputs(library: &Library) -> Vec<&Effect> {
+fn input_effects(library: &Library) -> Vec<&Effect> {
     let effects = library.effects().iter().filter(|effect| effect.search == Detector::Terms);
     effects.filter(|effect| effect.strikes("gx_rads") && !effect.follows_clock_alone()).collect()
 }
@@ -74,7 +74,7 @@ fn of_inputs(library: &Library) -> Vec<&Effect> {
 fn can_be_estimated(field: &Recording, library: &Library) -> usize {
     let question = Question::new(field, "gx", library);
     let estimated = |effect: &&Effect| estimate(&question, std::slice::from_ref(&effect.id)).is_ok();
-    of_inputs(library).into_iter().filter(estimated).count()
+    input_effects(library).into_iter().filter(estimated).count()
 }
 
 /// g-sensitivity was estimated from one orientation, and the bias of the gyro grew thirteenfold.
@@ -91,7 +91,7 @@ fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
         parameters.reference + parameters.offset
     };
     let mut refused = 0;
-    for effect in of_inputs(&library) {
+    for effect in input_effects(&library) {
         match refiner.add(&refinement, effect) {
             // an effect that is determined to be zero is harmless
             Ok(step) => {
@@ -112,7 +112,7 @@ fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
     assert!(estimated >= 5, "the table would pass whatever is added");
     println!(
         "attack: undetermined effects | {} effects on a log in which no input changes: {refused} refused with what to record, the others leave the bias as it was, the study unchanged | negative control: by the rule of before, what can be estimated is added, {estimated} would be",
-        of_inputs(&library).len(),
+        input_effects(&library).len(),
     );
 }
 

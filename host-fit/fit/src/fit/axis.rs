@@ -117,7 +117,7 @@ pub fn fit_axis(
     let mut model = start(recording, stillness, (&column, &series.reference), &training, &known, options)?;
     let playback = Playback::new(recording, &model, &stillness.still)?;
 
-    let of_column = |source| AxisError::Search { column: column.clone(), source };
+    let search_error = |source| AxisError::Search { column: column.clone(), source };
     let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     let mut left_out = Vec::new();
@@ -125,7 +125,7 @@ pub fn fit_axis(
     let mut recording = recording;
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
-        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(of_column)?;
+        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(search_error)?;
         model.axes[0].physical = part.terms;
         left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;

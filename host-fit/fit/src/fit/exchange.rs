@@ -32,10 +32,10 @@ const WORTH: f64 = 1e-9;
 
 /// Largest number of moves. The argument above bounds them only by the number of sets; on data of every kind
 /// (`ends_tests`) there are ten or fewer, and a thousand would take hours.
-const MOST_MOVES: usize = 1000;
+const MAX_MOVES: usize = 1000;
 
 /// Largest number of indistinguishable models that are listed.
-const MOST_TIES: usize = 10;
+const MAX_TIES: usize = 10;
 
 /// Threshold of n·ln(MSE ratio) below which two models of the same size count as tied: the 95 % point of a chi-square
 /// variable with one degree of freedom, the chance gain of one more parameter.
@@ -54,7 +54,7 @@ pub struct Tie {
 
 /// Refines the selection of a greedy search under `rule`.
 pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
-    refine_within(MOST_MOVES, gram, rule, greedy).0
+    refine_within(MAX_MOVES, gram, rule, greedy).0
 }
 
 /// Refines with at most this many moves; also returns their number.
@@ -94,7 +94,7 @@ pub(super) fn refine_within(
 
 /// Returns the models of the same size, one or two swaps away, that are indistinguishable from `terms`, best first.
 pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
-    let expansion = Expansion::of_terms(gram, terms);
+    let expansion = Expansion::from_terms(gram, terms);
     let (mse, rounding) = (expansion.mse(), expansion.rounding());
     let rows = gram.rows() as f64;
     if mse <= EXACT * gram.target_mean_square() || rows * (rounding / mse).ln_1p() > TIED {
@@ -113,7 +113,7 @@ pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
     for_each_single(gram, terms, &mut list);
     for_each_pair(gram, terms, &mut list);
     found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    found.truncate(MOST_TIES);
+    found.truncate(MAX_TIES);
     found
 }
 
@@ -136,7 +136,7 @@ struct Model<'g> {
 
 impl<'g> Model<'g> {
     fn of(gram: &'g Gram, worth: Worth, terms: Vec<usize>) -> Self {
-        let expansion = Expansion::of_terms(gram, &terms);
+        let expansion = Expansion::from_terms(gram, &terms);
         let (mse, rounding) = (expansion.mse(), expansion.rounding());
         Self { gram, worth, terms: expansion.candidates().collect(), mse, rounding }
     }
@@ -146,7 +146,7 @@ impl<'g> Model<'g> {
     }
 
     fn expansion(&self) -> Expansion<'g> {
-        Expansion::of_terms(self.gram, &self.terms)
+        Expansion::from_terms(self.gram, &self.terms)
     }
 
     fn cost(&self) -> f64 {
@@ -190,7 +190,7 @@ impl<'g> Model<'g> {
     fn pruned(&self) -> Option<Self> {
         let without_each = self.terms.iter().map(|&term| without(&self.terms, &[term]));
         let least = without_each
-            .map(|terms| (Expansion::of_terms(self.gram, &terms).mse(), terms))
+            .map(|terms| (Expansion::from_terms(self.gram, &terms).mse(), terms))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (mse, terms) = least?;
         let is_taken = self.worth.takes(mse - self.mse, mse);
@@ -202,7 +202,7 @@ impl<'g> Model<'g> {
 fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
     for &leaves in terms {
         fos_data::interrupt::check();
-        let base = Expansion::of_terms(gram, &without(terms, &[leaves]));
+        let base = Expansion::from_terms(gram, &without(terms, &[leaves]));
         for open in base.open().iter().filter(|open| open.candidate != leaves) {
             visit(&[leaves], &[open.candidate], base.mse() - open.mse_reduction());
         }
@@ -215,7 +215,7 @@ fn for_each_pair(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
         for &second in &terms[i + 1..] {
             fos_data::interrupt::check();
             let leaves = [first, second];
-            let base = Expansion::of_terms(gram, &without(terms, &leaves));
+            let base = Expansion::from_terms(gram, &without(terms, &leaves));
             let open: Vec<&Open> =
                 base.open().iter().filter(|open| !leaves.contains(&open.candidate)).collect();
             for (place, a) in open.iter().enumerate() {

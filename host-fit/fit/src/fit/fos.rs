@@ -106,7 +106,7 @@ impl Open {
 ///
 /// Equal Q go to the candidate that comes first in the pool.
 pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
-    Expansion::of_constant(gram).run(rule)
+    Expansion::from_constant(gram).run(rule)
 }
 
 /// Terms chosen so far, with the state for choosing the next.
@@ -119,8 +119,8 @@ pub(super) struct Expansion<'g> {
 }
 
 impl<'g> Expansion<'g> {
-    pub(super) fn of_constant(gram: &'g Gram) -> Self {
-        let factor = Factorisation::of_constant(gram);
+    pub(super) fn from_constant(gram: &'g Gram) -> Self {
+        let factor = Factorisation::from_constant(gram);
         let open = (0..gram.size()).map(|candidate| {
             let mut open = Open {
                 candidate,
@@ -138,8 +138,8 @@ impl<'g> Expansion<'g> {
     }
 
     /// Returns the constant and `terms`, added in the order of their Q; those collinear with others are excluded.
-    pub(super) fn of_terms(gram: &'g Gram, terms: &[usize]) -> Self {
-        let mut expansion = Self::of_constant(gram);
+    pub(super) fn from_terms(gram: &'g Gram, terms: &[usize]) -> Self {
+        let mut expansion = Self::from_constant(gram);
         // terminates: each iteration adds one of `terms`, which is then no longer open
         while let Some(best) = expansion.best(|candidate| terms.contains(&candidate)) {
             expansion.take(best);
@@ -272,7 +272,7 @@ struct Factorisation {
 
 impl Factorisation {
     /// Equation (1).
-    fn of_constant(gram: &Gram) -> Self {
+    fn from_constant(gram: &Gram) -> Self {
         Self { d: vec![vec![]], diagonal: vec![1.0], c: vec![gram.target_mean()] }
     }
 
@@ -324,7 +324,7 @@ mod tests {
         let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
         let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
         let chosen: Vec<usize> = search(&gram, &rule).candidates().collect();
-        let recursion = Expansion::of_terms(&gram, &chosen).factor;
+        let recursion = Expansion::from_terms(&gram, &chosen).factor;
 
         let entry = |i: usize, j: usize| match (i.checked_sub(1), j.checked_sub(1)) {
             (None, None) => 1.0,

@@ -110,11 +110,11 @@ fn triangular_factor(systems: &[System<'_>]) -> Triangle {
 /// Returns Σ (y − X a)², computed from the residuals.
 pub(super) fn residual_sum_of_squares(systems: &[System<'_>], weights: &[f64]) -> f64 {
     let mut block = Block::new(BLOCK_ROWS, weights.len() + 1);
-    let of_rows = |(system, rows): (&System<'_>, Range<usize>)| {
+    let block_sum = |(system, rows): (&System<'_>, Range<usize>)| {
         block.fill(rows.len(), |j, column| system.columns[j].fill(system.signals, rows.clone(), column));
         block.residual_sum_of_squares(weights)
     };
-    blocks(systems, BLOCK_ROWS).map(of_rows).sum()
+    blocks(systems, BLOCK_ROWS).map(block_sum).sum()
 }
 
 /// Splits the rows into pieces of at most `most`.

@@ -80,8 +80,8 @@ fn coefficients(
     let levels = levels.iter().map(|level| &level[..n_rows]);
     let all: Vec<&[f64]> = regressors.columns().into_iter().chain(levels).collect();
     // a level is an input like any other, but not a term of the model
-    let of_levels = (regressors.inputs.len()..all.len() - 1).filter_map(|input| u8::try_from(input).ok());
-    let estimated: Vec<u8> = inputs.iter().copied().chain(of_levels).collect();
+    let level_inputs = (regressors.inputs.len()..all.len() - 1).filter_map(|input| u8::try_from(input).ok());
+    let estimated: Vec<u8> = inputs.iter().copied().chain(level_inputs).collect();
     let monomials: Vec<Monomial> = estimated.iter().map(|input| vec![u(*input, 0)]).collect();
     let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
     let mut whitened: Vec<Vec<f64>> = all.iter().map(|column| column.to_vec()).collect();

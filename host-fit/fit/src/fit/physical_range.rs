@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1.0 / (1 << 18) as f64;
 const PLACES: u32 = 8;
 
 /// Largest number of combinations tried; beyond it, no cancellation is assumed.
-const MOST: u32 = 1 << 16;
+const MAX_COMBINATIONS: u32 = 1 << 16;
 
 /// Terms of p that belong together: one term of a fit, or one added effect.
 #[derive(Debug, Clone, Copy)]
@@ -95,7 +95,7 @@ fn reach(terms: &[FittedTerm], inputs: &[NamedInput]) -> Option<Range<f64>> {
         |input: usize| terms.iter().any(|term| inputs_of(term).filter(|other| *other == input).count() > 1);
     let places: Vec<u32> = used.iter().map(|input| if is_power(*input) { PLACES } else { 1 }).collect();
     let combinations = places.iter().try_fold(1_u32, |all, places| all.checked_mul(places + 1));
-    let Some(combinations) = combinations.filter(|combinations| *combinations <= MOST) else {
+    let Some(combinations) = combinations.filter(|combinations| *combinations <= MAX_COMBINATIONS) else {
         let magnitude: f64 = terms.iter().map(|term| magnitude(term, inputs)).sum();
         return Some(Range::new(-magnitude, magnitude));
     };

@@ -125,13 +125,13 @@ impl Layout {
 
     /// Returns the index of the product of an average.
     pub(super) fn product(&self, average: Average) -> usize {
-        let of_candidate = |i: usize| 2 + 2 * i + i * (i + 1) / 2;
+        let candidate_offset = |i: usize| 2 + 2 * i + i * (i + 1) / 2;
         self.places[match average {
             Average::Target => 0,
             Average::TargetSquare => 1,
-            Average::Mean(i) => of_candidate(i),
-            Average::WithTarget(i) => of_candidate(i) + 1,
-            Average::Pair(i, j) => of_candidate(i.max(j)) + 2 + i.min(j),
+            Average::Mean(i) => candidate_offset(i),
+            Average::WithTarget(i) => candidate_offset(i) + 1,
+            Average::Pair(i, j) => candidate_offset(i.max(j)) + 2 + i.min(j),
         }]
     }
 

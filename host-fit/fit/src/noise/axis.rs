@@ -147,7 +147,7 @@ pub fn axis_noise(
         Err(UnknownLevels) => match recording.hidden_step(&column, &stillness.still) {
             Some(step) => {
                 let samples = measured.iter().map(|stretch| stretch.len()).sum();
-                (Rounded::of_constant(step, samples, period_s, span_s), Some(step))
+                (Rounded::limits_of_constant(step, samples, period_s, span_s), Some(step))
             }
             None => return Err(AxisNoiseError::Constant { column, value: mean }),
         },

@@ -20,7 +20,7 @@ const KNOWN_SHARE: f64 = 0.25;
 const RECORDED_SHARE: f64 = 0.5;
 
 /// Largest number of single-burst blocks, as a multiple of the wanted number.
-const MOST: f64 = 2.0;
+const MAX_SINGLE_BURSTS: f64 = 2.0;
 
 /// Least number of blocks in a rest with its own level: a single block determines its level and nothing else.
 const LEAST_A_REST: f64 = 2.0;
@@ -100,7 +100,7 @@ pub fn length_for(recording: &Recording) -> f64 {
     };
     let length_s = (recording.n_rows() as f64 * period_s / WANTED).max(SHORTEST_S);
     let burst_s = burst as f64 * period_s;
-    match length_s < MOST * burst_s {
+    match length_s < MAX_SINGLE_BURSTS * burst_s {
         true => burst_s / (burst_s / length_s).round().max(1.0),
         false => (ticks as f64 * period_s / WANTED).max(SHORTEST_S),
     }
@@ -153,7 +153,7 @@ impl Blocks {
         let period_s = recording.rate.period_s;
         let ticks = (length_s / period_s).round().max(1.0) as u64;
         let burst = burst_rows(recording);
-        let within_bursts = burst.is_some_and(|rows| ticks as f64 <= MOST * rows as f64);
+        let within_bursts = burst.is_some_and(|rows| ticks as f64 <= MAX_SINGLE_BURSTS * rows as f64);
         let full = match burst {
             Some(rows) if within_bursts => rows.min(ticks as usize) as f64,
             Some(_) => ticks as f64 * recording.n_rows() as f64 / self::ticks(recording) as f64,

@@ -19,10 +19,10 @@ pub(super) const FEWEST_BLOCKS: usize = 40;
 
 /// Distance below the estimate, in logarithms, at which a process counts as absent: if the profile is within [`RISE`]
 /// there, the process was not detected.
-const NOTHING: f64 = 12.0;
+const ABSENT_BELOW: f64 = 12.0;
 
 /// Largest distance of an interval's end from the value, in logarithms.
-const FURTHEST: f64 = 16.0;
+const MAX_DISTANCE: f64 = 16.0;
 
 /// Accuracy of an interval's end, in its logarithm.
 const EXACT: f64 = 0.005;
@@ -32,7 +32,7 @@ const USUAL_CURVATURE: f64 = 50.0;
 const LONGEST_UNIT: f64 = 6.0;
 
 /// Standard deviation of an uninformative prior, in logarithms.
-const NOTHING_KNOWN: f64 = 100.0;
+const UNINFORMATIVE: f64 = 100.0;
 
 /// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
 pub const FLICKER_FLOOR: f64 = 0.664_282_9;
@@ -78,7 +78,7 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
         return Err(UnknownLevels);
     }
     let start = LevelPrior::of_log(blocks, y).mean;
-    let flat = LevelPrior::independent(start, [NOTHING_KNOWN; 3]);
+    let flat = LevelPrior::independent(start, [UNINFORMATIVE; 3]);
     let likelihood = Likelihood { regression: Regression { blocks, y, regressors, prior: &flat } };
     let best = likelihood.best(start);
     Ok(NoiseEstimate {
@@ -170,7 +170,7 @@ impl Likelihood<'_> {
             // terminates: the step doubles
             let (mut outside, mut above) = loop {
                 let log = inside + direction * step;
-                if (log - centre).abs() > FURTHEST {
+                if (log - centre).abs() > MAX_DISTANCE {
                     return None;
                 }
                 let there = rise(log, &mut others);
@@ -191,9 +191,10 @@ impl Likelihood<'_> {
             }
             Some(0.5 * (inside + outside))
         };
-        let high = end(1.0).unwrap_or(centre + FURTHEST).exp();
-        let may_be_none =
-            self.profile(level, centre - NOTHING, &mut others.clone(), &best.units) - best.deviance <= RISE;
+        let high = end(1.0).unwrap_or(centre + MAX_DISTANCE).exp();
+        let may_be_none = self.profile(level, centre - ABSENT_BELOW, &mut others.clone(), &best.units)
+            - best.deviance
+            <= RISE;
         if may_be_none {
             return Level { value: None, low: None, high };
         }

@@ -62,7 +62,7 @@ pub(super) fn awkward() -> Blocks {
 
 /// Covariance of two means, `lag` blocks apart, of a Gauss-Markov process of unit variance: the double integral of
 /// e^(−|t−s|/τ) over both blocks. `x` is block length over correlation time.
-fn of_means(x: f64, lag: u64) -> f64 {
+fn covariance_of_means(x: f64, lag: u64) -> f64 {
     match lag {
         // series where the difference would cancel
         0 if x < 0.01 => 1.0 - x / 3.0 + x.powi(2) / 12.0 - x.powi(3) / 60.0 + x.powi(4) / 360.0,
@@ -84,7 +84,10 @@ pub(super) fn dense(levels: &NoiseLevels, blocks: &Blocks) -> DMatrix<f64> {
         let (a, b) = (&blocks.blocks[i], &blocks.blocks[j]);
         let processes = ladder(levels.flicker).chain(levels.gauss_markov);
         let coloured: f64 = processes
-            .map(|p| p.deviation.powi(2) * of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index)))
+            .map(|p| {
+                p.deviation.powi(2)
+                    * covariance_of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index))
+            })
             .sum();
         let walked_s = (a.index.min(b.index) - first) as f64 * blocks.length_s;
         let white = if i == j { levels.white.powi(2) / (a.count as f64 * blocks.period_s) } else { 0.0 };
@@ -243,7 +246,7 @@ fn closed_form_matches_sampled_process() {
             }
             let sampled = sum / (SAMPLES * SAMPLES) as f64;
             // the midpoint rule has an error of x²/24·n² per block, and of x/6n² at the kink
-            let off = (of_means(x, lag) - sampled).abs();
+            let off = (covariance_of_means(x, lag) - sampled).abs();
             assert!(off < x / (SAMPLES * SAMPLES) as f64 + 1e-12, "x {x}, lag {lag}: {off:e}");
         }
     }
@@ -262,7 +265,8 @@ fn whitening_implies_covariance_of_block_means() {
     let implied = &inverse * inverse.transpose();
     for (i, a) in blocks.blocks.iter().enumerate() {
         for (j, b) in blocks.blocks.iter().enumerate() {
-            let wanted = 0.16 * of_means(1.0 / 1.5, a.index.abs_diff(b.index)) + f64::from(u8::from(i == j));
+            let wanted = 0.16 * covariance_of_means(1.0 / 1.5, a.index.abs_diff(b.index))
+                + f64::from(u8::from(i == j));
             assert!((implied[(i, j)] - wanted).abs() < 1e-12, "{i} {j}: {}", implied[(i, j)]);
         }
     }
@@ -297,7 +301,10 @@ fn simulated_noise_has_the_dense_covariance() {
 /// Allan variance of means over `m` blocks of the ladder of unit flicker.
 fn allan_variance_of_ladder(m: usize) -> f64 {
     ladder(1.0)
-        .map(|p| p.deviation.powi(2) * (of_means(m as f64 / p.tau_s, 0) - of_means(m as f64 / p.tau_s, 1)))
+        .map(|p| {
+            p.deviation.powi(2)
+                * (covariance_of_means(m as f64 / p.tau_s, 0) - covariance_of_means(m as f64 / p.tau_s, 1))
+        })
         .sum()
 }
 

@@ -66,7 +66,7 @@ impl Rounded {
     }
 
     /// Returns the limits for an axis with one value in `samples` samples.
-    pub(super) fn of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
+    pub(super) fn limits_of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
         let rounded = Self { step, variance: 0.0, pairs: samples.max(1) as f64, period_s, span_s };
         rounded.limits(most_noise(rounded.most_variance()) * step * period_s.sqrt(), 0.0, 0.0)
     }
@@ -137,7 +137,9 @@ mod tests {
             for offset in [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5] {
                 let rounded: Vec<f64> = noise.iter().map(|v| (v / step + offset).round() * step).collect();
                 let (level, is_limit) = match Rounded::of(&[&rounded], step, 0.01, 400.0) {
-                    of if of.variance == 0.0 => (Rounded::of_constant(step, 40_000, 0.01, 400.0).white, true),
+                    of if of.variance == 0.0 => {
+                        (Rounded::limits_of_constant(step, 40_000, 0.01, 400.0).white, true)
+                    }
                     of => {
                         // as blocks of white samples show it, known to 2 %
                         let n = of.variance.sqrt() * step * 0.1;

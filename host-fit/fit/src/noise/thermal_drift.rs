@@ -86,7 +86,7 @@ impl Temperature {
         let rms = (super::dot(&in_blocks, &in_blocks) / in_blocks.len() as f64).sqrt();
         let middles: Vec<f64> =
             blocks.blocks.iter().map(|block| 0.5 * (block.rows.start + block.rows.end) as f64).collect();
-        let of_row = |row: usize| {
+        let drift_at = |row: usize| {
             let (row, after) = (row as f64, middles.partition_point(|middle| *middle <= row as f64));
             match after {
                 0 => in_blocks[0],
@@ -97,7 +97,7 @@ impl Temperature {
                 }
             }
         };
-        ((0..rows).map(of_row).collect(), ThermalDrift { range_c: self.range_c, rms })
+        ((0..rows).map(drift_at).collect(), ThermalDrift { range_c: self.range_c, rms })
     }
 }
 

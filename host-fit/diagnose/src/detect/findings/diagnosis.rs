@@ -13,7 +13,7 @@ use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
 /// Largest number of steps, including those in the model, that count as shocks; more are jumps to and fro.
-const MOST_STEPS: usize = 2;
+const MAX_STEPS: usize = 2;
 
 /// Least relative change of an unexplained noise level that affects the verdict.
 const NOTICED_LEVEL: f64 = 0.05;
@@ -50,11 +50,11 @@ impl Assembly<'_> {
             let effect = self.question.library.get(id);
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
-        let of_steps = findings.iter().filter(|finding| is_step(&finding.effect));
-        let gains: Vec<f64> = of_steps.filter_map(|finding| finding.gain).collect();
+        let step_findings = findings.iter().filter(|finding| is_step(&finding.effect));
+        let gains: Vec<f64> = step_findings.filter_map(|finding| finding.gain).collect();
         let steps = gains.len();
         let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
-        if steps > 0 && steps + given > MOST_STEPS {
+        if steps > 0 && steps + given > MAX_STEPS {
             let gain = gains.iter().sum();
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead {

@@ -14,7 +14,7 @@ const ACCEPT: f64 = 15.0;
 /// Width of the local median: this share of the frequency, with a least number of ordinates and a largest width in Hz,
 /// over which the noise spectrum of a sensor changes little.
 const MEDIAN_SHARE: f64 = 0.5;
-const FEWEST_ORDINATES: usize = 60;
+const MIN_ORDINATES: usize = 60;
 const MEDIAN_OVER_HZ: f64 = 3.0;
 
 /// Widest band, Hz.
@@ -166,7 +166,7 @@ fn gain(sum: f64, width: usize) -> f64 {
 /// Number of ordinates for the noise floor around `start`, at most `most`.
 fn stretch(start: usize, most: usize) -> usize {
     let wanted = (MEDIAN_SHARE * start as f64) as usize;
-    wanted.clamp(FEWEST_ORDINATES, most.max(FEWEST_ORDINATES))
+    wanted.clamp(MIN_ORDINATES, most.max(MIN_ORDINATES))
 }
 
 /// Noise floor at each ordinate from `first` on: medians over stretches of at most `most` ordinates, divided by ln 2,
@@ -174,10 +174,10 @@ fn stretch(start: usize, most: usize) -> usize {
 fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     let mut start = first;
-    // terminates: a stretch has at least FEWEST_ORDINATES
+    // terminates: a stretch has at least MIN_ORDINATES
     while start < power.len() {
         let mut end = (start + stretch(start, most)).min(power.len());
-        if power.len() - end < FEWEST_ORDINATES {
+        if power.len() - end < MIN_ORDINATES {
             end = power.len();
         }
         let level = (median(&mut power[start..end].to_vec()) / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);

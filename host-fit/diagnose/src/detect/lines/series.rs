@@ -38,9 +38,9 @@ impl Series {
             let mut near = 0;
             for row in segment.rows.clone().filter(|row| slow.blocks.known()[*row]) {
                 let tick = segment.tick as usize + row - segment.rows.start;
-                let left = error[row] - slow.at(tick as f64 * slow.blocks.period_s, &mut near);
-                if tick < length && left != 0.0 && left.is_finite() {
-                    values[tick] = left;
+                let residual = error[row] - slow.at(tick as f64 * slow.blocks.period_s, &mut near);
+                if tick < length && residual != 0.0 && residual.is_finite() {
+                    values[tick] = residual;
                     known += 1;
                 }
             }

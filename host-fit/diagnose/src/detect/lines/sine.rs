@@ -12,7 +12,7 @@ use fos_fit::noise::Blocks;
 
 /// Accuracy of the frequency as a share of its standard error, and the largest number of iterations.
 const WELL_WITHIN: f64 = 0.2;
-const MOST_SECTIONS: usize = 40;
+const MAX_ITERATIONS: usize = 40;
 
 /// Each pass reduces the part of a sine in the slow part to less than a tenth.
 const SLOW_PASSES: usize = 2;
@@ -60,7 +60,7 @@ impl Series {
         let golden = 0.381_966_011_250_105;
         let (mut a, mut b) = (low + golden * (high - low), high - golden * (high - low));
         let (mut at_a, mut at_b) = (self.transform(a).norm_sqr(), self.transform(b).norm_sqr());
-        for _ in 0..MOST_SECTIONS {
+        for _ in 0..MAX_ITERATIONS {
             if high - low < within_hz {
                 break;
             }

@@ -87,7 +87,7 @@ fn drifting(seed: u64) -> Vec<f64> {
 /// Largest number of alarms in 300 logs. The mean of w unit exponentials exceeds m with a probability below e^(−w(m − 1
 /// − ln m)) (Chernoff 1952), so noise reaches a score of 15 in less than e^(−7.5) = 0.055 % of logs: 0.17 of 300, and
 /// three or more once in 1300 times.
-const MOST_ALARMS: usize = 2;
+const MAX_ALARMS: usize = 2;
 
 /// Finds lines in `noise` of 300 seeds.
 fn alarms(noise: impl Fn(u64) -> Vec<f64>) -> Vec<(u64, Line)> {
@@ -98,7 +98,7 @@ fn alarms(noise: impl Fn(u64) -> Vec<f64>) -> Vec<(u64, Line)> {
 fn assert_few(alarms: &[(u64, Line)]) {
     let mut seeds: Vec<u64> = alarms.iter().map(|(seed, _)| *seed).collect();
     seeds.dedup();
-    assert!(seeds.len() <= MOST_ALARMS, "in {} logs; {alarms:?}", seeds.len());
+    assert!(seeds.len() <= MAX_ALARMS, "in {} logs; {alarms:?}", seeds.len());
 }
 
 #[test]

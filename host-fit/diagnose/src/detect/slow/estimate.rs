@@ -34,10 +34,10 @@ impl Estimate {
     /// others are 0. `None` if the matrix is not a covariance, for example because data are not finite.
     pub(crate) fn factor(&self) -> Option<DMatrix<f64>> {
         let (estimated, k) = (&self.estimated, self.coefficients.len());
-        let of_estimated = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
+        let estimated_block = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
             self.covariance[(estimated[i], estimated[j])]
         });
-        let lower = of_estimated.cholesky()?.l();
+        let lower = estimated_block.cholesky()?.l();
         let mut factor = DMatrix::zeros(k, k);
         for (i, row) in estimated.iter().enumerate() {
             for (j, column) in estimated.iter().enumerate() {

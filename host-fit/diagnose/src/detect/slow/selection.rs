@@ -27,10 +27,10 @@ impl SlowSearch<'_> {
             fos_data::interrupt::check();
             let first_pass = self.first_pass(&state)?;
             let candidates = self.fitted(&state, &first_pass)?;
-            let of_round = self.tried(&first_pass, &candidates);
+            let round_results = self.tried(&first_pass, &candidates);
             match round {
-                0 => tried = of_round,
-                _ => beside = of_round.scores,
+                0 => tried = round_results,
+                _ => beside = round_results.scores,
             }
             let noise = self.best_noise(&state);
             let best = candidates.into_iter().next();

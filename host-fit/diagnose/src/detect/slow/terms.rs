@@ -7,7 +7,7 @@ use fos_data::recording::RecordingError;
 use fos_fit::noise::Fitted;
 
 /// Largest number of terms for which every subset is tried.
-const MOST_TERMS: usize = 6;
+const MAX_TERMS: usize = 6;
 
 /// Subsets within this difference of the best, in −2 ln L plus penalty, count as equally good: odds of 4 to 1.
 const AS_GOOD: f64 = 3.0;
@@ -32,7 +32,7 @@ impl SlowSearch<'_> {
         hypothesis: Hypothesis,
     ) -> Result<Hypothesis, RecordingError> {
         let n = hypothesis.columns.len();
-        if !hypothesis.effect.any_terms || !(2..=MOST_TERMS).contains(&n) {
+        if !hypothesis.effect.any_terms || !(2..=MAX_TERMS).contains(&n) {
             return self.refine(accepted, noise, fitted, hypothesis);
         }
         let price = (self.blocks.len() as f64).ln();
@@ -46,7 +46,7 @@ impl SlowSearch<'_> {
         let with = |hypothesis: &Hypothesis| self.deviance_with(accepted, hypothesis, noise, fitted.levels);
         let none = self.at(accepted, noise, fitted.levels);
         if has_sums {
-            let (all, first) = (with(&hypothesis), hypothesis.of_terms(&[0]));
+            let (all, first) = (with(&hypothesis), hypothesis.with_terms(&[0]));
             if none.deviance - with(&first) > NEARLY_ALL * (none.deviance - all) {
                 return Ok(first);
             }
@@ -55,7 +55,7 @@ impl SlowSearch<'_> {
             .map(|choice| (0..n).filter(|term| choice >> term & 1 == 1).collect::<Vec<usize>>())
             .filter(|terms| (!has_sums || is_sum(terms[0])) && (!has_scale || terms[0] == 0))
             .map(|terms| {
-                let chosen = self.best_on_grid(&none, hypothesis.of_terms(&terms))?;
+                let chosen = self.best_on_grid(&none, hypothesis.with_terms(&terms))?;
                 let chosen = self.refine(accepted, noise, fitted, chosen)?;
                 Ok((with(&chosen) + price * terms.len() as f64, chosen))
             })

@@ -50,11 +50,11 @@ pub fn best_order(
     let samples = crate::signal::sample_count(stretches);
     // rejects an order of 0
     super::estimate(method, stretches, max_order)?;
-    let of_order = |order| {
+    let criterion_at = |order| {
         let variance = super::estimate(method, stretches, order)?.innovation_variance;
         Ok(criterion.of(variance, order, samples))
     };
-    let values = (1..=max_order).map(of_order).collect::<Result<Vec<f64>, AutoregressionError>>()?;
+    let values = (1..=max_order).map(criterion_at).collect::<Result<Vec<f64>, AutoregressionError>>()?;
     let best = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
     Ok((best + 1, values))
 }

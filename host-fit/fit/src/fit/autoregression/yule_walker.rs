@@ -25,11 +25,11 @@ pub(in crate::fit) fn estimate(
 ) -> Result<Autoregression, AutoregressionError> {
     let samples: usize = stretches.iter().map(|stretch| stretch.len()).sum();
     let lagged = |lag: usize| {
-        let of_stretch = |stretch: &&[f64]| match stretch.get(lag..) {
+        let stretch_sum = |stretch: &&[f64]| match stretch.get(lag..) {
             Some(late) => inner_product(late, &stretch[..late.len()]),
             None => 0.0,
         };
-        stretches.iter().map(of_stretch).sum::<f64>() / samples as f64
+        stretches.iter().map(stretch_sum).sum::<f64>() / samples as f64
     };
     let autocorrelation: Vec<f64> = (0..=order).map(lagged).collect();
     levinson_durbin(&autocorrelation)

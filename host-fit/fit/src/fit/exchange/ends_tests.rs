@@ -11,7 +11,7 @@ use crate::moments::{Gram, Moments, Rows};
 use crate::signal;
 
 /// Far more moves than a refinement needs.
-const MOST_MOVES: usize = 100;
+const MAX_MOVES: usize = 100;
 
 fn gram(series: &[f64], lags: u16, degree: usize) -> Gram {
     let pool = Candidates::builder().output(1..=lags, degree).build().unwrap();
@@ -43,16 +43,16 @@ fn refinement_terminates_on_all_data() {
     let kinds = every_kind(1000);
     let refinements: Vec<Refinement> = kinds.iter().flat_map(refinements).collect();
     for Refinement { what, moves, .. } in &refinements {
-        assert!(*moves < MOST_MOVES, "{what}: no end after {moves} moves");
+        assert!(*moves < MAX_MOVES, "{what}: no end after {moves} moves");
     }
     let two_rules = |name: &str| {
-        let without_end = refinements.iter().filter(|r| r.two_rules == MOST_MOVES && r.what.contains(name));
+        let without_end = refinements.iter().filter(|r| r.two_rules == MAX_MOVES && r.what.contains(name));
         without_end.count()
     };
     println!(
         "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): \
          {} refinements of FOS by 5 stop rules from 3 pools make at most {} moves | negative control: with one rule to take terms out \
-         and another to add them, {} of the refinements still go on after {MOST_MOVES} moves",
+         and another to add them, {} of the refinements still go on after {MAX_MOVES} moves",
         kinds.len(),
         refinements.len(),
         refinements.iter().map(|refinement| refinement.moves).max().unwrap(),
@@ -78,8 +78,8 @@ fn refinements((name, values): &(String, Vec<f64>)) -> Vec<Refinement> {
         let gram = gram(series, lags, degree);
         for rule in rules() {
             let greedy = fos::search(&gram, &rule);
-            let two_rules = two_rules::moves(MOST_MOVES, &gram, &rule, &greedy);
-            let (_, moves) = refine_within(MOST_MOVES, &gram, &rule, greedy);
+            let two_rules = two_rules::moves(MAX_MOVES, &gram, &rule, &greedy);
+            let (_, moves) = refine_within(MAX_MOVES, &gram, &rule, greedy);
             let what = format!("{name}, L = {lags}, CP {degree}, {rule:?}");
             found.push(Refinement { what, moves, two_rules });
         }

@@ -26,12 +26,12 @@ pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selectio
         if moves == before || moves == most {
             return moves;
         }
-        terms = Expansion::of_terms(gram, &terms).run(rule).candidates().collect();
+        terms = Expansion::from_terms(gram, &terms).run(rule).candidates().collect();
     }
 }
 
 fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForEachSwap) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
+    let mse = Expansion::from_terms(gram, terms).mse();
     if mse <= exact {
         return false;
     }
@@ -50,8 +50,8 @@ fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForE
 }
 
 fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
-    let mse_without = |i: usize| Expansion::of_terms(gram, &without(terms, &[terms[i]])).mse();
+    let mse = Expansion::from_terms(gram, terms).mse();
+    let mse_without = |i: usize| Expansion::from_terms(gram, &without(terms, &[terms[i]])).mse();
     let least = (0..terms.len()).map(|i| (i, mse_without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
     match least {
         Some((i, mse_without))
