@@ -379,7 +379,7 @@ impl Study {
             let logs = state.logs(&column, given)?;
             let refiner = logs.refiner(&library);
             let named = logs.named(refiner.fitted_rows());
-            let mut refinement = refiner.go_on(&state.study, &column, named)?;
+            let mut refinement = refiner.resume(&state.study, &column, named)?;
             match effect {
                 Some(effect) => {
                     let effect = library.get(&effect).map_err(RefineError::Effect)?;

@@ -1,4 +1,4 @@
-//! What is missing from a model, on a log with a hidden effect: `cargo run -p fos-diagnose --example what_is_missing`.
+//! Diagnoses a log with a hidden effect: `cargo run -p fos-diagnose --example what_is_missing`.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;

@@ -1,5 +1,4 @@
-//! A folder of cases: every one diagnosed and corrected, in parallel; what is done is kept, so that a run that was
-//! broken off goes on where it was.
+//! Diagnoses and corrects every case in a folder, in parallel. Results are stored, so an interrupted run resumes.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,54 +17,54 @@ use fos_data::file::{self, FileError};
 use fos_data::recording::{Recording, RecordingError, write_columns};
 use fos_data::text::hexadecimal;
 
-/// Schema of the answers.
+/// Schema of the stored answers.
 pub const SCHEMA: &str = "fos-answers/1";
 
 /// Rate at which slow corrections are written, Hz.
 const SLOW_RATE_HZ: f64 = 10.0;
 
-/// The answers to a folder of cases.
+/// Answers to a folder of cases.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answers {
     /// [`SCHEMA`].
     pub schema: String,
-    /// The program that answered.
+    /// Program that computed the answers.
     pub tool: Tool,
     /// One answer per case, in the order of their folders.
     pub cases: Vec<Answer>,
 }
 
-/// The answer to one case.
+/// Answer to one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
     pub case: String,
-    /// What is missing; absent if the case could not be read or judged.
+    /// The diagnosis; absent if the case could not be read or diagnosed.
     #[serde(flatten)]
     pub diagnosis: Option<Diagnosis>,
-    /// Why there is no diagnosis.
+    /// Reason for a missing diagnosis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Correction of the evaluation log: `t_s,corr`, relative to the answers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction_eval_csv: Option<String>,
-    /// Correction of the field log.
+    /// Correction of the log to explain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correction_field_csv: Option<String>,
-    /// What it took, s.
+    /// Computing time, s.
     pub seconds: f64,
 }
 
-/// An answer as it is kept for a later run, with what it depends on.
+/// A stored answer with the digest of everything it depends on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Kept {
+struct StoredAnswer {
     key: String,
     answer: Answer,
 }
 
-/// Why a batch cannot be run.
+/// Error that stops a batch.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
-    /// A file cannot be read or written, as the system says.
+    /// A file cannot be read or written; holds the message of the system.
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -80,18 +79,18 @@ pub enum BatchError {
     #[error("{}: {source}", path.display())]
     Folder {
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: std::io::Error,
     },
 }
 
-/// Answers every case in `folder` and writes `answers.json` and the corrections to `output`. `progress` is told the
-/// number of cases done and the name of the last. What was answered before is taken again if the same `program`
-/// answered it: any text that is another one for another build.
+/// Diagnoses every case in `folder` and writes `answers.json` and the corrections to `output`. Calls `progress` with
+/// the number of cases done, the number of cases and the name of the last one. Stored answers are reused if their case,
+/// the library and `program` are unchanged; `program` is any text that differs between builds.
 ///
 /// # Errors
 ///
-/// The folder has no case, or the answers cannot be written. A case that cannot be read is an answer with an error.
+/// The folder has no case, or the answers cannot be written. A case that cannot be read gives an answer with an error.
 pub fn run(
     folder: &Path,
     output: &Path,
@@ -123,7 +122,7 @@ fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
     file::write_atomically(path, &text)
 }
 
-/// The folders with a `meta.json`, by name.
+/// Returns the folders with a `meta.json`, by name.
 fn case_folders(folder: &Path) -> Result<Vec<PathBuf>, BatchError> {
     let listed =
         std::fs::read_dir(folder).map_err(|source| BatchError::Folder { path: folder.to_owned(), source })?;
@@ -135,22 +134,22 @@ fn case_folders(folder: &Path) -> Result<Vec<PathBuf>, BatchError> {
     if cases.is_empty() { Err(BatchError::NoCases(folder.to_owned())) } else { Ok(cases) }
 }
 
-/// One case: what was kept of an earlier run if nothing has changed since, else anew.
+/// Returns the stored answer of an earlier run if nothing has changed since, else computes it.
 fn answer(folder: &Path, output: &Path, library: &Library, program: &str) -> Result<Answer, BatchError> {
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let kept_path = output.join("done").join(format!("{name}.json"));
+    let stored_path = output.join("done").join(format!("{name}.json"));
     let key = key(folder, library, program);
-    if let Ok(bytes) = std::fs::read(&kept_path)
-        && let Ok(kept) = serde_json::from_slice::<Kept>(&bytes)
-        && kept.key == key
-        && corrections(&kept.answer).all(|path| output.join(path).exists())
+    if let Ok(bytes) = std::fs::read(&stored_path)
+        && let Ok(stored) = serde_json::from_slice::<StoredAnswer>(&bytes)
+        && stored.key == key
+        && corrections(&stored.answer).all(|path| output.join(path).exists())
     {
-        return Ok(kept.answer);
+        return Ok(stored.answer);
     }
     let start = Instant::now();
     let mut answer = match examine(folder, output, &name, library) {
         Ok(answer) => answer,
-        // what is wrong with one case does not stop the others; what is wrong with the output does
+        // an error in one case does not stop the others; an error of the output does
         Err(error @ (BatchError::Case(_) | BatchError::Diagnose(_))) => Answer {
             case: name,
             diagnosis: None,
@@ -162,16 +161,16 @@ fn answer(folder: &Path, output: &Path, library: &Library, program: &str) -> Res
         Err(error) => return Err(error),
     };
     answer.seconds = start.elapsed().as_secs_f64();
-    let kept = Kept { key, answer };
-    write_json(&kept_path, &kept)?;
-    Ok(kept.answer)
+    let stored = StoredAnswer { key, answer };
+    write_json(&stored_path, &stored)?;
+    Ok(stored.answer)
 }
 
 fn corrections(answer: &Answer) -> impl Iterator<Item = &String> {
     answer.correction_eval_csv.iter().chain(&answer.correction_field_csv)
 }
 
-/// Names, sizes and times of change of a case's files, this program and the library.
+/// Digest of the names, sizes and modification times of a case's files, the program and the library.
 fn key(folder: &Path, library: &Library, program: &str) -> String {
     let mut digest = Sha256::new();
     digest.update(program);
@@ -211,7 +210,7 @@ fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Resul
     })
 }
 
-/// `t_s,corr`, thinned to means over a tenth of a second where the correction is slow.
+/// Writes `t_s,corr`, as means over 0.1 s if the correction is slow.
 fn write_correction(
     path: &Path,
     diagnosis: &Diagnosis,

@@ -1,4 +1,4 @@
-//! What a case asks.
+//! Diagnosis of a case.
 
 use fos_data::case::{Case, CaseMeta};
 use fos_data::recording::Recording;
@@ -6,7 +6,7 @@ use fos_data::recording::Recording;
 use crate::detect::Question;
 use crate::effects::Library;
 
-/// What is asked of these logs of a case: what in `field` is to be explained and corrected in `judged`.
+/// Returns the question for logs of a case: explain the error in `field` and correct it in `judged`.
 pub fn question_of_logs<'a>(
     meta: &'a CaseMeta,
     field: &'a Recording,

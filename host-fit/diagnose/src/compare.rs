@@ -1,4 +1,4 @@
-//! A model against the measurements and against its rivals.
+//! Comparison of a model with the measurements and with simpler rivals.
 
 use fos_data::column::Column;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 /// Name of the model among its rivals.
 pub const MODEL: &str = "model";
 
-/// Why a comparison cannot be made.
+/// Error of a comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// A column that the model needs is missing.
@@ -30,76 +30,76 @@ pub enum CompareError {
     /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
-    /// What the model corrects cannot be told.
+    /// The physical part cannot be run.
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    /// What is left cannot be held against what is logged.
+    /// The dependence of the residual cannot be computed.
     #[error(transparent)]
     Dependence(#[from] DependenceError),
-    /// Nothing is left to judge on.
+    /// No row at rest remains for the evaluation.
     #[error(
         "no row at rest remains for the evaluation: all {trained} were fitted\nhelp: use a smaller `train`, or a longer log"
     )]
     NothingLeft {
-        /// Rows that were trained on.
+        /// Number of rows that were trained on.
         trained: usize,
     },
 }
 
-/// A model against the measurements.
+/// Comparison of a model with the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
-    /// First and last time stamp of the judged rows, s.
+    /// Timestamps of the first and last evaluation row, s.
     pub judged_s: (f64, f64),
     /// The axes of the model.
     #[serde(serialize_with = "with_rms")]
     pub axes: Vec<AxisComparison>,
 }
 
-/// One axis against the measurements.
+/// Comparison of one axis with the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct AxisComparison {
-    /// As in the log format, as `gx_rads`.
+    /// Name in the log format, as `gx_rads`.
     pub column: String,
-    /// Unit of the column; errors are in its square.
+    /// Unit of the column; squared errors are in its square.
     pub unit: String,
-    /// Rows at rest that were judged.
+    /// Number of evaluation rows at rest.
     pub rows: usize,
-    /// What no causal predictor can beat, in the square of the unit, and its 95 % interval.
+    /// Lowest mean square error of any causal predictor, in the square of the unit, with its 95 % interval.
     pub noise_floor: Option<(f64, (f64, f64))>,
-    /// Why the floor should not be trusted.
+    /// Reasons to distrust the noise floor.
     pub floor_cautions: Vec<String>,
-    /// The rivals, then the model.
+    /// Errors of the rivals, then of the model.
     pub errors: Vec<ModelErrors>,
-    /// Stretches whose slow error stands out, worst first: at most five, none where no stretch stands out.
+    /// Stretches with an outstanding slow error, worst first: at most five, possibly none.
     pub worst: Vec<Stretch>,
-    /// What is left against everything that is logged; absent where that is too little to tell.
+    /// Dependence of the residual on all logged columns; absent if there are too few data.
     pub dependence: Option<Dependence>,
 }
 
-/// Traces of rivals that are held at a time, bytes.
+/// Largest memory for traces of rivals at a time, bytes.
 const TRACES_AT_ONCE: usize = 400 << 20;
 
-/// A model and its plain rivals on rows of a log.
-struct Judged {
-    /// Of each axis, what no causal predictor can beat.
+/// A model and its simpler rivals, evaluated on rows of a log.
+struct Evaluated {
+    /// Noise floor of each axis.
     floors: Vec<Option<NoiseFloor>>,
-    /// Of each axis: the rivals, then the model.
+    /// Errors of each axis: of the rivals, then of the model.
     errors: Vec<Vec<ModelErrors>>,
-    /// The model's own.
+    /// Trace of the model.
     trace: Trace,
 }
 
-/// Judges `model` and its rivals on `rows` of a log in which the pose is known.
-fn judge(
+/// Evaluates `model` and its rivals on `rows` of a log in which the orientation is known.
+fn evaluate(
     model: &UnitModel,
     lag_1: &[f64],
     recording: &Recording,
     stillness: &Stillness,
     rows: Range<usize>,
     mut progress: impl FnMut(&str),
-) -> Result<Judged, CompareError> {
+) -> Result<Evaluated, CompareError> {
     let playback = Playback::new(recording, model, &stillness.still)?;
     if !rows.clone().any(|row| playback.is_still(row)) {
         return Err(CompareError::NothingLeft { trained: rows.start });
@@ -115,29 +115,30 @@ fn judge(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
-    let of_rival = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
+    let rival_errors = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
         let trace = trace::<f64>(&rival(model, *kind, lag_1), &playback, rows.clone(), |_| {})?;
         Ok(of(kind.name(), &trace))
     };
-    // a trace may be larger than the log; the model's own, which is kept, comes last
+    // a trace may be larger than the log; that of the model, which is stored, comes last
     let at_once = (TRACES_AT_ONCE / Trace::bytes(rows.len(), n_axes).max(1)).clamp(1, Rival::ALL.len());
-    let rivals: Vec<_> = Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, of_rival)).collect();
+    let rivals: Vec<_> =
+        Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, rival_errors)).collect();
     progress(MODEL);
     let trace = trace::<f64>(model, &playback, rows, |_| {})?;
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
     for of_model in rivals.into_iter().chain([Ok(of(MODEL, &trace))]) {
         errors.iter_mut().zip(of_model?).for_each(|(errors, of_axis)| errors.push(of_axis));
     }
-    Ok(Judged { floors, errors, trace })
+    Ok(Evaluated { floors, errors, trace })
 }
 
-/// Judges `model` and its rivals on `rows`. `lag_1` is the lag-1 autocorrelation of each axis' training data. `trained`
-/// is what the model was fitted to, where it is at hand: what the noise is learnt from. Also gives the model's own
-/// trace, for the figures.
+/// Evaluates `model` and its rivals on `rows`; also returns the trace of the model, for the figures. `lag_1` is the
+/// lag-1 autocorrelation of each axis' training data. The noise is estimated from `trained`, the data that the model
+/// was fitted to, if they are available.
 ///
 /// # Errors
 ///
-/// A column is missing, the model cannot be run, or no row at rest is left.
+/// A column is missing, the model cannot be run, or no row at rest remains.
 pub fn compare(
     model: &UnitModel,
     lag_1: &[f64],
@@ -158,10 +159,10 @@ pub fn compare(
         recording: if is_same { recording } else { other_pose.as_ref().unwrap_or(trained.recording) },
         ..trained.clone()
     });
-    let Judged { floors, errors, mut trace } =
-        judge(model, lag_1, recording, stillness, rows.clone(), progress)?;
+    let Evaluated { floors, errors, mut trace } =
+        evaluate(model, lag_1, recording, stillness, rows.clone(), progress)?;
     for axis in &mut trace.axes {
-        // its error is in the comparison; nothing shows it row by row
+        // its error is in the comparison; no figure needs it row by row
         axis.coast_whole = Vec::new();
     }
     let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
@@ -191,19 +192,19 @@ pub fn compare(
     Ok((Comparison { judged_s, axes }, trace))
 }
 
-/// What a study says of a log, and what it rests on.
+/// Evaluation of a study on a log, with the data behind it.
 #[derive(Debug)]
 pub struct Judgement {
-    /// Errors beside rivals, the worst stretches, dependences.
+    /// Errors of the model and its rivals, worst stretches, dependences.
     pub comparison: Comparison,
-    /// The model's own trace, for the figures.
+    /// Trace of the model, for the figures.
     pub trace: Trace,
-    /// Where the log is at rest.
+    /// Rows at rest.
     pub stillness: Stillness,
 }
 
-/// Judges the model of a study on `log`: on the rows that were not fitted where it is the study's own log, else on all
-/// of it. `own` is the log that was fitted, where it is another and at hand: what the noise is learnt from.
+/// Evaluates the model of a study on `log`: on the rows that were not fitted if it is the study's own log, else on all
+/// rows. The noise is estimated from `own`, the log that was fitted, if it is another one and available.
 ///
 /// # Errors
 ///
@@ -224,7 +225,7 @@ pub fn compare_study(
         Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
         None => is_own.then_some(Trained { recording: log, stillness: &stillness, rows: 0..trained_rows }),
     };
-    // an axis of which this log has no number says nothing about the others
+    // an axis without a value in this log must not prevent the evaluation of the others
     let mut model = study.model.clone();
     let mut lag_1 = study.lag_1();
     let is_measured = |axis: &FittedAxis| !log.quality.empty_axes.contains(&axis.column);
@@ -237,15 +238,13 @@ pub fn compare_study(
     Ok(Judgement { comparison, trace, stillness })
 }
 
-/// A log whose rate is another than that of a model: by how much its lags are off in time, relative; none where that is
-/// too little to matter.
+/// Relative time error of a model's lags on a log with another sampling rate; `None` up to 0.5 %.
 pub fn lags_off(model: &UnitModel, log: &Recording) -> Option<f64> {
     let off = model.period_s / log.rate.period_s - 1.0;
     (off.abs() > 0.005).then_some(off)
 }
 
-/// Puts fitted axes together into a study, judged on the rows after the training part. Also gives that judgement, and
-/// the model's own trace.
+/// Combines fitted axes into a study, evaluated on the rows after the training part.
 ///
 /// # Errors
 ///
@@ -267,7 +266,7 @@ pub fn study_of(
     let rows = trained_rows..recording.n_rows();
     let known_pose = in_known_pose(&model, recording, stillness)?;
     let posed = known_pose.as_ref().unwrap_or(recording);
-    let judged = judge(&model, &lag_1, posed, stillness, rows, progress)?;
+    let judged = evaluate(&model, &lag_1, posed, stillness, rows, progress)?;
     let still = stillness.still.iter().filter(|still| **still).count();
     Ok(Study {
         schema: SCHEMA.to_owned(),
@@ -290,7 +289,7 @@ pub fn study_of(
     })
 }
 
-/// The rivals and the model as the steps of a study.
+/// Converts the errors of the rivals and the model into the steps of a study.
 fn steps_of(errors: &[Vec<ModelErrors>]) -> Vec<StudyStep> {
     let n_models = errors.first().map_or(0, Vec::len);
     (0..n_models)
@@ -302,13 +301,13 @@ fn steps_of(errors: &[Vec<ModelErrors>]) -> Vec<StudyStep> {
 }
 
 impl Study {
-    /// Lag-1 autocorrelation of each axis' training data: what the Gauss-Markov rival is made of.
+    /// Returns the lag-1 autocorrelation of each axis' training data, the parameter of the Gauss-Markov rival.
     pub fn lag_1(&self) -> Vec<f64> {
         self.axes.iter().map(|report| report.lag_1).collect()
     }
 }
 
-/// Axes with the RMS of the slow error in a free run: of the constant mean, and of the model.
+/// Serialises axes with the RMS of the slow error in a free run, of the constant mean and of the model.
 fn with_rms<S: Serializer>(axes: &[AxisComparison], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(axes.iter().map(|axis| {
         let [before, after] = axis.slow_errors();
@@ -326,7 +325,8 @@ fn with_rms<S: Serializer>(axes: &[AxisComparison], serializer: S) -> Result<S::
 }
 
 impl AxisComparison {
-    /// RMS of the slow error in a free run, in the unit of the axis: of the constant mean, and of the model.
+    /// Returns the RMS of the slow error in a free run, in the unit of the axis: of the constant mean, and of the
+    /// model.
     pub fn slow_errors(&self) -> [Option<f64>; 2] {
         [Rival::Mean.name(), MODEL].map(|name| {
             let errors = self.errors.iter().find(|errors| errors.model == name);

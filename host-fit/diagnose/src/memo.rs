@@ -1,11 +1,11 @@
-//! What was computed once, for all threads.
+//! Cache shared by all threads.
 
 use std::borrow::Borrow;
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Values by their keys. Two threads that ask for the same at once may both compute it.
+/// Values by key. Two threads that miss the same key at once may both compute it.
 #[derive(Debug)]
 pub(crate) struct Memo<K, V>(Mutex<HashMap<K, V>>);
 
@@ -16,7 +16,7 @@ impl<K, V> Default for Memo<K, V> {
 }
 
 impl<K: Eq + Hash, V: Clone> Memo<K, V> {
-    /// The value of `key`, if it is known.
+    /// Returns the cached value of `key`.
     pub(crate) fn get<Q: Eq + Hash + ?Sized>(&self, key: &Q) -> Option<V>
     where
         K: Borrow<Q>,
@@ -24,13 +24,13 @@ impl<K: Eq + Hash, V: Clone> Memo<K, V> {
         self.lock().get(key).cloned()
     }
 
-    pub(crate) fn keep(&self, key: K, value: V) -> V {
+    pub(crate) fn insert(&self, key: K, value: V) -> V {
         self.lock().insert(key, value.clone());
         value
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<K, V>> {
-        // what is in it is whole, whoever panicked meanwhile
+        // the map is consistent even if another thread panicked
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -1,4 +1,4 @@
-//! What the physical part of a model makes of a log, and the log as it would be in a pose that the model knows.
+//! Output of the physical part of a model over a log, and the log converted to the orientation of the fit.
 
 use fos_core::{Axis, OTHER_POSE};
 use fos_data::column::Column;
@@ -8,7 +8,7 @@ use fos_data::stillness::Stillness;
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 
-/// Why the physical part cannot be run.
+/// Error of running the physical part.
 #[derive(Debug, thiserror::Error)]
 pub enum PhysicalError {
     #[error(transparent)]
@@ -18,7 +18,8 @@ pub enum PhysicalError {
     Model(#[from] fos_core::ModelError),
 }
 
-/// The physical part of each axis without its offset, in its unit, one value per row of `log`.
+/// Returns the output of the physical part of each axis without its offset, in the unit of the axis, one value per row
+/// of `log`.
 pub(crate) fn physical(
     model: &UnitModel,
     log: &Recording,
@@ -46,17 +47,20 @@ pub(crate) fn physical(
     Ok(predicted)
 }
 
-/// The log as it would be if the unit had lain in the pose of the fit in all its rests: in another pose an accelerometer
-/// without a reference shows another constant, and its error is what it does about that. `None` if gravity never turned.
+/// Returns the log as if the device had lain in the orientation of the fit in all dwells. In another orientation an
+/// accelerometer without a reference has another constant, and only changes of its error are modelled. `None` if
+/// gravity never turned.
 pub(crate) fn in_known_pose(
     model: &UnitModel,
     log: &Recording,
     stillness: &Stillness,
 ) -> Result<Option<Recording>, PhysicalError> {
-    let is_told = |column: &str| log.channel(&Column::named(column).reference()).is_ok();
-    let bears = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
+    let has_reference = |column: &str| log.channel(&Column::named(column).reference()).is_ok();
+    let is_accelerometer = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
     let places: Vec<usize> = (0..model.axes.len())
-        .filter(|place| bears(model.axes[*place].parameters.axis) && !is_told(&model.axes[*place].column))
+        .filter(|place| {
+            is_accelerometer(model.axes[*place].parameters.axis) && !has_reference(&model.axes[*place].column)
+        })
         .collect();
     if stillness.turns.is_empty() || places.is_empty() {
         return Ok(None);
@@ -66,8 +70,8 @@ pub(crate) fn in_known_pose(
     for place in places {
         let axis = &model.axes[place];
         let (reference, scale) = (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale);
-        let is_of_fit = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
-        let wanted = |level| if is_of_fit(level) { level } else { reference };
+        let is_fitted_orientation = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
+        let wanted = |level| if is_fitted_orientation(level) { level } else { reference };
         let values = &log.channel(&axis.column)?.values;
         let moved = pose::with_levels(values, &explained[place], &stillness.still, &stillness.turns, wanted);
         other = other.with_values(&axis.column, moved);

@@ -1,13 +1,13 @@
-//! Reductions of an RMS, beside the shares of variance in JSON: `rms_reduction` is 1 − √(1 − share).
+//! RMS reductions, which JSON states beside shares of variance: `rms_reduction` is 1 − √(1 − share).
 
 use serde::Serialize;
 
-/// The reduction of an RMS that goes with this reduction of its square, a variance.
+/// Converts a reduction of a variance to the reduction of its RMS.
 pub fn rms_reduction(of_variance: f64) -> f64 {
     1.0 - (1.0 - of_variance).max(0.0).sqrt()
 }
 
-/// RMS values that JSON states beside the variances they follow from.
+/// RMS values that JSON states beside the variances they are computed from.
 #[derive(Default, Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS), ts(optional_fields))]
 pub(crate) struct RmsTwins {
@@ -23,7 +23,7 @@ pub(crate) struct RmsTwins {
     pub(crate) measured_rms_reduction: Option<f64>,
 }
 
-/// A value with its reductions as RMS.
+/// A value together with its reductions as RMS.
 #[derive(Serialize)]
 pub(crate) struct WithRms<'a, T> {
     #[serde(flatten)]
@@ -32,7 +32,7 @@ pub(crate) struct WithRms<'a, T> {
     pub(crate) twins: RmsTwins,
 }
 
-/// A TypeScript type for a value with its twins, as ts-rs flattens no generic field.
+/// TypeScript type of a value with its RMS values: ts-rs does not flatten generic fields.
 #[cfg(feature = "page-types")]
 macro_rules! twinned {
     ($name:ident, $of:ty) => {

@@ -1,4 +1,4 @@
-//! What a correction by temperature alone costs: the error that it leaves beside that of the study's model.
+//! Error left by a correction by temperature alone, compared with that of the study's model.
 
 use std::ops::Range;
 
@@ -10,44 +10,45 @@ use serde::Serialize;
 
 use crate::physical::{PhysicalError, physical};
 
-/// What is left of an axis on the judged rows: root mean square of its 1-s means at rest, less their mean, in its unit.
+/// Slow error of one axis on the evaluation rows: RMS of its 1-s means at rest about their mean, in the unit of the
+/// axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftByTemperature {
-    /// As in the log format.
+    /// Name in the log format, as `gx_rads`.
     pub column: String,
     pub unit: String,
-    /// With nothing corrected.
+    /// Error without a correction.
     pub nothing: f64,
-    /// With each of the corrections by temperature, in their order.
+    /// Error with each of the corrections by temperature, in their order.
     pub corrected: Vec<f64>,
-    /// With the physical part of the study's model, which holds in motion as a correction by temperature does; none where
-    /// the study does not have the axis.
+    /// Error with the physical part of the study's model, which is valid in motion, as a correction by temperature is;
+    /// `None` if the study does not contain the axis.
     pub study: Option<f64>,
 }
 
-/// Why the errors cannot be computed.
+/// Error of the computation.
 #[derive(Debug, thiserror::Error)]
 pub enum LeftError {
     #[error(transparent)]
     Thermal(#[from] ThermalError),
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    /// Nothing is left to judge on.
+    /// No row at rest remains for the evaluation.
     #[error(
         "{log}: no row at rest remains for the evaluation\nhelp: use a smaller `train`, or another evaluation log (`judge`)"
     )]
     NothingLeft { log: String },
 }
 
-/// A correction by temperature: of a column at a temperature, in the column's unit.
+/// Correction by temperature: maps a column and a temperature in °C to a value in the column's unit.
 pub type Correction<'a> = &'a dyn Fn(&str, f64) -> f64;
 
-/// What each of `corrections`, and the physical part of `model`, leave of `columns` on those of `rows` in which the unit
-/// lies still.
+/// Computes the slow error of `columns` with each of `corrections` and with the physical part of `model`, on those of
+/// `rows` in which the device is at rest.
 ///
 /// # Errors
 ///
-/// A column is missing, the model cannot be run, or no row is left.
+/// A column is missing, the model cannot be run, or no row at rest remains.
 pub fn left_by_temperature(
     model: &UnitModel,
     recording: &Recording,

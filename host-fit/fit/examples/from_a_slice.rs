@@ -1,11 +1,11 @@
-//! From a slice to a model and a forecast: `cargo run -p fos-fit --example from_a_slice`.
+//! Fits a series in memory and forecasts it: `cargo run -p fos-fit --example from_a_slice`.
 
 use fos_fit::fit::FitOptions;
 use fos_fit::fit::autoregression::{Criterion, Method, best_order};
 use fos_fit::series::fit_series;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // a slow wave and a fast chirp, 200 samples a second
+    // a slow wave and a fast chirp at 200 Hz
     let series: Vec<f64> =
         (0..4000).map(|n| (0.01 * f64::from(n)).sin() + 0.1 * (7.7 * f64::from(n * n)).sin()).collect();
     let (order, _) = best_order(Method::Burg, &[&series], 20, Criterion::Bic)?;

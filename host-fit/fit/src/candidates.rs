@@ -1,4 +1,4 @@
-//! The pool of monomials a search chooses from (paper eq. 14).
+//! Pool of monomials that a search chooses from (paper eq. 14).
 //!
 //! A monomial is a product of delayed samples, p(n) = r(n−l₁)…r(n−l_i)·u(n−k₁)…u(n−k_j). The constant
 //! p₀(n) = 1 belongs to every model and is therefore not a candidate.
@@ -20,8 +20,8 @@ pub const MAX_LAG: u16 = (1 << 14) - 1;
 /// The largest index of an input.
 pub const MAX_INPUT: u8 = 125;
 
-/// The largest pool. The averages of the products of 6000 candidates take a gigabyte while they are formed, and those
-/// of twice as many four.
+/// The largest pool. The averages of the products of 6000 candidates need a gigabyte while they are formed; twice as
+/// many need four.
 pub const MAX_CANDIDATES: usize = 6000;
 
 /// A product of delayed samples, its factors sorted by channel, then lag. Empty: the constant 1.
@@ -46,30 +46,30 @@ pub struct Candidates {
     monomials: Vec<Monomial>,
 }
 
-/// Why a pool could not be built.
+/// Error of building a pool.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum CandidatesError {
-    /// An output at lag 0 is the value to be predicted.
+    /// Output lag 0, which is the value to be predicted.
     #[error("the output at lag 0 is what the model predicts: output lags start at 1")]
     OutputAtLagZero,
-    /// A degree outside 1..=[`MAX_DEGREE`].
+    /// Degree outside 1..=[`MAX_DEGREE`].
     #[error("degree {0} is outside 1 to {MAX_DEGREE}")]
     Degree(usize),
-    /// An explicit monomial without factors.
+    /// Explicit monomial without factors.
     #[error("the constant is in every model and cannot be a candidate")]
     Constant,
-    /// A range of lags without a lag.
+    /// Empty range of lags.
     #[error("the lag range {0} to {1} is empty")]
     EmptyLags(u16, u16),
-    /// A lag beyond [`MAX_LAG`] or an input beyond [`MAX_INPUT`].
+    /// Lag beyond [`MAX_LAG`] or input beyond [`MAX_INPUT`].
     #[error("{0} is out of reach: lags go to {MAX_LAG}, inputs to u{MAX_INPUT}")]
     OutOfReach(String),
-    /// More than [`MAX_CANDIDATES`].
+    /// More than [`MAX_CANDIDATES`] candidates.
     #[error(
         "more than {MAX_CANDIDATES} candidates: the averages of their products would not fit into memory"
     )]
     TooMany,
-    /// Nothing to choose from.
+    /// No candidate.
     #[error("the pool is empty: give output lags, input lags or a monomial")]
     Empty,
 }
@@ -100,7 +100,7 @@ impl Candidates {
         self.factors().map(|f| usize::from(f.lag)).max().unwrap_or(0)
     }
 
-    /// How many inputs the signals must hold: one more than the largest input index used.
+    /// Number of inputs that the signals must have: one more than the largest input index used.
     pub fn inputs(&self) -> usize {
         let index = |f: &Factor| match f.channel {
             Channel::Output => 0,
@@ -114,29 +114,29 @@ impl Candidates {
         self.monomials.iter().flatten()
     }
 
-    /// Where a monomial stands in the pool.
+    /// Returns the index of a monomial in the pool.
     pub fn position(&self, monomial: &[Factor]) -> Option<usize> {
         self.monomials.binary_search_by(|m| order(m, monomial)).ok()
     }
 }
 
-/// Whether a pool could offer this monomial.
+/// Returns true if a pool can contain this monomial.
 pub(crate) fn is_candidate(monomial: &[Factor]) -> bool {
     let output_now = |f: &Factor| f.channel == Channel::Output && f.lag == 0;
     (1..=MAX_DEGREE).contains(&monomial.len()) && !monomial.iter().any(|f| output_now(f) || out_of_reach(f))
 }
 
-/// A lag or an input too large for the moments.
+/// Returns true if a lag or an input is too large for the moments.
 fn out_of_reach(factor: &Factor) -> bool {
     factor.lag > MAX_LAG || factor.channel > Channel::Input(MAX_INPUT)
 }
 
-/// By number of factors, then factor by factor: the order of the pool.
+/// Order of the pool: by number of factors, then factor by factor.
 fn order(a: &[Factor], b: &[Factor]) -> core::cmp::Ordering {
     a.len().cmp(&b.len()).then_with(|| a.cmp(b))
 }
 
-/// Delays of one channel and the highest power they may be multiplied to among themselves.
+/// Delays of one channel and the highest degree of their products.
 #[derive(Debug, Clone)]
 struct Group {
     channel: Channel,
@@ -144,7 +144,7 @@ struct Group {
     degree: usize,
 }
 
-/// Collects what a pool shall hold; see [`Candidates::builder`].
+/// Collects the contents of a pool; see [`Candidates::builder`].
 #[derive(Debug, Clone, Default)]
 pub struct Builder {
     groups: Vec<Group>,
@@ -182,10 +182,10 @@ impl Builder {
         self
     }
 
-    /// Enumerates the pool.
+    /// Builds the pool.
     ///
     /// # Errors
-    /// An output at lag 0, a degree outside 1..=[`MAX_DEGREE`], an explicit constant, nothing at all, or more than
+    /// An output at lag 0, a degree outside 1..=[`MAX_DEGREE`], an explicit constant, an empty pool, or more than
     /// [`MAX_CANDIDATES`].
     pub fn build(self) -> Result<Candidates, CandidatesError> {
         let degrees = self.groups.iter().map(|g| g.degree).chain(self.cross_degree);
@@ -224,9 +224,9 @@ impl Builder {
         if monomials.is_empty() { Err(CandidatesError::Empty) } else { Ok(Candidates { monomials }) }
     }
 
-    /// Appends every allowed product of `stem` with factors from `factors` on: each product once, since its factors
-    /// never go back in order. Goes no further than shows that there are too many: the products of three of the lags to
-    /// [`MAX_LAG`] are 7·10¹¹.
+    /// Appends every allowed product of `stem` with factors from `factors` on, each once, since its factors are in
+    /// ascending order. Stops as soon as there are too many: the products of three of the lags to [`MAX_LAG`] are
+    /// 7·10¹¹.
     fn extend(&self, stem: &mut Monomial, factors: &[Factor], found: &mut Vec<Monomial>) {
         for (i, &factor) in factors.iter().enumerate() {
             if found.len() > MAX_CANDIDATES {
@@ -241,8 +241,7 @@ impl Builder {
         }
     }
 
-    /// Whether a product keeps to the degrees asked for. A product that does not cannot be extended to one
-    /// that does.
+    /// Returns true if a product is within the requested degrees. Otherwise no extension of it is.
     fn allows(&self, monomial: &[Factor]) -> bool {
         let within_channel = |factor: &Factor| {
             let power = monomial.iter().filter(|f| f.channel == factor.channel).count();
@@ -255,12 +254,12 @@ impl Builder {
     }
 }
 
-/// A monomial as people write it: `y(n-1)·u0(n)`, `y(n-2)²`, `1`.
+/// Formats a monomial as `y(n-1)·u0(n)`, `y(n-2)²`, `1`.
 pub fn monomial_text(monomial: &[Factor]) -> String {
     monomial_text_named(monomial, "y", &[])
 }
 
-/// The same with names of the channels; an input beyond the names given is `u` and its index.
+/// Formats a monomial with names of the channels; an input without a name is `u` and its index.
 pub fn monomial_text_named(monomial: &[Factor], output: &str, inputs: &[&str]) -> String {
     MonomialText { monomial, output, inputs }.to_string()
 }
@@ -342,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_channels_apart_unless_asked() {
+    fn separates_channels_by_default() {
         let builder = Candidates::builder().output(1..=1, 2).input(1, 0..=0, 1);
         let apart = builder.clone().build().unwrap();
         assert_eq!(texts(&apart), ["y(n-1)", "u1(n)", "y(n-1)²"]);
@@ -361,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_cannot_be_searched() {
+    fn rejects_invalid_pools() {
         let refused = |builder: Builder| builder.build().unwrap_err();
         assert_eq!(refused(Candidates::builder().output(0..=3, 1)), CandidatesError::OutputAtLagZero);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! What an axis costs on the device.
+//! Cost of an axis on the device.
 
 use std::mem::size_of;
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::UnitModel;
 
-/// Instructions a sample on the emulated Cortex-M4F for a factor of a term and for an input, as `.ci/device cost`
-/// counts them (README, "Cost").
+/// Instructions per sample on the emulated Cortex-M4F for a factor of a term and for an input, as counted by
+/// `.ci/device cost` (README, "Cost").
 const PER_FACTOR: f64 = 7.9;
 const PER_INPUT: f64 = 81.0;
 
-/// What the terms and inputs of an axis cost; the axis itself and what all axes share come on top.
+/// Cost of the terms and inputs of an axis; the axis itself and the part shared by all axes are not included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Cost {
-    /// Physical and stochastic together.
+    /// Number of terms, physical and stochastic.
     pub terms: usize,
-    /// Factors of all terms.
+    /// Number of factors in all terms.
     pub factors: usize,
     pub inputs: usize,
     /// RAM of terms and inputs, bytes.
     pub ram_bytes: usize,
-    /// Instructions a sample, about.
+    /// Approximate number of instructions per sample.
     pub instructions: u32,
 }
 
@@ -32,7 +32,7 @@ impl Cost {
         let terms = || model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic));
         let factors = terms().map(|term| term.factors.len()).sum();
         let inputs = model.inputs.len();
-        // one more of each, everything else equal
+        // the difference of one more of each, with everything else equal
         let base = size_of::<Predictor<f32, 1, 8, 16, 64>>();
         let input = size_of::<Predictor<f32, 1, 9, 16, 64>>() - base;
         let term = size_of::<Predictor<f32, 1, 8, 17, 64>>() - base;
@@ -45,7 +45,7 @@ impl Cost {
         }
     }
 
-    /// What this costs more than `base`.
+    /// Returns the cost in excess of `base`.
     pub fn beyond(&self, base: &Self) -> Self {
         Self {
             terms: self.terms.saturating_sub(base.terms),

@@ -1,4 +1,4 @@
-//! A fitted model as the host keeps it: f64, with names, units and standard errors. What runs is always fos-core.
+//! A fitted model on the host: f64, with names, units and standard errors. It is always run by fos-core.
 
 use fos_core::{
     AxisModel, AxisParameters, Channel, Factor, FittedOn, Input, Model, ModelError, Predictor, Quantity,
@@ -9,48 +9,48 @@ use serde::{Deserialize, Serialize};
 use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
-/// Most axes of a model on the host.
+/// Largest number of axes of a model on the host.
 pub const AXES: usize = 6;
 
-/// Most inputs of a model on the host.
+/// Largest number of inputs of a model on the host.
 pub const INPUTS: usize = 32;
 
-/// The evaluator with the capacities of the host: 512 terms, 4096 values of history.
+/// Evaluator with the capacities of the host: 512 terms, 4096 values of history.
 pub type HostPredictor<R> = Predictor<R, AXES, INPUTS, 512, 4096>;
 
-/// One that is copied in no time, and that most models fit into.
+/// A small evaluator that is cheap to copy and that most models fit into.
 pub type SmallPredictor<R> = Predictor<R, AXES, INPUTS, 64, 256>;
 
-/// The model of one sensor unit: axes over shared inputs.
+/// Model of one device: axes over shared inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitModel {
     /// Sample period T, s.
     pub period_s: f64,
-    /// What the measured values were while fitting.
+    /// Kind of the measured values while fitting: raw or corrected.
     pub fitted_on: FittedOn,
-    /// When the unit counts as still.
+    /// Thresholds below which the device counts as still.
     pub stillness: Option<StillnessLimits<f64>>,
-    /// The logged quantities that inputs are computed from.
+    /// Logged quantities from which inputs are computed.
     pub quantities: Vec<LoggedQuantity>,
-    /// The inputs u_0, u_1, …
+    /// Inputs u_0, u_1, …
     pub inputs: Vec<NamedInput>,
-    /// Each with terms of its own over the same inputs.
+    /// Axes, each with its own terms over the same inputs.
     pub axes: Vec<FittedAxis>,
 }
 
 /// A logged quantity: a column of a log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LoggedQuantity {
-    /// Where it is logged, as `temp_c`.
+    /// Name of the column, as `temp_c`.
     pub column: String,
-    /// What a device knows it as: its thermometer, one of its axes, or given by the application.
+    /// Identity on the device: its thermometer, one of its axes, or a value from the application.
     pub quantity: Quantity,
 }
 
-/// An input with a name for people.
+/// An input with a readable name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedInput {
-    /// As in tables: `temp_c`, `lowpass(r, 10 s)`.
+    /// Name as in tables: `temp_c`, `lowpass(r, 10 s)`.
     pub name: String,
     #[serde(flatten)]
     pub input: Input<f64>,
@@ -59,34 +59,33 @@ pub struct NamedInput {
 /// One axis of a [`UnitModel`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FittedAxis {
-    /// The column that was fitted.
+    /// Column that was fitted.
     pub column: String,
     #[serde(with = "StoredParameters")]
     pub parameters: AxisParameters<f64>,
-    /// p: terms over inputs only.
+    /// Physical part p: terms over inputs only.
     pub physical: Vec<FittedTerm>,
-    /// r̂ without its constant.
+    /// Stochastic part r̂ without its constant.
     pub stochastic: Vec<FittedTerm>,
-    /// What the rows that it was learnt from show without any model; none of a model that came from an image, or in
-    /// studies from before it was kept.
+    /// Statistics of the fitted rows without any model; none for a model from an image, or in studies of earlier
+    /// versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plain: Option<Plain>,
 }
 
-/// The measured error of an axis before anything is taken off it: what plain rivals are made of.
+/// Statistics of the measured error of an axis before any correction, from which the simpler rivals are made.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plain {
-    /// Mean of measured − true value; of measured where the true value is a constant that nobody knows. In the axis'
-    /// unit.
+    /// Mean of measured − true value, or of measured if the true value is an unknown constant, in the axis' unit.
     pub mean: f64,
-    /// Least and largest of it.
+    /// Range of the same values.
     pub range: Range<f64>,
-    /// Autocorrelation one sample apart.
+    /// Lag-1 autocorrelation.
     pub lag_1: f64,
 }
 
 impl Plain {
-    /// Of the values of the rows, and of the same in stretches without gaps, on any scale.
+    /// Computes the statistics from the values of the rows, and from the same in gap-free stretches, on any scale.
     pub fn of(values: &[f64], stretches: &[&[f64]]) -> Self {
         let extreme = |choose: fn(f64, f64) -> f64| values.iter().copied().reduce(choose).unwrap_or(0.0);
         Self {
@@ -102,25 +101,25 @@ impl Plain {
 pub struct FittedTerm {
     /// Coefficient, scaled units.
     pub coefficient: f64,
-    /// Its standard error, scaled units; absent where it was not estimated.
+    /// Standard error, scaled units; absent if it was not estimated.
     pub standard_error: Option<f64>,
     pub factors: Vec<Factor>,
 }
 
 impl UnitModel {
-    /// A predictor for the model, in f64, or in f32 as it will run on the device.
+    /// Returns a predictor for the model, in f64, or in f32 as on the device.
     ///
     /// # Errors
     ///
-    /// What fos-core finds wrong with the model.
+    /// Error of fos-core in the model.
     pub fn predictor<R: Real>(&self) -> Result<HostPredictor<R>, ModelError> {
         self.with(HostPredictor::new)
     }
 
-    /// Calls `work` with the model as fos-core takes it, in scalar `R`.
+    /// Calls `work` with the model in the form of fos-core, in scalar `R`.
     pub fn with<R: Real, T>(&self, work: impl FnOnce(&Model<'_, R>) -> T) -> T {
         let terms = |terms: &[FittedTerm]| -> Vec<Term<R>> {
-            // factors come from a search or from a study file; a bad one was refused there
+            // factors come from a search or from a study file, where a bad one was rejected
             let term =
                 |term: &FittedTerm| Term::try_new(term.coefficient, &term.factors).map(|term| term.convert());
             terms.iter().filter_map(term).collect()
@@ -149,8 +148,8 @@ impl UnitModel {
         })
     }
 
-    /// Adds the axes of `other`, a model of the same unit, with the inputs they need; inputs that both have are
-    /// shared. One axis of corrected values makes it a model of corrected values.
+    /// Adds the axes of `other`, a model of the same device, with the inputs they need; common inputs are shared. One
+    /// axis of corrected values makes it a model of corrected values.
     pub fn absorb(&mut self, other: UnitModel) {
         if other.fitted_on == FittedOn::FactoryCorrected {
             self.fitted_on = FittedOn::FactoryCorrected;
@@ -182,7 +181,7 @@ impl UnitModel {
         }
     }
 
-    /// The axis of this index as a unit of its own, with the inputs it needs.
+    /// Returns the axis of this index as a model of its own, with the inputs it needs.
     ///
     /// # Panics
     ///
@@ -208,7 +207,7 @@ impl UnitModel {
         let axes = std::mem::take(&mut self.axes);
         let mut old = Self { axes, ..self.clone() };
         (self.inputs, self.quantities) = (Vec::new(), Vec::new());
-        let kept = old.inputs.iter().enumerate().map(|(index, named)| {
+        let inputs_in_use = old.inputs.iter().enumerate().map(|(index, named)| {
             used.contains(&Channel::Input(index as u8)).then(|| {
                 let mut named = named.clone();
                 if let Source::Quantity(quantity) = &mut named.input.source {
@@ -218,12 +217,12 @@ impl UnitModel {
                 position(&mut self.inputs, named)
             })
         });
-        let places: Vec<Option<u8>> = kept.collect();
+        let places: Vec<Option<u8>> = inputs_in_use.collect();
         for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic))
         {
             for factor in &mut term.factors {
                 if let Channel::Input(input) = &mut factor.channel {
-                    // a used input was kept
+                    // a used input is still present
                     *input = places[usize::from(*input)].unwrap_or(*input);
                 }
             }
@@ -231,13 +230,13 @@ impl UnitModel {
         self.axes = old.axes;
     }
 
-    /// How many terms all axes have together.
+    /// Returns the number of terms of all axes.
     pub fn n_terms(&self) -> usize {
         self.axes.iter().map(|axis| axis.physical.len() + axis.stochastic.len()).sum()
     }
 }
 
-/// Where `thing` stands in `things`; appended if it does not.
+/// Returns the index of `thing` in `things`; appends it if absent.
 pub fn position<T: PartialEq>(things: &mut Vec<T>, thing: T) -> u8 {
     let found = things.iter().position(|other| *other == thing).unwrap_or_else(|| {
         things.push(thing);

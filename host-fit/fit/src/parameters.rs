@@ -1,9 +1,9 @@
-//! The numbers of an axis as a study keeps them.
+//! Parameters of an axis as stored in a study.
 
 use fos_core::{Axis, AxisParameters, InnovationStatistics, Range};
 use serde::{Deserialize, Serialize};
 
-/// A study from before p was limited says nothing of its range: nothing limits it, and nothing is written.
+/// Studies of earlier versions have no range of p: it is then unlimited, and not written.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "AxisParameters::<f64>")]
 pub(crate) struct StoredParameters {

@@ -1,4 +1,4 @@
-//! Feeds the rows of a recording to a predictor, as the device would see them.
+//! Feeds the rows of a recording to a predictor, as on the device.
 
 use fos_data::column::Column;
 use std::ops::Range;
@@ -8,17 +8,17 @@ use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Predictor
 use crate::model::{AXES, FittedAxis, INPUTS, UnitModel};
 use fos_data::recording::{Boundary, Recording, RecordingError, runs};
 
-/// A recording seen through the columns that a model needs. Rows are those of the recording.
+/// View of a recording through the columns that a model needs. Rows are those of the recording.
 pub struct Playback<'a> {
     measured: Vec<&'a [f64]>,
     reference: Vec<Reference<'a>>,
-    /// Of each axis whose true value at rest is the model's own reference: whether a device would track it.
+    /// Parameters of each axis whose true value at rest is the model's own reference; a device tracks it conditionally.
     gated: Vec<Option<AxisParameters<f64>>>,
-    /// Some axis is tracked against something else than the model's own reference, or not always.
+    /// True if some axis has another reference than the model's own, or is not always tracked.
     has_reference: bool,
     quantities: Vec<Vec<f64>>,
     still: &'a [bool],
-    /// Rows that do not follow the row before them, in their order.
+    /// Rows that do not follow the row before them, in order.
     breaks: Vec<(usize, Break)>,
     /// Rows in which an axis has no value.
     unmeasured: Vec<usize>,
@@ -27,8 +27,9 @@ pub struct Playback<'a> {
 enum Reference<'a> {
     Constant(f64),
     Column(&'a [f64]),
-    /// The constant in the pose of the fit, NaN in any other: what gravity gives there is not known. Told in hindsight,
-    /// by the mean of a still stretch: it says which rows can be judged, and nothing of what a device knew then.
+    /// The constant in the orientation of the fit, NaN in any other, where the component of gravity is unknown. It is
+    /// determined in hindsight by the mean of a still stretch: it defines the rows of an evaluation, and not the
+    /// knowledge of a device at the time.
     Pose(Vec<f64>),
 }
 
@@ -42,29 +43,29 @@ impl Reference<'_> {
     }
 }
 
-/// The parameters of an axis that a device tracks only in the pose of its fit.
+/// Returns the parameters of an axis that a device tracks only in the orientation of its fit.
 fn gated((axis, reference): (&FittedAxis, &Reference<'_>)) -> Option<AxisParameters<f64>> {
     let is_own = matches!(reference, Reference::Constant(_) | Reference::Pose(_));
     (is_own && matches!(axis.parameters.axis, Axis::Ax | Axis::Ay | Axis::Az)).then_some(axis.parameters)
 }
 
-/// What lies before a row that does not follow the row before it.
+/// Interruption before a row that does not follow the row before it.
 #[derive(Debug, Clone, Copy)]
 enum Break {
     Missing(u32),
-    /// Everything: the unit was switched on anew.
+    /// The device was switched on again: all states are reset.
     Recording,
 }
 
-/// Ticks taken to be missing where it is not known how many: more than any gap limit, so that histories restart.
+/// Number of missing ticks if it is unknown: more than any gap limit, so that histories restart.
 const UNKNOWN_TICKS: u64 = 256;
 
 impl<'a> Playback<'a> {
-    /// `still` tells for every row whether the true value is known.
+    /// `still` marks the rows in which the true value is known.
     ///
     /// # Errors
     ///
-    /// A column that the model needs is not in the recording.
+    /// A column that the model needs is missing.
     pub fn new(
         recording: &'a Recording,
         model: &UnitModel,
@@ -112,16 +113,16 @@ impl<'a> Playback<'a> {
             breaks,
             unmeasured,
         };
-        playback.leave_out_other_poses(model);
+        playback.exclude_other_poses(model);
         playback.gated = model.axes.iter().zip(&playback.reference).map(gated).collect();
         playback.has_reference =
             playback.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
         Ok(playback)
     }
 
-    /// Forgets the constant references of the accelerometers wherever the unit lies still in another pose, by any of
-    /// them: turned about one of them that one feels the same gravity.
-    fn leave_out_other_poses(&mut self, model: &UnitModel) {
+    /// Removes the constant references of the accelerometers wherever the device is at rest in another orientation by
+    /// any of them: an axis along the axis of rotation sees the same gravity.
+    fn exclude_other_poses(&mut self, model: &UnitModel) {
         let n_rows = self.still.len();
         let gated = model.axes.iter().zip(&self.reference).map(gated).enumerate();
         let gated: Vec<(usize, AxisParameters<f64>)> =
@@ -147,39 +148,39 @@ impl<'a> Playback<'a> {
         }
     }
 
-    /// Whether the true value of an axis is anything but the model's own reference, row after row.
+    /// Returns true if the true value of an axis is not the model's own reference in every row.
     pub fn has_reference(&self) -> bool {
         self.has_reference
     }
 
-    /// Rows of the recording.
+    /// Number of rows of the recording.
     pub fn n_rows(&self) -> usize {
         self.still.len()
     }
 
-    /// Whether the true value is known in this row.
+    /// Returns true if the true value is known in this row.
     pub fn is_still(&self, row: usize) -> bool {
         self.still[row]
     }
 
-    /// Whether every axis has a value in all of these rows.
+    /// Returns true if every axis has a value in all of these rows.
     pub fn is_measured(&self, rows: Range<usize>) -> bool {
         let next = self.unmeasured.partition_point(|row| *row < rows.start);
         self.unmeasured.get(next).is_none_or(|row| *row >= rows.end)
     }
 
-    /// Logged quantities that the model needs.
+    /// Number of logged quantities that the model needs.
     pub(crate) fn n_quantities(&self) -> usize {
         self.quantities.len()
     }
 
-    /// One of them, as a device has it in this row.
+    /// Returns a quantity as a device sees it in this row.
     #[inline]
     pub(crate) fn quantity(&self, number: usize, row: usize) -> f64 {
         self.quantities[number][row]
     }
 
-    /// Whether every quantity has had a value since the unit was switched on.
+    /// Returns true if every quantity has had a value since power-on.
     pub fn knows_inputs(&self, row: usize) -> bool {
         self.quantities.iter().all(|values| !values[row].is_nan())
     }
@@ -189,8 +190,8 @@ impl<'a> Playback<'a> {
         Some(self.breaks[found].1)
     }
 
-    /// Ticks missing just before `row`; 0 if it follows the row before it. A new recording counts as so many that
-    /// histories restart.
+    /// Returns the number of ticks missing just before `row`; 0 if it follows the row before it. A new recording counts
+    /// as a number that restarts histories.
     pub fn missing_before(&self, row: usize) -> u32 {
         match self.break_before(row) {
             None => 0,
@@ -199,7 +200,7 @@ impl<'a> Playback<'a> {
         }
     }
 
-    /// Takes `predictor` over what lies before `row`.
+    /// Advances `predictor` over the interruption before `row`.
     #[inline]
     pub fn catch_up<R: Scalar, const TERMS: usize, const HISTORY: usize>(
         &self,
@@ -215,14 +216,14 @@ impl<'a> Playback<'a> {
         }
     }
 
-    /// Its rows in the scalar of a predictor.
+    /// Returns the rows in the scalar of a predictor.
     pub fn feed<R: Scalar>(&self) -> Feed<'_, 'a, R> {
         let gate = |parameters: &AxisParameters<f64>| {
-            let of_device: AxisParameters<R::Stored> = parameters.convert();
+            let device_parameters: AxisParameters<R::Stored> = parameters.convert();
             Gate {
-                pose: PoseGate::new(&of_device).convert(),
-                offset: R::of(of_device.offset),
-                reference: R::of(of_device.reference),
+                pose: PoseGate::new(&device_parameters).convert(),
+                offset: R::of(device_parameters.offset),
+                reference: R::of(device_parameters.reference),
             }
         };
         let gates: Vec<Option<Gate<R>>> =
@@ -237,19 +238,20 @@ impl<'a> Playback<'a> {
         }
     }
 
-    /// Measured error of an axis, offset included, in its unit: measured − reference; NaN where that is not known.
+    /// Returns the measured error of an axis, offset included, in its unit: measured − reference; NaN if that is
+    /// unknown.
     pub fn error(&self, axis: usize, row: usize) -> f64 {
         self.measured[axis][row] - self.reference[axis].at(row)
     }
 
-    /// Measured errors of an axis at rest, stretch by stretch, where they are known.
+    /// Returns the known measured errors of an axis at rest, stretch by stretch.
     pub fn errors_at_rest(&self, axis: usize, rows: Range<usize>) -> Vec<Vec<f64>> {
         let errors = |rows: Range<usize>| rows.map(|row| self.error(axis, row)).collect();
         let known = |stretch| runs(stretch, |row| self.error(axis, row).is_finite());
         self.still_stretches(rows).into_iter().flat_map(known).map(errors).collect()
     }
 
-    /// The stretches of `rows` that are still throughout and have no break inside.
+    /// Returns the stretches of `rows` that are still throughout and have no break inside.
     pub fn still_stretches(&self, rows: Range<usize>) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for row in rows.filter(|row| self.still[*row]) {
@@ -262,11 +264,11 @@ impl<'a> Playback<'a> {
     }
 }
 
-/// The rows of a playback, one at a time, as fos-core takes them.
+/// Rows of a playback, one at a time, in the form of fos-core.
 #[derive(Clone)]
 pub struct Feed<'p, 'a, R: Scalar> {
     playback: &'p Playback<'a>,
-    /// Of each axis that a device tracks only in the pose of its fit.
+    /// Gate of each axis that a device tracks only in the orientation of its fit.
     gates: Vec<Option<Gate<R>>>,
     is_gated: bool,
     // the values of one row
@@ -283,7 +285,7 @@ struct Gate<R> {
 }
 
 impl<R: Scalar> Feed<'_, '_, R> {
-    /// The row as a device gets it: measured values and quantities.
+    /// Returns the row as a device sees it: measured values and quantities.
     #[inline]
     pub fn sample(&mut self, row: usize) -> Sample<'_, R> {
         self.read(row);
@@ -300,9 +302,10 @@ impl<R: Scalar> Feed<'_, '_, R> {
         }
     }
 
-    /// One row: what is missing before it is skipped, then it is tracked where still, else coasted. As a device does,
-    /// by the same gate and without looking ahead, an accelerometer is tracked against the model's own reference only
-    /// if all of them were in the pose of the fit in the sample before; the first sample after power-on is told by itself.
+    /// Processes one row: missing ticks before it are skipped, then it is tracked at rest, else coasted. As on a
+    /// device, by the same gate and without looking ahead, an accelerometer is tracked against the model's own
+    /// reference only if all of them were in the orientation of the fit in the sample before; the first sample after
+    /// power-on decides for itself.
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn step<'r, const TERMS: usize, const HISTORY: usize>(
         &mut self,
@@ -324,7 +327,7 @@ impl<R: Scalar> Feed<'_, '_, R> {
         predictor.track_against(&sample, &self.reference)
     }
 
-    /// One row from the model's own history, though it may be still: how a coast is judged.
+    /// Processes one row from the model's own history although it may be at rest, to evaluate a coast.
     #[inline]
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn coast<'r, const TERMS: usize, const HISTORY: usize>(
@@ -335,7 +338,8 @@ impl<R: Scalar> Feed<'_, '_, R> {
         predictor.coast(&self.sample(row))
     }
 
-    /// The references of the axes with a gate: the model's own if all of them were in the pose of the fit, else none.
+    /// Sets the references of the axes with a gate: the model's own if all of them were in the orientation of the fit,
+    /// else none.
     fn hold_gates(&mut self, before: &[Correction<R>], row: usize) {
         let is_first = row == 0 || matches!(self.playback.break_before(row), Some(Break::Recording));
         let mut is_in_pose = true;

@@ -1,4 +1,4 @@
-//! From plain slices to a model, its predictor and a forecast: no files, no columns, no units.
+//! Fits plain slices: a model, its predictor and a forecast, without files, columns or units.
 
 use fos_core::{ModelError, Sample};
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
@@ -6,33 +6,33 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 use crate::fit::{AxisError, AxisFit, AxisReport, FitOptions, fit_axis, rest};
 use crate::model::{HostPredictor, UnitModel};
 
-/// What the column of a plain series is called.
+/// Column name of a plain series.
 const COLUMN: &str = "series";
 
-/// A model of one series, in the series' unit.
+/// Model of one series, in the series' unit.
 #[derive(Debug, Clone)]
 pub struct SeriesFit {
-    /// The model: one axis, the column `series`.
+    /// Model with one axis, the column `series`.
     pub model: UnitModel,
-    /// How it was found: every step of the search, its error, why it stopped.
+    /// Report of the fit: every step of the search, its error, and the reason why it stopped.
     pub report: AxisReport,
-    /// Standard deviation of the innovation e(n) on the rows that were fitted, in the series' unit.
+    /// Standard deviation of the innovation e(n) on the fitted rows, in the series' unit.
     pub innovation_deviation: f64,
 }
 
-/// What the series is expected to be, so many samples on.
+/// Forecast of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forecast {
-    /// The value, in the series' unit.
+    /// Predicted value, in the series' unit.
     pub value: f64,
-    /// Its standard error, in the series' unit, of the innovations to come: the coefficients are taken as known.
+    /// Standard error due to future innovations, in the series' unit; the coefficients are taken as exact.
     pub standard_error: f64,
 }
 
-/// Why a series has no model or forecast.
+/// Reason why a series has no model or forecast.
 #[derive(Debug, thiserror::Error)]
 pub enum SeriesError {
-    /// The series is no recording: too short, or at no rate that a sensor has.
+    /// The series is not a recording: too short, or with a sampling rate of no sensor.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(transparent)]
@@ -42,14 +42,14 @@ pub enum SeriesError {
     Model(#[from] ModelError),
 }
 
-/// Fits a series without gaps, sampled `rate_hz` times a second, with the first half of it
-/// ([`FitOptions::train`]); a value that is not finite is one that is missing.
+/// Fits a series without gaps, sampled at `rate_hz`, on its first half ([`FitOptions::train`]); a value that is not
+/// finite counts as missing.
 ///
 /// ```
 /// use fos_fit::fit::FitOptions;
 /// use fos_fit::series::fit_series;
 ///
-/// // r(n) = 0.9 r(n − 1) + e(n), e evenly spread with a standard deviation of 1/√12
+/// r(n) = 0.9 r(n − 1) + e(n), e uniform with a standard deviation of 1/√12
 /// let mut state = 1_u32;
 /// let mut noise = || { state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); f64::from(state >> 8) / 16_777_216.0 - 0.5 };
 /// let mut r = vec![0.0; 20_000];
@@ -66,7 +66,7 @@ pub enum SeriesError {
 ///
 /// # Errors
 ///
-/// Too few samples for the candidates, a series that never changes, a rate that no sensor has.
+/// Too few samples for the candidates, a constant series, or a sampling rate of no sensor.
 pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<SeriesFit, SeriesError> {
     let time = (0..values.len()).map(|n| n as f64 / rate_hz).collect();
     let columns = vec![("t_s".to_owned(), time), (COLUMN.to_owned(), values.to_vec())];
@@ -79,7 +79,7 @@ pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<
 }
 
 impl SeriesFit {
-    /// The evaluator that runs on the device, in f64, before its first sample.
+    /// Returns the evaluator of the device, in f64, before its first sample.
     ///
     /// # Errors
     ///
@@ -88,11 +88,11 @@ impl SeriesFit {
         self.model.predictor()
     }
 
-    /// The `steps` samples that follow `history`, by the evaluator itself, with their standard errors.
+    /// Forecasts the `steps` samples that follow `history` with the evaluator itself, with their standard errors.
     ///
-    /// With ψ_i the change of the forecast i samples after a unit innovation, the variance of the forecast h samples on
-    /// is σ²·Σ_{i<h} ψ_i² (Box and Jenkins 1976, section 5.1). The ψ are found by running the evaluator once more with
-    /// the last value raised by σ: exact for a linear model, the slope at the forecast for another.
+    /// With ψ_i the change of the forecast i samples after a unit innovation, the variance of the forecast h samples
+    /// ahead is σ²·Σ_{i<h} ψ_i² (Box and Jenkins 1976, section 5.1). The ψ are determined by a second run of the
+    /// evaluator with the last value increased by σ: exact for a linear model, the slope at the forecast otherwise.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_forecast_and_its_standard_error_are_those_of_the_autoregression() {
+    fn forecast_matches_the_autoregression() {
         let (ar, variance) = ([1.2, -0.5], 0.04);
         let series = autoregression(3, 40_000, &ar, variance);
         let options = FitOptions { max_lag: 6, degree: 1, memory_s: Vec::new(), ..FitOptions::default() };
@@ -147,7 +147,7 @@ mod tests {
         for Forecast { value, standard_error } in forecast {
             let expected = ar[0] * past[0] + ar[1] * past[1];
             sum += psi[0] * psi[0];
-            // three standard errors of the coefficients of so many rows, and of their mean
+            // three standard errors of the coefficients and of their mean
             assert!((value - expected).abs() < 0.03, "{value} for {expected}");
             let expected_error = (variance * sum).sqrt();
             assert!(
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn of_nothing_there_is_no_model_and_no_forecast_of_no_steps() {
+    fn rejects_empty_series_and_forecasts_no_steps() {
         assert!(matches!(fit_series(&[], 200.0, &FitOptions::default()), Err(SeriesError::Recording(_))));
         assert!(matches!(fit_series(&[1.0; 5000], 200.0, &FitOptions::default()), Err(SeriesError::Axis(_))));
         let series = autoregression(1, 5000, &[0.5], 1.0);

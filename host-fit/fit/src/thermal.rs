@@ -1,8 +1,9 @@
-//! The bias of every axis as a cubic of the temperature, which is all that some stacks can correct by; and what that leaves.
+//! Bias of every axis as a cubic of the temperature, the only correction that some stacks support; and the remaining
+//! error.
 //!
-//! b(T) = Σ Xₖ·(clip(T) − T_ref)ᵏ, k = 0 … 3, T clipped to the range it was fitted in. Fitted by generalised least squares
-//! on block means, whitened by the axis' own noise: a slow change of temperature does not count for more than a quick one
-//! only because it has more samples.
+//! b(T) = Σ Xₖ·(clip(T) − T_ref)ᵏ, k = 0 … 3, with T clipped to its fitted range. It is fitted by generalised least
+//! squares on block means, whitened by the axis' own noise, so that a slow change of temperature does not count for
+//! more than a quick one only because it has more samples.
 
 use std::ops::Range;
 
@@ -16,57 +17,57 @@ use crate::evaluate::SLOW_BLOCK_S;
 use crate::noise::{Blocks, LevelPrior, NoiseLevels, Regression, length_for};
 use crate::signal;
 
-/// The column of the thermometer, °C.
+/// Column of the thermometer, °C.
 pub const TEMPERATURE: &str = "temp_c";
 
-/// A range of temperatures narrower than this tells no cubic, K: ArduPilot asks for as much (`TEMP_RANGE_MIN`,
-/// AP_InertialSensor_tempcal.cpp), and PX4 takes no less (`SYS_CAL_TDEL`).
+/// Least range of temperatures for a cubic, K: ArduPilot requires as much (`TEMP_RANGE_MIN`,
+/// AP_InertialSensor_tempcal.cpp), and PX4 accepts no less (`SYS_CAL_TDEL`).
 pub const NARROWEST_K: f64 = 10.0;
 
-/// Fewer blocks than this tell no cubic beside the noise.
+/// Least number of blocks for a cubic under noise.
 const FEWEST_BLOCKS: usize = 40;
 
-/// The bias of the axes of a unit by temperature.
+/// Bias of the axes of a device by temperature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ThermalTable {
-    /// Lowest temperature that it holds for, °C, to a hundredth.
+    /// Lowest valid temperature, °C, to a hundredth.
     pub low_c: f64,
-    /// Highest, °C.
+    /// Highest valid temperature, °C, to a hundredth.
     pub high_c: f64,
-    /// One for every axis of the log.
+    /// Cubics, one for every axis of the log.
     pub axes: Vec<ThermalCubic>,
 }
 
-/// The bias of one axis.
+/// Bias of one axis by temperature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ThermalCubic {
-    /// As in the log format.
+    /// Name in the log format, as `gx_rads`.
     pub column: String,
-    /// X₀ … X₃ about the middle of the table's range, unit/Kᵏ. X₀ is 0 where nobody knows the true value, as of an
-    /// accelerometer.
+    /// Coefficients X₀ … X₃ about the middle of the table's range, unit/Kᵏ. X₀ is 0 if the true value is unknown, as
+    /// for an accelerometer.
     pub coefficients: [f64; 4],
 }
 
-/// Why there is no such table.
+/// Reason why there is no such table.
 #[derive(Debug, thiserror::Error)]
 pub enum ThermalError {
-    /// A column is not there.
+    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(
         "{log}: it has no temperature, temp_c: a table by temperature needs one\nhelp: log the temperature of the sensor's die beside the axes, or map another column to temp_c"
     )]
     NoThermometer { log: String },
-    /// Too little is known at rest.
+    /// Too few rows at rest have a temperature.
     #[error(
         "{log}: {blocks} blocks at rest with a temperature are too few for a cubic of it; {FEWEST_BLOCKS} are needed\nhelp: let the unit lie still from cold to warm, for half an hour or more"
     )]
     TooShort {
         log: String,
-        /// Blocks that there are.
+        /// Number of blocks.
         blocks: usize,
     },
-    /// The temperature hardly moves.
+    /// The temperature hardly changes.
     #[error(
         "{log}: on the rows that are fitted the temperature goes from {low_c:.2} to {high_c:.2} °C, less than the {NARROWEST_K} K that a cubic of it needs\nhelp: cool the unit for half an hour, then log it lying still while it warms up as far as it will in use; a larger `train` takes more of this log"
     )]
@@ -74,11 +75,11 @@ pub enum ThermalError {
 }
 
 impl ThermalTable {
-    /// Fits every axis on those of `rows` in which the unit lies still.
+    /// Fits every axis on those of `rows` in which the device is at rest.
     ///
     /// # Errors
     ///
-    /// There is no thermometer, it did not move enough, or the device moves all along.
+    /// There is no thermometer, the temperature did not change enough, or the device moves all along.
     pub fn fit(
         recording: &Recording,
         stillness: &Stillness,
@@ -95,11 +96,11 @@ impl ThermalTable {
         if blocks.len() < FEWEST_BLOCKS {
             return Err(ThermalError::TooShort { log, blocks: blocks.len() });
         }
-        // means: one value that is no temperature does not widen the range
+        // means: a single invalid value does not widen the range
         let means = blocks.means(&temperature);
         let low = means.iter().copied().fold(f64::INFINITY, f64::min);
         let high = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // rounded as it is printed, so that what is computed is what is written
+        // rounded as printed, so that the computed and the written values agree
         let (low_c, high_c) = ((100.0 * low).ceil() / 100.0, (100.0 * high).floor() / 100.0);
         if high_c - low_c < NARROWEST_K {
             return Err(ThermalError::TooNarrow { log, low_c: low, high_c: high });
@@ -150,24 +151,24 @@ impl ThermalTable {
         Ok([constant, fitted[1] / half, fitted[2] / (half * half), fitted[3] / half.powi(3)])
     }
 
-    /// The middle of its range, °C.
+    /// Returns the middle of the temperature range, °C.
     pub fn reference_c(&self) -> f64 {
         0.5 * (self.low_c + self.high_c)
     }
 }
 
-/// Coefficients about `reference` of a cubic that has these about zero: Σ cₖ·uᵏ = Σ dₖ·(u − reference)ᵏ.
+/// Converts the coefficients of a cubic about zero to those about `reference`: Σ cₖ·uᵏ = Σ dₖ·(u − reference)ᵏ.
 pub fn about(coefficients: [f64; 4], reference: f64) -> [f64; 4] {
     let [c0, c1, c2, c3] = coefficients;
     let r = reference;
     [c0 + r * (c1 + r * (c2 + r * c3)), c1 + r * (2.0 * c2 + 3.0 * r * c3), c2 + 3.0 * r * c3, c3]
 }
 
-/// The temperature of every row, °C, held where a slower thermometer has none.
+/// Returns the temperature of every row, °C, held between the values of a slower thermometer.
 ///
 /// # Errors
 ///
-/// There is none.
+/// There is no thermometer.
 pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
     match recording.channel(TEMPERATURE) {
         Ok(channel) => Ok(recording.held_from_first(channel)),
@@ -175,9 +176,9 @@ pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
     }
 }
 
-/// Root mean square of the 1-s means of an axis less `correction`, one value per row, where the unit lies still among
-/// `rows`; less their mean, as every stack finds the constant itself, and that of an accelerometer in each pose. In the
-/// axis' unit; none where fewer than two such means are known.
+/// Returns the RMS of the 1-s means of an axis minus `correction`, one value per row, over the rows at rest among
+/// `rows`; about their mean, as every stack determines the constant itself, and for an accelerometer about the mean in
+/// each orientation. In the axis' unit; none if fewer than two such means are known.
 ///
 /// # Errors
 ///
@@ -216,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cubic_about_another_reference_is_the_same_cubic() {
+    fn shifting_the_reference_preserves_the_cubic() {
         let coefficients = [0.3, -0.02, 4e-4, -7e-6];
         let value = |c: [f64; 4], u: f64| c[0] + u * (c[1] + u * (c[2] + u * c[3]));
         for reference in [0.0, -12.5, 7.25] {

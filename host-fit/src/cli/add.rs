@@ -56,7 +56,7 @@ impl Add {
         let refiner = logs.refiner(&library);
         let named = logs.named(refiner.fitted_rows());
         let bar = spinner("estimating and evaluating");
-        let mut refinement = refiner.go_on(&study, &column, named)?;
+        let mut refinement = refiner.resume(&study, &column, named)?;
         match &self.effect {
             Some(effect) => {
                 let step = refiner.add(&refinement, library.get(effect)?)?;

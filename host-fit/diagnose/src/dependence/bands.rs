@@ -1,10 +1,10 @@
-//! What is left by hour and frequency: power in octave bands by stretch of a twentieth of the log.
+//! Residual by time and frequency: power in octave bands in each twentieth of the log.
 //!
-//! The power of a cell is the mean of the periodogram over its band (Hann taper, every gap-free piece by itself). For
-//! noise it scatters as χ²_ν/ν, ν from the ordinates in it, how the taper correlates neighbours (4/9 and 1/36 in power)
-//! and how steep the spectrum is there. The usual is the median over the stretches, corrected for the median of χ²_ν;
-//! as a median of normal values has 2/π of the information of a mean, a cell over the usual has the F distribution with
-//! ν and (2/π)·Σν degrees of freedom.
+//! The power of a cell is the mean of the periodogram over its band (Hann taper, each gap-free piece separately). For
+//! noise it is distributed as χ²_ν/ν, where ν follows from the number of ordinates, their correlation under the taper
+//! (4/9 and 1/36 in power) and the slope of the spectrum. The usual power is the median over the stretches, corrected
+//! for the median of χ²_ν. A median of normal values has 2/π of the information of a mean, so a cell divided by the
+//! usual has the F distribution with ν and (2/π)·Σν degrees of freedom.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -17,47 +17,47 @@ use fos_data::statistics::midpoint_median;
 use fos_fit::signal::spectrum::hann;
 use fos_fit::signal::transforms;
 
-/// Stretches that the log is cut into.
+/// Number of stretches that the log is divided into.
 const STRETCHES: u64 = 20;
 
-/// Lowest frequency, in reciprocals of a stretch: so many ordinates are in the lowest octave.
+/// Lowest frequency, in reciprocals of a stretch; also the number of ordinates in the lowest octave.
 const LOWEST: f64 = 8.0;
 
-/// A piece counts in a band that begins this many ordinates above zero: the taper spreads the mean over two.
+/// Ordinates between zero and the lowest usable band of a piece: the taper spreads the mean over two.
 const CLEAR_OF_MEAN: f64 = 3.0;
 
 /// Correlation in power of ordinates 0, 1 and 2 apart under a Hann taper: (1, 2/3, 1/6)².
 const CORRELATION: [f64; 3] = [1.0, 4.0 / 9.0, 1.0 / 36.0];
 
-/// Fewest stretches that make a usual.
-const FEWEST: usize = 8;
+/// Least number of stretches for a usual power.
+const MIN_STRETCHES: usize = 8;
 
-/// Fewest degrees of freedom that make a cell.
-const FEWEST_FREEDOM: f64 = 4.0;
+/// Least degrees of freedom of a cell.
+const MIN_FREEDOM: f64 = 4.0;
 
-/// Slopes beyond this are a line in the band and no slope of the noise.
+/// Steepest spectral slope of noise; a steeper one is a line in the band.
 const STEEPEST: f64 = 4.0;
 
-/// A cell is named if less likely than this among all cells.
-const NAMED: f64 = 0.05;
+/// Largest p, over all cells, at which a cell is reported.
+const REPORTED_P: f64 = 0.05;
 
 /// One stretch of the log in one band.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Cell {
-    /// Begin, s as stamped.
+    /// Begin as timestamp, s.
     pub begin_s: f64,
-    /// End, s.
+    /// End as timestamp, s.
     pub end_s: f64,
     /// Lower end of the band, Hz.
     pub low_hz: f64,
-    /// Upper end, Hz.
+    /// Upper end of the band, Hz.
     pub high_hz: f64,
-    /// Power over the usual in this band.
+    /// Power divided by the usual power in this band.
     pub times: f64,
-    /// Degrees of freedom of that power where it is noise.
+    /// Degrees of freedom of the power of noise.
     pub freedom: f64,
-    /// Chance of so much power somewhere where nothing is wrong anywhere: allowing for all cells (Bonferroni).
+    /// Probability of such power in any cell under noise alone (Bonferroni over all cells).
     pub p: f64,
 }
 
@@ -65,20 +65,20 @@ pub struct Cell {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct PowerMap {
-    /// Cells in which enough is known, band by band, ascending in time.
+    /// Cells with enough data, band by band, ascending in time.
     pub cells: Vec<Cell>,
 }
 
 impl PowerMap {
-    /// The cells with more power than chance explains, least likely first.
+    /// Returns the cells with more power than chance explains, lowest p first.
     pub fn worst(&self) -> Vec<&Cell> {
-        let mut worst: Vec<&Cell> = self.cells.iter().filter(|cell| cell.p < NAMED).collect();
+        let mut worst: Vec<&Cell> = self.cells.iter().filter(|cell| cell.p < REPORTED_P).collect();
         worst.sort_by(|a, b| a.p.total_cmp(&b.p).then(b.times.total_cmp(&a.times)));
         worst
     }
 }
 
-/// The spectrum of one piece.
+/// Spectrum of one gap-free piece.
 struct Piece {
     power: Vec<f64>,
     resolution_hz: f64,
@@ -91,13 +91,13 @@ struct Stretch {
     pieces: Vec<Piece>,
 }
 
-/// The map of `left`, one value per row, NaN where it is not known; `rows` are looked at.
-pub(super) fn power_map(recording: &Recording, rows: Range<usize>, left: &[f64]) -> PowerMap {
-    let (stretches, stretch_ticks) = stretches(recording, rows, left);
+/// Computes the map of `residual`, one value per row, NaN if unknown, over `rows`.
+pub(super) fn power_map(recording: &Recording, rows: Range<usize>, residual: &[f64]) -> PowerMap {
+    let (stretches, stretch_ticks) = stretches(recording, rows, residual);
     let rate_hz = 1.0 / recording.rate.period_s;
     let mut low_hz = LOWEST * rate_hz / stretch_ticks as f64;
     let mut cells = Vec::new();
-    // ends: it doubles, from above 0, for a stretch has a length
+    // terminates: it doubles, from above 0, for a stretch has a length
     while low_hz < rate_hz / 2.0 {
         let band = (low_hz, (2.0 * low_hz).min(rate_hz / 2.0));
         cells.extend(cells_of(&stretches, band));
@@ -108,8 +108,8 @@ pub(super) fn power_map(recording: &Recording, rows: Range<usize>, left: &[f64])
     PowerMap { cells }
 }
 
-/// The stretches, and their length in ticks.
-fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<Stretch>, u64) {
+/// Returns the stretches, and their length in ticks.
+fn stretches(recording: &Recording, rows: Range<usize>, residual: &[f64]) -> (Vec<Stretch>, u64) {
     let inside = |segment: &fos_data::recording::Segment| {
         let part = segment.rows.start.max(rows.start)..segment.rows.end.min(rows.end);
         (!part.is_empty()).then(|| (segment.tick + (part.start - segment.rows.start) as u64, part))
@@ -132,9 +132,9 @@ fn stretches(recording: &Recording, rows: Range<usize>, left: &[f64]) -> (Vec<St
         let (Some(first), Some(last)) = (parts.first(), parts.last()) else { continue };
         let pieces = parts
             .iter()
-            .flat_map(|part| runs(part.clone(), |row| left[row].is_finite()))
+            .flat_map(|part| runs(part.clone(), |row| residual[row].is_finite()))
             .filter(|piece| piece.len() as f64 > 4.0 * CLEAR_OF_MEAN)
-            .map(|piece| Piece::new(&left[piece], recording.rate.period_s))
+            .map(|piece| Piece::new(&residual[piece], recording.rate.period_s))
             .collect();
         made.push(Stretch {
             begin_s: recording.time_s[first.start],
@@ -159,7 +159,8 @@ impl Piece {
         Self { power, resolution_hz: 1.0 / (values.len() as f64 * period_s) }
     }
 
-    /// The ordinates in a band. The last one, at half the rate, scatters otherwise and is left out.
+    /// Returns the ordinates in a band. The last one, at half the sampling rate, has another distribution and is
+    /// excluded.
     fn ordinates(&self, (low_hz, high_hz): (f64, f64)) -> Range<usize> {
         if low_hz < CLEAR_OF_MEAN * self.resolution_hz {
             return 0..0;
@@ -169,7 +170,7 @@ impl Piece {
     }
 }
 
-/// The cells of one band, p not yet for all bands together.
+/// Returns the cells of one band; p is not yet corrected for the number of cells.
 fn cells_of(stretches: &[Stretch], band: (f64, f64)) -> Vec<Cell> {
     let slope = slope(stretches, band);
     let middle_hz = (band.0 * band.1).sqrt();
@@ -190,10 +191,10 @@ fn cells_of(stretches: &[Stretch], band: (f64, f64)) -> Vec<Cell> {
                 }
             }
             let freedom = 2.0 * expected * expected / variance;
-            (freedom >= FEWEST_FREEDOM && power > 0.0).then_some((stretch, power / expected, freedom))
+            (freedom >= MIN_FREEDOM && power > 0.0).then_some((stretch, power / expected, freedom))
         })
         .collect();
-    if known.len() < FEWEST {
+    if known.len() < MIN_STRETCHES {
         return Vec::new();
     }
     let mut levels: Vec<f64> =

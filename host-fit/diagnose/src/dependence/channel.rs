@@ -1,64 +1,65 @@
-//! What is left against one channel: its mean in bins of the channel, and whether a curve of the channel explains it.
+//! Residual against one channel: its mean in bins of the channel, and a test whether a curve of the channel explains
+//! it.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::likelihood::{Remainder, Test};
+use super::likelihood::{BlockResidual, Test};
 use fos_fit::noise::Fitted;
 use fos_fit::noise::{Gls, NoiseLevels};
 
 const BINS: usize = 12;
 
-/// A bin of fewer blocks is not shown: where a temperature turns, single blocks rise among falling ones.
-const FEWEST: usize = 3;
+/// Least number of blocks in a bin: where a temperature reverses, single rising blocks lie among falling ones.
+const MIN_BIN_BLOCKS: usize = 3;
 
-/// The slope of a channel is taken over this share of the log: far more than a thermometer's steps, far less than its
-/// course.
+/// Share of the log over which the slope of a channel is taken: much longer than a step of a thermometer, much shorter
+/// than its course.
 const SLOPE_SHARE: f64 = 1.0 / 40.0;
 
 /// Knots of the curve, as shares of the blocks (Harrell 2015, table 2.3).
 const KNOTS: [f64; 5] = [0.05, 0.275, 0.5, 0.725, 0.95];
 
-/// What is left in one bin of a channel.
+/// Residual in one bin of a channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Bin {
-    /// Mean of the channel in it.
+    /// Mean of the channel in the bin.
     pub channel: f64,
     pub blocks: usize,
-    /// Plain mean of what is left, in the axis' unit.
+    /// Plain mean of the residual, in the axis' unit.
     pub mean: f64,
-    /// The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
-    /// of it (generalised least squares).
+    /// Mean of the residual by generalised least squares, which weights the blocks by their correlated noise, relative
+    /// to the mean over all bins.
     pub level: f64,
-    /// Half of the 95 % interval of `level`, under noise as it is coloured.
+    /// Half of the 95 % interval of `level` under coloured noise.
     pub half_width: f64,
 }
 
-/// What is left, bin by bin.
+/// Residual by bins of a channel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Bins {
     /// All blocks, by ascending value of the channel.
     pub all: Vec<Bin>,
-    /// Blocks where the channel rises; only of a temperature.
+    /// Blocks in which the channel rises; for temperatures only.
     pub rising: Vec<Bin>,
-    /// Blocks where it falls.
+    /// Blocks in which the channel falls; for temperatures only.
     pub falling: Vec<Bin>,
 }
 
-/// A test of a curve with noise levels fitted along, and these.
-pub(super) fn curve(remainder: &Remainder<'_>, null: &Fitted, values: &[f64]) -> Option<(Test, Fitted)> {
-    remainder.test(null, &natural_curve(values))
+/// Tests a curve with the noise levels fitted; also returns the fit.
+pub(super) fn curve(residual: &BlockResidual<'_>, null: &Fitted, values: &[f64]) -> Option<(Test, Fitted)> {
+    residual.test(null, &natural_curve(values))
 }
 
-/// Noise as a test found it.
+/// Noise estimated by a test.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Noise<'a> {
     pub(super) levels: &'a NoiseLevels,
-    /// How many independent samples say so.
+    /// Number of independent samples behind the estimate.
     pub(super) effective_samples: f64,
-    /// Coefficients that were fitted along, the constant among them.
+    /// Number of fitted coefficients, including the constant.
     pub(super) coefficients: usize,
 }
 
@@ -68,8 +69,8 @@ impl<'a> Noise<'a> {
         Self { levels: &fitted.levels, effective_samples, coefficients: terms + 1 }
     }
 
-    /// Half of a 95 % interval in standard errors. With n samples and k coefficients the most likely size of the noise
-    /// is too small by √((n − k)/n), and what is left of n is the freedom of Student's distribution.
+    /// Returns half of a 95 % interval in standard errors. With n samples and k coefficients the maximum likelihood
+    /// estimate of the noise is too small by √((n − k)/n), and Student's distribution has n − k degrees of freedom.
     fn half_width(&self) -> f64 {
         let freedom = (self.effective_samples - self.coefficients as f64).max(1.0);
         let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
@@ -77,22 +78,22 @@ impl<'a> Noise<'a> {
     }
 }
 
-/// What is left in bins of `values`, one per block; split by slope if `split`.
-pub(super) fn bins(remainder: &Remainder<'_>, noise: Noise<'_>, values: &[f64], split: bool) -> Bins {
+/// Computes the residual in bins of `values`, one per block; also by the sign of the slope if `split`.
+pub(super) fn bins(residual: &BlockResidual<'_>, noise: Noise<'_>, values: &[f64], split: bool) -> Bins {
     let place = equal_counts(values);
-    let all = levels_in(remainder, noise, values, &place).into_iter().flatten().collect();
+    let all = levels_in(residual, noise, values, &place).into_iter().flatten().collect();
     if !split {
         return Bins { all, ..Bins::default() };
     }
-    let rises = rising(remainder, values);
+    let rises = rising(residual, values);
     let by_slope: Vec<usize> =
         place.iter().zip(&rises).map(|(bin, rises)| 2 * bin + usize::from(*rises)).collect();
-    let split = levels_in(remainder, noise, values, &by_slope);
+    let split = levels_in(residual, noise, values, &by_slope);
     let half = |odd: usize| split.iter().skip(odd).step_by(2).flatten().cloned().collect();
     Bins { all, rising: half(1), falling: half(0) }
 }
 
-/// The bin of every value: bins of equal count, but equal values share one.
+/// Returns the bin of every value: bins of equal count, but equal values share one.
 fn equal_counts(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_unstable_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -109,9 +110,10 @@ fn equal_counts(values: &[f64]) -> Vec<usize> {
     place
 }
 
-/// The bins that `place` names, those with too few blocks left out of the answer but not of the regression.
+/// Computes the bins given by `place`; those with too few blocks are omitted from the result but not from the
+/// regression.
 fn levels_in(
-    remainder: &Remainder<'_>,
+    residual: &BlockResidual<'_>,
     noise: Noise<'_>,
     values: &[f64],
     place: &[usize],
@@ -122,7 +124,7 @@ fn levels_in(
         .map(|bin| place.iter().map(|place| f64::from(u8::from(*place == bin))).collect())
         .collect();
     let regressors: Vec<&[f64]> = indicators.iter().map(Vec::as_slice).collect();
-    let gls = Gls::new(remainder.blocks, noise.levels, remainder.means, &regressors);
+    let gls = Gls::new(residual.blocks, noise.levels, residual.means, &regressors);
     let (coefficients, covariance) = (gls.coefficients(), gls.covariance());
     let share: Vec<f64> = indicators.iter().map(|column| column.iter().sum::<f64>() / n as f64).collect();
     let overall: f64 = coefficients.iter().zip(&share).map(|(level, share)| level * share).sum();
@@ -133,7 +135,7 @@ fn levels_in(
             let inside = series.iter().zip(place).filter(|(_, place)| **place == bin);
             inside.map(|(value, _)| *value).sum::<f64>() / (share[bin] * n as f64)
         };
-        // the level is a contrast: own coefficient less the mean of all
+        // the level is a contrast: the bin's coefficient minus the mean of all
         let contrast: Vec<f64> = gls
             .kept
             .iter()
@@ -145,11 +147,11 @@ fn levels_in(
             .map(|(i, j)| contrast[i] * covariance[(i, j)] * contrast[j])
             .sum();
         let blocks = (share[bin] * n as f64).round() as usize;
-        if blocks >= FEWEST {
+        if blocks >= MIN_BIN_BLOCKS {
             bins[bin] = Some(Bin {
                 channel: own(values),
                 blocks,
-                mean: own(remainder.means),
+                mean: own(residual.means),
                 level: coefficients[bin] - overall,
                 half_width: wide * variance.sqrt(),
             });
@@ -158,9 +160,9 @@ fn levels_in(
     bins
 }
 
-/// Whether a channel rises: the sign of its least-squares slope about each block.
-fn rising(remainder: &Remainder<'_>, values: &[f64]) -> Vec<bool> {
-    let blocks = &remainder.blocks.blocks;
+/// Returns for each block whether the channel rises: the sign of its least-squares slope around the block.
+fn rising(residual: &BlockResidual<'_>, values: &[f64]) -> Vec<bool> {
+    let blocks = &residual.blocks.blocks;
     let span = blocks.last().map_or(0, |last| last.index) - blocks.first().map_or(0, |first| first.index);
     let reach = ((span as f64 * SLOPE_SHARE / 2.0) as u64).max(1);
     let (mut begin, mut end) = (0, 0);
@@ -181,9 +183,9 @@ fn rising(remainder: &Remainder<'_>, values: &[f64]) -> Vec<bool> {
         .collect()
 }
 
-/// A natural cubic spline of a channel (linear beyond the outer knots) without its constant: four columns, fewer where
-/// the channel has fewer different values. Knot i of k gives d_i(x) − d_(k−1)(x) with d_i = ((x − t_i)₊³ − (x −
-/// t_k)₊³)/(t_k − t_i) (Hastie, Tibshirani and Friedman 2009, eq. 5.4–5.5).
+/// Natural cubic spline of a channel (linear beyond the outer knots) without its constant: four columns, fewer if the
+/// channel has few distinct values. Knot i of k gives d_i(x) − d_(k−1)(x) with
+/// d_i = ((x − t_i)₊³ − (x − t_k)₊³)/(t_k − t_i) (Hastie, Tibshirani and Friedman 2009, eq. 5.4–5.5).
 pub(super) fn natural_curve(values: &[f64]) -> Vec<Vec<f64>> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);

@@ -1,8 +1,8 @@
-//! What is left against a channel as it was some time ago.
+//! Residual against a delayed channel.
 
 use serde::{Deserialize, Serialize};
 
-use super::likelihood::{Remainder, Test};
+use super::likelihood::{BlockResidual, Test};
 use fos_data::recording::{Boundary, Recording};
 use fos_fit::noise::{Blocks, Fitted, Gls, NoiseLevels};
 
@@ -11,55 +11,55 @@ const DELAYS_S: [f64; 7] = [0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 
 pub(super) const N_DELAYS: usize = DELAYS_S.len();
 
-/// A delay beyond this share of the log leaves too little of the channel.
+/// Longest delay as a share of the log; beyond it too little of the channel remains.
 const LONGEST_SHARE: f64 = 0.25;
 
-/// Delays whose gain is less than this below the best are not told from it: 95 % point of χ²₁.
-const NOT_TOLD: f64 = 3.84;
+/// Difference in gain up to which delays are indistinguishable from the best: 95 % point of χ²₁.
+const INDISTINGUISHABLE: f64 = 3.84;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Delay {
-    /// The delay, s.
+    /// Delay, s.
     pub delay_s: f64,
-    /// By how much 2 ln L rises with the delayed channel as a linear term; the same noise levels for all delays.
+    /// Increase of 2 ln L with the delayed channel as a linear term, at the same noise levels for all delays.
     pub gain: f64,
-    /// Its coefficient, the axis' unit per unit of the channel.
+    /// Coefficient of the channel, in the axis' unit per unit of the channel.
     pub slope: f64,
     /// Standard error of the coefficient.
     pub slope_error: f64,
 }
 
-/// The profile over delays.
+/// Gain by delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LagProfile {
     pub delays: Vec<Delay>,
-    /// The delay that explains most, s.
+    /// Delay with the largest gain, s.
     pub best_s: f64,
-    /// The shortest and longest delay that the log does not tell from it, s.
+    /// Shortest and longest delay that are indistinguishable from the best, s.
     pub possible_s: (f64, f64),
-    /// A linear term with that delay, noise levels fitted along.
+    /// Test of a linear term with the best delay, with the noise levels fitted.
     pub test: Test,
-    /// Its p after allowing for all delays (Bonferroni).
+    /// p of the test, corrected for the number of delays (Bonferroni).
     pub p: f64,
 }
 
-/// Where in a recording the values are that a column had some time ago, for every delay.
+/// Source rows of delayed columns in a recording, for every delay.
 pub(super) struct Delays {
     shifts: [Shift; N_DELAYS],
 }
 
-/// One delay of them, in pieces of rows in their order.
+/// Source rows for one delay, in pieces of consecutive rows.
 struct Shift(Vec<Piece>);
 
-/// Rows up to `end` that were logged one after the other, or that all have the value of one.
+/// Rows up to `end` whose source rows are consecutive, or are one held row.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
-    /// The first row, and the one whose value it has.
+    /// First row, and its source row.
     start: usize,
     from: usize,
-    /// From one row to the next: 1, or 0 where the value is held.
+    /// Increment of the source row: 1, or 0 if the value is held.
     step: usize,
     end: usize,
 }
@@ -75,7 +75,7 @@ impl Delays {
         Self { shifts: DELAYS_S.map(|delay_s| Shift::new(recording, delay_s)) }
     }
 
-    /// Block means of a column as it was, by delay.
+    /// Returns the block means of a delayed column, by delay.
     pub(super) fn means(&self, blocks: &Blocks, column: &[f64]) -> [Vec<f64>; N_DELAYS] {
         let mut pieces = self.shifts.each_ref().map(|shift| shift.0.iter().copied());
         let mut now = pieces.each_mut().map(|pieces| pieces.next());
@@ -96,12 +96,12 @@ impl Delays {
 }
 
 impl Shift {
-    /// Before its recording begins a column is taken to have been as it begins, and in a gap as before it.
+    /// Before its recording begins a column has its first value; in a gap it has the last value before.
     fn new(recording: &Recording, delay_s: f64) -> Self {
         let delay = (delay_s / recording.rate.period_s).round() as u64;
         let segments = &recording.segments;
         let mut pieces: Vec<Piece> = Vec::new();
-        // the latest row that is not too late, and its segment
+        // latest row that is not too late, and its segment
         let (mut from, mut within) = (0, 0);
         for segment in segments {
             if segment.boundary == Boundary::Recording {
@@ -121,7 +121,7 @@ impl Shift {
                 }
                 match pieces.last_mut() {
                     Some(last) if last.source(row) == from => last.end = row + 1,
-                    // the second row says how it goes on
+                    // the second row determines the increment
                     Some(last) if last.end == last.start + 1 && from == last.from => {
                         (last.step, last.end) = (0, row + 1);
                     }
@@ -133,24 +133,24 @@ impl Shift {
     }
 }
 
-/// The profile of a channel, whose block means by delay are `delayed`, under noise of `levels`. `None` where the channel does not
-/// change.
+/// Computes the profile of a channel with the block means `delayed` by delay, under noise of `levels`. `None` if the
+/// channel does not change.
 pub(super) fn profile(
-    remainder: &Remainder<'_>,
+    residual: &BlockResidual<'_>,
     (null, levels): (&Fitted, &NoiseLevels),
     delayed: &[Vec<f64>; N_DELAYS],
 ) -> Option<LagProfile> {
-    let blocks = remainder.blocks;
+    let blocks = residual.blocks;
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0);
     let ones = vec![1.0; blocks.len()];
-    let alone = Gls::new(blocks, levels, remainder.means, &[&ones]).deviance();
+    let alone = Gls::new(blocks, levels, residual.means, &[&ones]).deviance();
     let mut delays = Vec::new();
     let mut best: Option<(f64, &Vec<f64>)> = None;
     for (delay_s, values) in DELAYS_S.into_iter().zip(delayed) {
         if delay_s > LONGEST_SHARE * span_s {
             continue;
         }
-        let gls = Gls::new(blocks, levels, remainder.means, &[&ones, values]);
+        let gls = Gls::new(blocks, levels, residual.means, &[&ones, values]);
         if gls.kept.len() < 2 {
             continue;
         }
@@ -162,8 +162,9 @@ pub(super) fn profile(
         }
     }
     let (most, values) = best?;
-    let (test, _) = remainder.test(null, std::slice::from_ref(values))?;
-    let possible = || delays.iter().filter(|delay| delay.gain > most - NOT_TOLD).map(|delay| delay.delay_s);
+    let (test, _) = residual.test(null, std::slice::from_ref(values))?;
+    let possible =
+        || delays.iter().filter(|delay| delay.gain > most - INDISTINGUISHABLE).map(|delay| delay.delay_s);
     Some(LagProfile {
         best_s: delays.iter().find(|delay| delay.gain == most).map_or(0.0, |delay| delay.delay_s),
         possible_s: (possible().fold(f64::INFINITY, f64::min), possible().fold(0.0, f64::max)),
@@ -186,9 +187,9 @@ mod tests {
         rows.collect()
     }
 
-    /// As far back as any row, one after the other.
+    /// Reference: a search backwards, row by row.
     #[test]
-    fn pieces_are_what_a_search_row_by_row_finds() {
+    fn pieces_match_row_by_row_search() {
         let mut time = Vec::new();
         for n in 0..400_u32 {
             let is_lost =
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delayed_channel_is_counted_in_seconds_over_gaps_and_held_before_its_beginning() {
+    fn delay_spans_gaps_and_holds_first_value() {
         let time: Vec<f64> = (0..100).filter(|n| !(40..60).contains(n)).map(f64::from).collect();
         let columns = vec![("t_s".to_owned(), time.clone()), ("temp_c".to_owned(), time.clone())];
         let recording =
@@ -227,7 +228,7 @@ mod tests {
         for (now, then) in time.iter().zip(delayed) {
             let expected = match *now - 5.0 {
                 before if before < 0.0 => 0.0,
-                // nothing was logged in the gap: the last before it
+                // in the gap nothing was logged: the last value before it holds
                 inside if (40.0..60.0).contains(&inside) => 39.0,
                 logged => logged,
             };
@@ -236,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delay_never_reaches_into_the_log_before() {
+    fn delay_stays_within_its_recording() {
         let log = |from: f64| {
             let values: Vec<f64> = (0..50).map(|n| from + f64::from(n)).collect();
             let time: Vec<f64> = (0..50).map(f64::from).collect();

@@ -1,4 +1,4 @@
-//! The test behind every dependence: does a regression whose errors are sensor noise need further regressors?
+//! Likelihood test of a dependence: does a regression with sensor noise as error need further regressors?
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -7,47 +7,48 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use fos_fit::noise::{Blocks, Gls, LevelPrior, NoiseLevels};
 use fos_fit::noise::{Fitted, Regression};
 
-/// Step of the numerical derivatives by the logarithms of the levels.
+/// Step in the logarithm of a level for numerical derivatives.
 const STEP: f64 = 0.1;
 
-/// More effective samples than this are as good as any number.
-const MOST_EFFECTIVE: f64 = 1e6;
+/// Number of effective samples above which the noise counts as known.
+const MAX_EFFECTIVE: f64 = 1e6;
 
-/// What is left of an axis in block means, and what is known of its noise.
+/// Residual of an axis in block means, and the prior of its noise.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Remainder<'a> {
+pub(crate) struct BlockResidual<'a> {
     pub(crate) blocks: &'a Blocks,
     pub(crate) means: &'a [f64],
     pub(crate) prior: &'a LevelPrior,
 }
 
-/// Whether further regressors explain more than noise would let them.
+/// Test whether further regressors explain more than noise does.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Test {
     pub terms: usize,
-    /// 2Δ ln L, the noise levels fitted with and without them.
+    /// 2Δ ln L with the noise levels fitted with and without the regressors.
     pub gain: f64,
-    /// The gain less `terms`·ln(blocks), the price of coefficients (Schwarz 1978).
+    /// Gain minus `terms`·ln(blocks), the penalty of coefficients (Schwarz 1978).
     pub score: f64,
-    /// How many independent samples the data and the prior together are worth, for the noise where the regressors are.
+    /// Number of independent samples equivalent to the data and the prior, for the noise in the directions of the
+    /// regressors.
     pub effective_samples: f64,
-    /// Chance of such a gain where nothing depends on anything.
+    /// Probability of such a gain without any dependence.
     pub p: f64,
 }
 
-impl Remainder<'_> {
+impl BlockResidual<'_> {
     fn regression<'r>(&'r self, regressors: &'r [&'r [f64]]) -> Regression<'r> {
         Regression { blocks: self.blocks, y: self.means, regressors, prior: self.prior }
     }
 
-    /// The remainder as a constant and noise.
+    /// Fits the residual as a constant and noise.
     pub(crate) fn constant(&self) -> Fitted {
         let ones = vec![1.0; self.blocks.len()];
         self.regression(&[&ones]).fit(NoiseLevels::from_logs(&self.prior.mean))
     }
 
-    /// The same with `columns`; `null` is what [`Self::constant`] gave. `None` if they are all combinations of a
+    /// Fits the residual with further `columns`; `null` is the result of [`Self::constant`]. `None` if all columns are
     /// constant.
     pub(crate) fn test(&self, null: &Fitted, columns: &[Vec<f64>]) -> Option<(Test, Fitted)> {
         let ones = vec![1.0; self.blocks.len()];
@@ -67,11 +68,11 @@ impl Remainder<'_> {
     }
 }
 
-/// How well the size of the noise is known where the regressors beyond the constant are. The covariance C of their k
-/// coefficients moves with the logarithms θ of the levels; relative to itself by M_a = L⁻¹·∂C/∂θ_a·L⁻ᵀ, C = L·Lᵀ. With
-/// W the covariance of θ, Σ W_ab·tr(M_a·M_b)/k (A₂/k of Kenward and Roger 1997) is the variance of the logarithm of a
-/// coefficient's variance, averaged over directions. It is 2/n where n independent samples are all that says how large
-/// it is (Satterthwaite 1946).
+/// Information on the noise in the directions of the regressors beyond the constant, as a number of independent
+/// samples. The covariance C = L·Lᵀ of their k coefficients depends on the logarithms θ of the levels; relative to
+/// itself it changes by M_a = L⁻¹·∂C/∂θ_a·L⁻ᵀ. With W the covariance of θ, Σ W_ab·tr(M_a·M_b)/k (A₂/k of Kenward and
+/// Roger 1997) is the variance of the logarithm of a coefficient's variance, averaged over directions. It is 2/n if n
+/// independent samples alone determine the noise (Satterthwaite 1946).
 fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
     let covariance = |logs: &[f64; 3]| -> DMatrix<f64> {
         let levels = NoiseLevels::from_logs(logs);
@@ -81,7 +82,7 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
         all.view((1, 1), (terms, terms)).into_owned()
     };
     let centre = fitted.levels.logs();
-    let Some(root) = covariance(&centre).cholesky() else { return MOST_EFFECTIVE };
+    let Some(root) = covariance(&centre).cholesky() else { return MAX_EFFECTIVE };
     let root = root.l();
     let moves: [Option<DMatrix<f64>>; 3] = std::array::from_fn(|level| {
         let moved = |by: f64| {
@@ -90,7 +91,7 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
             covariance(&logs)
         };
         let (up, down) = (moved(STEP), moved(-STEP));
-        // a column that is next to a combination of others may be one with other noise
+        // a nearly collinear column may be dropped under other noise
         let is_same = up.shape() == root.shape() && down.shape() == root.shape();
         let slope = is_same.then(|| (up - down) / (2.0 * STEP))?;
         root.solve_lower_triangular(&root.solve_lower_triangular(&slope)?.transpose())
@@ -98,19 +99,19 @@ fn effective_samples(regression: &Regression<'_>, fitted: &Fitted) -> f64 {
     let precision = regression.posterior(fitted).precision;
     let known = nalgebra::Matrix3::from_fn(|i, j| precision[i][j]).try_inverse();
     let ([Some(white), Some(flicker), Some(walk)], Some(known)) = (&moves, known) else {
-        return MOST_EFFECTIVE;
+        return MAX_EFFECTIVE;
     };
     let moves = [white, flicker, walk];
     let sum: f64 = (0..3)
         .flat_map(|a| (0..3).map(move |b| (a, b)))
         .map(|(a, b)| known[(a, b)] * moves[a].dot(moves[b]))
         .sum();
-    (2.0 * root.nrows() as f64 / sum).clamp(1.0, MOST_EFFECTIVE)
+    (2.0 * root.nrows() as f64 / sum).clamp(1.0, MAX_EFFECTIVE)
 }
 
-/// Chance of a gain. In a regression with n independent errors of one unknown size, n·ln(1 + terms·F/m) with m = n −
-/// terms − 1 is exactly the gain, and F has terms and m degrees of freedom; with a size that is known (n → ∞) that is
-/// χ².
+/// Probability of a gain. In a regression with n independent errors of one unknown size, the gain is exactly
+/// n·ln(1 + terms·F/m) with m = n − terms − 1, where F has terms and m degrees of freedom; for a known size (n → ∞) it
+/// is χ².
 fn tail(gain: f64, terms: usize, effective_samples: f64) -> f64 {
     let k = terms as f64;
     let left = (effective_samples - k - 1.0).max(1.0);

@@ -1,9 +1,10 @@
-//! What is left of an axis against everything that is logged: each channel, each delay of it, each hour and frequency.
+//! Dependence of the residual of an axis on all logged columns: on each channel, each delay of it, each time and
+//! frequency.
 //!
-//! What is looked at is the slow remainder: measured error less offset and physical part. The stochastic part is left
-//! out, since what it feeds back would hide slow effects. Sensor noise is not white, so every test has the noise of the
-//! sensor as its null hypothesis (white, flicker, random walk: [`NoiseLevels`]), with levels as they were learnt from
-//! the rows that the model was fitted to, and fitted anew with and without what is tested.
+//! The residual is the measured error minus offset and physical part. The stochastic part is excluded, since its
+//! feedback would hide slow effects. Sensor noise is not white, so the null hypothesis of every test is sensor noise
+//! (white, flicker, random walk: [`NoiseLevels`]), with a prior from the rows that the model was fitted to and levels
+//! fitted with and without the tested regressors.
 
 mod bands;
 mod channel;
@@ -34,74 +35,73 @@ use fos_fit::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
 use fos_fit::playback::Playback;
 use lag::Delays;
-use likelihood::Remainder;
+use likelihood::BlockResidual;
 
-/// Blocks that the judged rows are cut into, about, and the shortest block, s: as for a diagnosis.
+/// Approximate number of blocks of the evaluation rows, and shortest block, s; as for a diagnosis.
 const BLOCKS: f64 = 600.0;
 const SHORTEST_S: f64 = 0.5;
 
-/// A channel that varies by less than this share of its size does not change.
+/// Least relative variation of a channel.
 const CHANGES: f64 = 1e-9;
 
-/// A channel is named if less likely than this among all channels.
-const NAMED: f64 = 0.05;
+/// Largest p, over all channels, at which a channel is reported.
+const REPORTED_P: f64 = 0.05;
 
-/// What is left of an axis, against everything that is logged.
+/// Dependence of the residual of an axis on all logged columns.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Dependence {
-    /// Length of the blocks that means were taken over, s.
+    /// Length of the blocks, s.
     pub block_s: f64,
-    /// Blocks with enough data.
+    /// Number of blocks with enough data.
     pub blocks: usize,
-    /// The noise, with no channel taken into account.
+    /// Noise levels without any channel.
     pub noise: NoiseLevels,
-    /// The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is
-    /// less sure.
+    /// True if the noise prior is from the rows that the model was fitted to; else it is from the evaluation rows,
+    /// which is less certain.
     pub learnt: bool,
-    /// Every channel that changes, least likely first.
+    /// Every channel that varies, lowest p first.
     pub channels: Vec<ChannelDependence>,
     /// Power by time and frequency.
     pub power: PowerMap,
 }
 
-/// What is left of an axis, against one channel.
+/// Dependence of the residual of an axis on one channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ChannelDependence {
-    /// Its column, as `temp_c`.
+    /// Column of the channel, as `temp_c`.
     pub channel: String,
-    /// Unit that the channel's values are in.
+    /// Unit of the channel.
     pub unit: String,
-    /// A curve of the channel against a constant.
+    /// Test of a curve of the channel against a constant.
     pub curve: Test,
-    /// p of the curve after allowing for all channels (Bonferroni).
+    /// p of the curve, corrected for the number of channels (Bonferroni).
     pub p_of_all: f64,
-    /// What is left by value of the channel.
+    /// Residual by value of the channel.
     pub bins: Bins,
-    /// What is left by delay of the channel.
+    /// Residual by delay of the channel.
     pub lag: LagProfile,
 }
 
 impl ChannelDependence {
-    /// Whether it is more than chance explains, all channels considered.
+    /// Returns true if the dependence is significant, corrected for the number of channels.
     pub fn is_clear(&self) -> bool {
-        self.p_of_all < NAMED
+        self.p_of_all < REPORTED_P
     }
 }
 
-/// The rows that a model was fitted to: what its noise is learnt from.
+/// Rows that a model was fitted to, from which the noise prior is estimated.
 #[derive(Debug, Clone)]
 pub struct Trained<'a> {
-    /// The log that was fitted.
+    /// Log that was fitted.
     pub recording: &'a Recording,
     pub stillness: &'a Stillness,
-    /// The rows.
     pub rows: Range<usize>,
 }
 
-/// What is left of every axis of `model` in `rows`, against everything that is logged; `None` where that is too little
-/// to tell a dependence from drifting noise.
+/// Computes the dependence of the residual of every axis of `model` in `rows`; `None` if the data are too few to
+/// separate a dependence from drifting noise.
 ///
 /// # Errors
 ///
@@ -113,21 +113,21 @@ pub fn dependence(
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
 ) -> Result<Vec<Option<Dependence>>, DependenceError> {
-    let left = remainders(model, recording, stillness)?;
+    let left = residuals(model, recording, stillness)?;
     let is_same = |trained: &&Trained<'_>| {
         std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.stillness, stillness)
     };
-    // most often the rows that were fitted are of the same log, and one is as large as its axes
-    let of_another = trained.filter(|trained| !is_same(trained));
-    let of_another =
-        of_another.map(|trained| remainders(model, trained.recording, trained.stillness)).transpose()?;
+    // usually the fitted rows are of the same log; its residual, as large as its axes, is then computed once
+    let other_residuals = trained.filter(|trained| !is_same(trained));
+    let other_residuals =
+        other_residuals.map(|trained| residuals(model, trained.recording, trained.stillness)).transpose()?;
     let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
     let n_axes = model.axes.len();
-    let judged: Vec<Judged> = in_parallel(0..n_axes, |axis| {
+    let judged: Vec<EvaluatedRows> = in_parallel(0..n_axes, |axis| {
         let (blocks, means) = in_blocks(recording, &rows, &left[axis], length_s);
-        Judged { blocks, means, length_s }
+        EvaluatedRows { blocks, means, length_s }
     });
-    // most often the axes are known in the same rows, and what a channel comes to in their blocks is computed once
+    // usually the axes are known in the same rows; their channels are then averaged once
     let first_alike = |axis: usize| {
         let known = judged[axis].blocks.known();
         (0..axis).find(|other| judged[*other].blocks.known() == known).unwrap_or(axis)
@@ -144,7 +144,7 @@ pub fn dependence(
     });
     Ok(in_parallel(0..n_axes, |axis| {
         let learnt_from = trained.map(|trained| {
-            let left = of_another.as_ref().unwrap_or(&left);
+            let left = other_residuals.as_ref().unwrap_or(&left);
             (trained.recording, trained.rows.clone(), left[axis].as_slice())
         });
         let column = &model.axes[axis].column;
@@ -154,26 +154,26 @@ pub fn dependence(
             .filter(|((first, channel), _)| *first == first_alike[axis] && channel.name != *column);
         let channels = alike.filter_map(|((_, channel), in_blocks)| Some((*channel, in_blocks.as_ref()?)));
         let power = || bands::power_map(recording, rows.clone(), &left[axis]);
-        of_axis(&judged[axis], channels.collect(), learnt_from, power)
+        axis_dependence(&judged[axis], channels.collect(), learnt_from, power)
     }))
 }
 
-/// The judged rows of an axis.
-struct Judged {
+/// Evaluation rows of an axis.
+struct EvaluatedRows {
     blocks: Blocks,
     means: Vec<f64>,
-    /// Of a block as it was asked for, s.
+    /// Requested length of a block, s.
     length_s: f64,
 }
 
-impl Judged {
-    /// To tell a dependence from drifting noise.
+impl EvaluatedRows {
+    /// Returns true if there are enough blocks to separate a dependence from drifting noise.
     fn is_enough(&self) -> bool {
         self.blocks.len() >= MIN_BLOCKS
     }
 }
 
-/// A channel that changes, in the blocks of an axis: its means, by delay.
+/// Block means of a varying channel, by delay.
 struct ChannelInBlocks([Vec<f64>; lag::N_DELAYS]);
 
 impl ChannelInBlocks {
@@ -188,7 +188,7 @@ impl ChannelInBlocks {
         let delayed = delays.means(blocks, &held);
         let size = held[rows.clone()].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let spread = fos_fit::signal::variance(&[&delayed[0]]).sqrt();
-        // not a number where nothing was ever logged
+        // NaN if nothing was logged
         (spread > CHANGES * size).then_some(Self(delayed))
     }
 
@@ -197,7 +197,7 @@ impl ChannelInBlocks {
     }
 }
 
-/// Why there is no answer.
+/// Error of the computation.
 #[derive(Debug, thiserror::Error)]
 pub enum DependenceError {
     #[error(transparent)]
@@ -207,9 +207,9 @@ pub enum DependenceError {
     Model(#[from] fos_core::ModelError),
 }
 
-/// Measured error less offset and physical part, one value per row of the recording for each axis; NaN where it moves
-/// or the value is not known.
-fn remainders(
+/// Returns the measured error minus offset and physical part, one value per row of the recording for each axis; NaN in
+/// motion and if the value is unknown.
+fn residuals(
     model: &UnitModel,
     recording: &Recording,
     stillness: &Stillness,
@@ -227,7 +227,7 @@ fn remainders(
     }
 }
 
-/// Of each axis the innovation in every row; without a stochastic part it is the remainder.
+/// Returns the innovation of each axis in every row, which without a stochastic part is the residual.
 fn innovations<const TERMS: usize, const HISTORY: usize>(
     mut predictor: Predictor<f64, AXES, INPUTS, TERMS, HISTORY>,
     playback: &Playback<'_>,
@@ -242,7 +242,7 @@ fn innovations<const TERMS: usize, const HISTORY: usize>(
     left
 }
 
-/// Blocks of the rows in which `left` is known, and its means.
+/// Returns the blocks of the rows in which `left` is known, and its means.
 fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s: f64) -> (Blocks, Vec<f64>) {
     let known = (0..left.len()).map(|row| rows.contains(&row) && left[row].is_finite()).collect();
     let blocks = Blocks::new(recording, length_s, known);
@@ -250,8 +250,8 @@ fn in_blocks(recording: &Recording, rows: &Range<usize>, left: &[f64], length_s:
     (blocks, means)
 }
 
-fn of_axis(
-    Judged { blocks, means, length_s }: &Judged,
+fn axis_dependence(
+    EvaluatedRows { blocks, means, length_s }: &EvaluatedRows,
     channels: Vec<(&Channel, &ChannelInBlocks)>,
     learnt_from: Option<(&Recording, Range<usize>, &[f64])>,
     power: impl FnOnce() -> PowerMap,
@@ -262,28 +262,29 @@ fn of_axis(
     let learnt = learnt_from.and_then(|(recording, rows, left)| {
         let (blocks, means) = in_blocks(recording, &rows, left, *length_s);
         let ones = vec![1.0; blocks.len()];
-        // a log that does not tell its levels is as none: the wide prior below stands
+        // a log that does not determine its levels is ignored: the wide prior below holds
         let prior = LevelPrior::of_log(&blocks, &means);
         (blocks.len() >= MIN_BLOCKS).then(|| prior.learnt(&blocks, &means, &[ones]).ok())?
     });
     let prior = learnt.unwrap_or_else(|| LevelPrior::of_log(blocks, means));
-    let remainder = Remainder { blocks, means, prior: &prior };
+    let remainder = BlockResidual { blocks, means, prior: &prior };
     let null = remainder.constant();
-    let of_channel = |(channel, in_blocks): (&Channel, &ChannelInBlocks)| -> Option<ChannelDependence> {
-        let values = in_blocks.means();
-        let (curve, fitted) = channel::curve(&remainder, &null, values)?;
-        let noise = Noise::of(&curve, &fitted);
-        Some(ChannelDependence {
-            channel: channel.name.clone(),
-            unit: Column::named(&channel.name).unit().label().to_owned(),
-            p_of_all: curve.p,
-            bins: channel::bins(&remainder, noise, values, channel.unit == Unit::Celsius),
-            lag: lag::profile(&remainder, (&null, &fitted.levels), &in_blocks.0)?,
-            curve,
-        })
-    };
+    let channel_dependence =
+        |(channel, in_blocks): (&Channel, &ChannelInBlocks)| -> Option<ChannelDependence> {
+            let values = in_blocks.means();
+            let (curve, fitted) = channel::curve(&remainder, &null, values)?;
+            let noise = Noise::of(&curve, &fitted);
+            Some(ChannelDependence {
+                channel: channel.name.clone(),
+                unit: Column::named(&channel.name).unit().label().to_owned(),
+                p_of_all: curve.p,
+                bins: channel::bins(&remainder, noise, values, channel.unit == Unit::Celsius),
+                lag: lag::profile(&remainder, (&null, &fitted.levels), &in_blocks.0)?,
+                curve,
+            })
+        };
     let mut channels: Vec<ChannelDependence> =
-        in_parallel(channels, of_channel).into_iter().flatten().collect();
+        in_parallel(channels, channel_dependence).into_iter().flatten().collect();
     let tried = channels.len() as f64;
     channels.iter_mut().for_each(|channel| channel.p_of_all = (channel.curve.p * tried).min(1.0));
     channels.sort_by(|a, b| a.curve.p.total_cmp(&b.curve.p).then(b.curve.score.total_cmp(&a.curve.score)));

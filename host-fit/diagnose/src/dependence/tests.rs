@@ -1,4 +1,4 @@
-//! Calibration: how often noise alone looks like a dependence, and how often a dependence of known size is found.
+//! Calibration: false alarm rate under noise alone, and detection rate of a dependence of known size.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::channel::Noise;
-use super::likelihood::Remainder;
+use super::likelihood::BlockResidual;
 use super::{bands, channel, lag};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::noise::{Blocks, Gls, LevelPrior, NoiseLevels};
@@ -15,7 +15,7 @@ use fos_fit::noise::{Blocks, Gls, LevelPrior, NoiseLevels};
 const BLOCKS: usize = 600;
 const BLOCK_S: f64 = 2.0;
 
-/// Flicker of an ordinary part with hardly a walk, and twice as much with a strong one; white noise of one.
+/// White noise of one; usual flicker with little random walk, and more flicker with a strong walk.
 const NOISE: [NoiseLevels; 2] = [
     NoiseLevels { white: 1.0, flicker: 0.35, walk: 0.012, gauss_markov: None },
     NoiseLevels { white: 1.0, flicker: 0.5, walk: 0.05, gauss_markov: None },
@@ -29,7 +29,7 @@ fn rows(n: usize, period_s: f64) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
 }
 
-/// A log of noise, a channel beside it, and what a quiet log of the same noise has taught.
+/// A log of noise, a channel, and the prior from a reference log of the same noise.
 struct Log {
     means: Vec<f64>,
     channel: Vec<f64>,
@@ -46,12 +46,12 @@ impl Log {
         Self { means: noise.simulate(blocks, &mut random), channel, prior }
     }
 
-    fn remainder<'a>(&'a self, blocks: &'a Blocks) -> Remainder<'a> {
-        Remainder { blocks, means: &self.means, prior: &self.prior }
+    fn remainder<'a>(&'a self, blocks: &'a Blocks) -> BlockResidual<'a> {
+        BlockResidual { blocks, means: &self.means, prior: &self.prior }
     }
 }
 
-/// A random walk and a sine.
+/// A random walk plus a sine.
 fn temperature(n: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
     let (turns, phase) = (random.random_range(0.7..4.0), random.random_range(0.0..std::f64::consts::TAU));
     let mut walk = 0.0;
@@ -63,7 +63,7 @@ fn temperature(n: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
     (0..n).map(&mut next).collect()
 }
 
-/// Whether `alarms` of `tried` is a count that alarms at a rate of 5 % make in 95 of 100 cases.
+/// Returns true if `alarms` of `tried` lies in the central 95 % of a binomial distribution with a rate of 5 %.
 fn is_five_percent(alarms: usize, tried: usize) -> bool {
     let nominal = Binomial::new(0.05, tried as u64).unwrap();
     (nominal.inverse_cdf(0.025)..=nominal.inverse_cdf(0.975)).contains(&(alarms as u64))
@@ -74,11 +74,11 @@ fn count(of: impl Iterator<Item = bool>) -> usize {
 }
 
 #[test]
-fn coloured_noise_looks_like_a_dependence_as_often_as_stated() {
+fn false_alarm_rate_of_dependence_is_as_stated() {
     let blocks = Blocks::new(&rows(BLOCKS, BLOCK_S), BLOCK_S, vec![true; BLOCKS]);
     let ones = vec![1.0; BLOCKS];
     let delays = lag::Delays::new(&rows(BLOCKS, BLOCK_S));
-    // (curve, lag, curve if the noise were white, bars beside zero, bars)
+    // (curve, lag, curve under white noise, bars that exclude zero, bars)
     let outcomes: Vec<(bool, bool, bool, usize, usize)> = (0..200_u64)
         .into_par_iter()
         .map(|seed| {
@@ -109,17 +109,17 @@ fn coloured_noise_looks_like_a_dependence_as_often_as_stated() {
         "alarms of {tried}: curve {curves}, lag {lags}, white {naive}; bars beside zero {beside} of {bars}"
     );
     assert!(is_five_percent(curves, tried), "{curves} of {tried}");
-    // neighbouring delays say nearly the same, so that Bonferroni's bound is not reached
+    // neighbouring delays are strongly correlated, so that Bonferroni's bound is not reached
     assert!(lags <= tried / 20 + 9, "{lags} of {tried}; 9 are three σ");
-    // what makes the test necessary: textbook errors call most of these drifts a dependence
+    // motivation of the test: textbook errors report most of these drifts as a dependence
     assert!(naive > tried / 2, "{naive} of {tried}");
-    // bars of one log are correlated: as if there were three independent ones in each, σ = √(0.05·0.95/1200) = 0.6 %
+    // bars of one log are correlated, as if there were three independent ones: σ = √(0.05·0.95/1200) = 0.6 %
     let share = beside as f64 / bars as f64;
     assert!((0.03..0.07).contains(&share), "{share}");
 }
 
 #[test]
-fn a_dependence_of_five_standard_errors_is_found() {
+fn finds_dependence_of_five_standard_errors() {
     let blocks = Blocks::new(&rows(BLOCKS, BLOCK_S), BLOCK_S, vec![true; BLOCKS]);
     let ones = vec![1.0; BLOCKS];
     let found: Vec<bool> = (0..200)
@@ -140,13 +140,13 @@ fn a_dependence_of_five_standard_errors_is_found() {
 }
 
 #[test]
-fn the_delay_and_the_slope_of_a_dependence_come_out() {
+fn recovers_delay_and_slope() {
     let recording = rows(BLOCKS, BLOCK_S);
     let blocks = Blocks::new(&recording, BLOCK_S, vec![true; BLOCKS]);
     let delays = lag::Delays::new(&recording);
     let mut log = Log::new(&blocks, &NOISE[0], 5);
     let slope = 3.0;
-    // a block has a row: of the delays this is 30 s
+    // a block has one row; this is the delay of 30 s
     let [_, _, _, _, delayed, ..] = delays.means(&blocks, &log.channel);
     log.means.iter_mut().zip(delayed).for_each(|(mean, channel)| *mean += slope * channel);
     let remainder = log.remainder(&blocks);
@@ -161,7 +161,7 @@ fn the_delay_and_the_slope_of_a_dependence_come_out() {
 }
 
 #[test]
-fn a_hysteresis_shows_in_the_bins_of_rising_and_falling() {
+fn hysteresis_separates_rising_and_falling_bins() {
     let blocks = Blocks::new(&rows(BLOCKS, BLOCK_S), BLOCK_S, vec![true; BLOCKS]);
     let mut log = Log::new(&blocks, &NOISE[0], 6);
     log.channel =
@@ -170,9 +170,9 @@ fn a_hysteresis_shows_in_the_bins_of_rising_and_falling() {
         log.means[i] += if log.channel[i] > log.channel[i - 1] { 2.0 } else { -2.0 };
     }
     let found = channel::bins(&log.remainder(&blocks), KNOWN, &log.channel, true);
-    // 50 each, but for values that are equal to the last digit
+    // 50 each, except for equal values
     assert!(found.all.len() == 12 && found.all.iter().all(|bin| (49..=51).contains(&bin.blocks)));
-    // away from where it turns
+    // away from the reversals
     for (rising, falling) in found.rising.iter().zip(&found.falling).skip(2).take(8) {
         assert!(
             rising.level - rising.half_width > falling.level + falling.half_width,
@@ -182,7 +182,7 @@ fn a_hysteresis_shows_in_the_bins_of_rising_and_falling() {
 }
 
 #[test]
-fn equal_values_share_a_bin_and_a_channel_of_two_values_has_one_coefficient() {
+fn equal_values_share_a_bin() {
     let blocks = Blocks::new(&rows(BLOCKS, BLOCK_S), BLOCK_S, vec![true; BLOCKS]);
     let mut log = Log::new(&blocks, &NOISE[0], 7);
     log.channel = (0..BLOCKS).map(|i| f64::from(u8::from(i % 100 < 40))).collect();
@@ -202,26 +202,26 @@ fn equal_values_share_a_bin_and_a_channel_of_two_values_has_one_coefficient() {
 const SAMPLES: usize = 6000;
 const PERIOD_S: f64 = 0.1;
 
-/// White noise, and a walk that is stronger in the lower half of the octaves.
+/// White noise, and a walk that dominates the lower half of the octaves.
 const FAST_NOISE: [NoiseLevels; 2] = [
     NoiseLevels { white: 1.0, flicker: 0.1, walk: 0.01, gauss_markov: None },
     NoiseLevels { white: 1.0, flicker: 0.1, walk: 5.0, gauss_markov: None },
 ];
 
 #[test]
-fn noise_has_a_cell_with_too_much_power_as_often_as_stated() {
+fn false_alarm_rate_of_power_map_is_as_stated() {
     let recording = rows(SAMPLES, PERIOD_S);
     let blocks = Blocks::new(&recording, PERIOD_S, vec![true; SAMPLES]);
     for noise in &FAST_NOISE {
         let alarms: Vec<bool> = (0..200_u64)
             .into_par_iter()
             .map(|seed| {
-                let mut left = noise.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
-                // handling, so that pieces of several lengths come together
+                let mut residual = noise.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+                // handling, so that pieces of several lengths are combined
                 for row in (0..SAMPLES).filter(|row| row % 1000 > 900) {
-                    left[row] = f64::NAN;
+                    residual[row] = f64::NAN;
                 }
-                let map = bands::power_map(&recording, 0..SAMPLES, &left);
+                let map = bands::power_map(&recording, 0..SAMPLES, &residual);
                 assert!(map.cells.len() >= 80, "{}", map.cells.len());
                 !map.worst().is_empty()
             })
@@ -233,7 +233,7 @@ fn noise_has_a_cell_with_too_much_power_as_often_as_stated() {
 }
 
 #[test]
-fn a_stretch_that_shakes_is_found_with_its_time_its_band_and_its_size() {
+fn finds_time_band_and_power_of_shaking() {
     let recording = rows(SAMPLES, PERIOD_S);
     let blocks = Blocks::new(&recording, PERIOD_S, vec![true; SAMPLES]);
     // white noise of N = 1 has the two-sided density 1: a line of power 24/30 s in one stretch is 25 times as much in
@@ -241,20 +241,20 @@ fn a_stretch_that_shakes_is_found_with_its_time_its_band_and_its_size() {
     let found: Vec<bool> = (0..200_u64)
         .into_par_iter()
         .map(|seed| {
-            let mut left = FAST_NOISE[0].simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+            let mut residual = FAST_NOISE[0].simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
             let shaken = 2100..2400;
             for row in shaken {
                 // a band of 2.13 Hz about 3.2 Hz holds white noise of power 2·2.13; five times that is added
-                left[row] += (2.0_f64 * 5.0 * 4.27).sqrt()
+                residual[row] += (2.0_f64 * 5.0 * 4.27).sqrt()
                     * (std::f64::consts::TAU * 3.2 * row as f64 * PERIOD_S).sin();
             }
-            let map = bands::power_map(&recording, 0..SAMPLES, &left);
+            let map = bands::power_map(&recording, 0..SAMPLES, &residual);
             let worst = map.worst();
             worst.first().is_some_and(|cell| {
                 (cell.begin_s - 210.0).abs() < 0.2
                     && (cell.end_s - 240.0).abs() < 0.2
                     && (cell.low_hz..cell.high_hz).contains(&3.2)
-                    // 6 times, and the usual is known to 1.25·√(2/ν)/√20 = 6 %, its own noise adds √(2/ν) of 1
+                    // 6 times; the usual is uncertain by 1.25·√(2/ν)/√20 = 6 %, and the cell itself by √(2/ν) of 1
                     && (4.5..7.5).contains(&cell.times)
             })
         })

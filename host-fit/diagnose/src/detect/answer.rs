@@ -1,4 +1,4 @@
-//! What a diagnosis says: plain data, the same for tables, JSON and pages.
+//! Result of a diagnosis as plain data, the same for tables, JSON and pages.
 
 use std::collections::BTreeMap;
 
@@ -9,24 +9,24 @@ use crate::effects::Band;
 use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_fit::noise::NoiseLevels;
 
-/// The outcome in one word.
+/// Outcome of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// One or more effects of the library are missing from the model.
     Missing,
-    /// The log looks like the noise of the unit.
+    /// The residual looks like the noise of the device.
     NothingMissing,
-    /// Something is missing, and nothing in the library explains it.
+    /// There is a missing effect that nothing in the library explains.
     Unexplained,
-    /// No slow effect could be tested: the log is too short, too little of it is at rest, or the effects need columns
-    /// that it lacks. Neither a finding nor an all-clear.
+    /// No slow effect could be tested: the log is too short, too little of it is at rest, or it lacks the columns that
+    /// the effects need. Neither a finding nor an all-clear.
     NotEnoughData,
 }
 
 impl Verdict {
-    /// Spelled for people.
+    /// Returns the verdict in readable form.
     pub fn words(self) -> &'static str {
         match self {
             Self::Missing => "missing effect",
@@ -36,48 +36,48 @@ impl Verdict {
         }
     }
 
-    /// Whether the diagnosis reports a missing or an unexplained error.
+    /// Returns true if the diagnosis reports a missing effect or an unexplained error.
     pub fn is_alarm(self) -> bool {
         matches!(self, Self::Missing | Self::Unexplained)
     }
 }
 
-/// What is missing from a model on a log.
+/// Diagnosis of one axis: the effects that are missing from its model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Diagnosis {
-    /// The column that was explained.
+    /// Column that was explained.
     pub target: String,
-    /// Unit of the column, which noise and corrections are in.
+    /// Unit of the column, of the noise and of the corrections.
     pub unit: String,
     pub verdict: Verdict,
-    /// The outcome in a sentence.
+    /// Outcome in a sentence.
     pub sentence: String,
     /// Missing effects, best first, then faults of the data.
     #[serde(serialize_with = "with_rms")]
     #[cfg_attr(feature = "page-types", ts(as = "Vec<FindingWithRms>"))]
     pub findings: Vec<Finding>,
-    /// What else the log follows; leads and no findings.
+    /// Further quantities that the residual follows. They are leads, not findings.
     pub leads: Vec<Lead>,
-    /// Effects that were tried and rejected, with their score; the nearest first.
+    /// Effects that were tried and rejected, with their scores, the highest first.
     pub rejected: Vec<Rejected>,
     /// Slow effects that were tested. Empty if the log allows no such test; the verdict is then never
     /// [`Verdict::NothingMissing`].
     #[serde(default)]
     pub tested: Vec<String>,
-    /// Effects that could not be tested, with the data that would be needed.
+    /// Effects that could not be tested, with the data that they need.
     pub untested: Vec<Untested>,
-    /// The noise levels that the evidence rests on.
+    /// Noise levels that the scores are based on.
     pub noise: NoiseReport,
-    /// Why the answer should be taken with care.
+    /// Reasons to read the result with care.
     pub cautions: Vec<String>,
-    /// Properties of the log that are neither faults nor reasons for doubt, as its duty cycle.
+    /// Properties of the log that are neither faults nor reasons for doubt, such as its duty cycle.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// When the unit was moved though it was meant to be at rest, in words.
+    /// Detected motion in a log at rest, in words.
     #[serde(default)]
     pub moved: Vec<String>,
-    /// A slow signal that the axis shares with others of the log, where several were diagnosed.
+    /// Slow signal that the axis shares with other axes of the log, if several were diagnosed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shared_signal: Option<SharedSignal>,
 }
@@ -85,65 +85,65 @@ pub struct Diagnosis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Finding {
-    /// As in the library, as `thermal_lag`.
+    /// Identifier in the library, as `thermal_lag`.
     pub effect: String,
     pub name: String,
-    /// In block means, in single samples, in the data themselves, or as noise.
+    /// Band of the error: block means, single samples, the data themselves, or noise.
     pub band: Band,
-    /// Its parameter, by name.
+    /// Value of the parameter, by name.
     pub params: BTreeMap<String, f64>,
     /// 95 % intervals of the parameters, where they are known.
     #[cfg_attr(feature = "page-types", ts(as = "BTreeMap<String, [Option<f64>; 2]>"))]
     pub params_interval: BTreeMap<String, [f64; 2]>,
-    /// Its size in data-sheet units, one per regressor.
+    /// Sizes in data-sheet units, one per regressor.
     pub sizes: Vec<Size>,
-    /// By how much −2 ln L falls with it. None for faults of the data, which are counted and not weighed.
+    /// Decrease of −2 ln L. None for faults of the data, which are counted and not weighed.
     pub gain: Option<f64>,
-    /// The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
-    /// None for faults of the data.
+    /// Gain minus a penalty for its coefficients and for every candidate tried; accepted from 9 (lines from 15). None
+    /// for faults of the data.
     pub score: Option<f64>,
-    /// Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide).
+    /// Predicted reduction as a share of the error's variance: of 1-s means (slow) or of samples (wide).
     #[serde(rename = "expected_drop")]
     pub predicted_reduction: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of the predicted reduction.
     #[serde(rename = "expected_drop_ci")]
     pub predicted_reduction_interval: [f64; 2],
-    /// The reduction that was measured on the log that was given to judge on, those before it in the model.
+    /// Reduction measured on the evaluation log, with the findings before it in the model; a share of the variance.
     #[serde(rename = "realised_fall", default, skip_serializing_if = "Option::is_none")]
     pub measured_reduction: Option<f64>,
-    /// Why it is no claim; none where nothing speaks against it.
+    /// Reason why the finding is not conclusive; `None` if it is conclusive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doubt: Option<String>,
-    /// Effects that this log cannot tell from it.
+    /// Effects that are indistinguishable from it in this log.
     pub confounded_with: Vec<String>,
-    /// The experiments that separate them.
+    /// Experiments that separate them.
     pub separate: Vec<Separation>,
-    /// The column against which it shows best, if any.
+    /// Column against which the effect shows best, if any.
     pub shows_against: Option<String>,
-    /// Where in the log it is largest: begin and end, s as stamped.
+    /// Stretch of the log in which the effect is largest: begin and end as timestamps, s.
     pub shows_from_to_s: Option<[f64; 2]>,
-    /// Its regressors and their coefficients in SI, as the model takes them.
+    /// Regressors with their coefficients in SI, as the model uses them.
     pub correction: Vec<CorrectionTerm>,
-    /// Limits that inputs are kept inside, by their text: how far a curve may be followed.
+    /// Limits to which inputs are clamped, by the text of the input: the range in which a curve may be extrapolated.
     #[serde(default)]
     pub limits: BTreeMap<String, [f64; 2]>,
 }
 
-/// A coefficient in data-sheet units.
+/// Coefficient in data-sheet units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Size {
     pub of: String,
-    /// In `unit`.
+    /// Value in `unit`.
     pub value: f64,
-    /// 95 % interval; in JSON an end that is not finite is null.
+    /// 95 % interval in `unit`; in JSON an end that is not finite is null.
     #[cfg_attr(feature = "page-types", ts(as = "[Option<f64>; 2]"))]
     pub interval: [f64; 2],
-    /// As data sheets state it; `value` and `interval` are in it.
+    /// Unit as on data sheets.
     pub unit: String,
 }
 
-/// The experiment that tells a finding from a rival.
+/// Experiment that separates a finding from a rival.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Separation {
@@ -152,73 +152,73 @@ pub struct Separation {
     pub experiment: String,
 }
 
-/// One term of a correction: coefficient times regressor, in the axis' unit.
+/// Term of a correction: coefficient times regressor, in the unit of the axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct CorrectionTerm {
-    /// Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every
-    /// later log.
+    /// Products of inputs, their sum, or `clock:step(t)`, which is 1 from t seconds after the first sample on and in
+    /// every later log.
     pub regressor: String,
-    /// Coefficient, unit of the axis per unit of the product.
+    /// Coefficient, in the unit of the axis per unit of the regressor.
     pub coefficient: f64,
     pub standard_error: f64,
 }
 
-/// An effect that was tried and rejected.
+/// Effect that was tried and rejected.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Rejected {
-    /// As in the library, as `thermal_lag`.
+    /// Identifier in the library, as `thermal_lag`.
     pub effect: String,
-    /// Its score alone on the log.
+    /// Score of the effect alone on the log.
     pub score: f64,
-    /// Why it is no finding, if its score alone would have made it one.
+    /// Reason for the rejection, if its score alone would have made it a finding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
 }
 
-/// An effect that could not be tried.
+/// Effect that could not be tested.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Untested {
-    /// As in the library, as `thermal_lag`.
+    /// Identifier in the library, as `thermal_lag`.
     pub effect: String,
-    /// The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest.
+    /// Data that the log lacks: a column that is absent, begins too late or never changes, or time at rest.
     pub needs: Vec<String>,
 }
 
 impl Untested {
-    /// What would be needed, in words.
+    /// Returns the data that are needed, in words.
     pub(crate) fn needs(&self) -> impl Iterator<Item = &str> {
         self.needs.iter().map(String::as_str)
     }
 }
 
-/// The noise behind a diagnosis.
+/// Noise model behind a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct NoiseReport {
-    /// Levels with everything that was found, unit of the axis.
+    /// Noise levels with all findings in the model, in the unit of the axis.
     pub levels: NoiseLevels,
-    /// Where they were learnt from.
+    /// Source of the noise levels, in words.
     pub learnt_from: String,
-    /// Length of the blocks that slow effects were looked for in, s.
+    /// Length of the blocks for slow effects, s.
     pub block_s: f64,
-    /// How many blocks there are.
+    /// Number of blocks.
     pub blocks: usize,
 }
 
-/// A slow signal that several axes of a log share.
+/// Slow signal that several axes of a log share.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct SharedSignal {
-    /// The axes that share it, as columns.
+    /// Columns of the axes that share it.
     pub axes: Vec<String>,
-    /// Correlation of each of these axes with the others, of changes from one mean to the next.
+    /// Correlation of the changes from one mean to the next, of each of these axes with the others.
     pub correlations: Vec<f64>,
     /// Length of the means, s.
     pub mean_s: f64,
-    /// Time of each mean, s after the first sample, and the signal there, in standard deviations.
+    /// Signal at each mean: time in s after the first sample, and value in standard deviations.
     pub course: Vec<[f64; 2]>,
 }
 
@@ -237,12 +237,12 @@ impl<'a> WithRms<'a, Finding> {
     }
 }
 
-/// Findings with the predicted and the measured reduction of the RMS.
+/// Serialises findings with the predicted and the measured reduction of the RMS.
 fn with_rms<S: Serializer>(findings: &[Finding], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(findings.iter().map(WithRms::of_finding))
 }
 
-/// A finding with the predicted and the measured reduction of the RMS.
+/// Serialises a finding with the predicted and the measured reduction of the RMS.
 pub(crate) fn finding_with_rms<S: Serializer>(finding: &Finding, serializer: S) -> Result<S::Ok, S::Error> {
     WithRms::of_finding(finding).serialize(serializer)
 }

@@ -1,5 +1,5 @@
-//! Logs of few seconds, at once or in bursts: what is missing in a duty-cycled one is found from the means of its
-//! bursts; a short one is asked for what it can tell.
+//! Logs of few seconds and duty-cycled logs: effects are found from the means of the bursts, and a short log is tested
+//! for all that it can show.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_simulate::{Simulation, simulate};
@@ -7,7 +7,7 @@ use fos_simulate::{Simulation, simulate};
 use super::{Diagnosis, Question, Verdict, diagnose};
 use crate::effects::Library;
 
-/// Six hours of a unit that wakes for 5 s every 300 s; `temperature` as a multiple of its 0.02 °/s/K.
+/// Six hours of a device that wakes for 5 s every 300 s; `temperature` is a multiple of its 0.02 (°/s)/K.
 fn duty_cycled(seed: u64, temperature: f64) -> Recording {
     let simulation = Simulation { duration_s: 6.0 * 3600.0, rate_hz: 50.0, seed, temperature, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -26,9 +26,9 @@ fn answer(field: &Recording) -> Diagnosis {
     diagnose(&question).expect("a diagnosis")
 }
 
-/// It was read as 0.83 samples a second, of whose means little could be told.
+/// Such a log was read as sampled at 0.83 Hz, and the resulting means had little power.
 #[test]
-fn a_drift_with_temperature_is_named_from_bursts_with_its_size() {
+fn finds_temperature_drift_in_bursts() {
     for seed in 1..=3 {
         let log = duty_cycled(seed, 1.0);
         assert!((log.rate.true_hz / 50.0 - 1.0).abs() < 0.011, "{} Hz", log.rate.true_hz);
@@ -42,9 +42,9 @@ fn a_drift_with_temperature_is_named_from_bursts_with_its_size() {
     }
 }
 
-/// 28 s were refused, though faults and lines show in them.
+/// A log of 28 s was refused, though faults and lines show in it.
 #[test]
-fn a_short_log_says_what_it_cannot_tell_and_is_asked_for_the_rest() {
+fn short_log_lists_untested_effects_and_finds_faults() {
     let simulation =
         Simulation { duration_s: 28.0, rate_hz: 800.0, seed: 4, temperature: 0.0, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -57,7 +57,7 @@ fn a_short_log_says_what_it_cannot_tell_and_is_asked_for_the_rest() {
     assert_eq!((quiet.verdict, quiet.findings.len()), (Verdict::NotEnoughData, 0));
     let untested = quiet.untested.iter().find(|untested| untested.effect == "temp_linear").expect("said");
     assert_eq!(untested.needs, ["30 s at rest, 3 s more than this log has"]);
-    // samples that were lost
+    // dropped samples
     for (_, values) in &mut columns {
         values.drain(9000..9100);
     }
@@ -65,7 +65,7 @@ fn a_short_log_says_what_it_cannot_tell_and_is_asked_for_the_rest() {
 }
 
 #[test]
-fn nothing_is_missing_in_bursts_without_it() {
+fn finds_nothing_in_bursts_without_drift() {
     for seed in 1..=3 {
         let answer = answer(&duty_cycled(seed, 0.0));
         assert_eq!(answer.verdict, Verdict::NothingMissing, "{}", answer.sentence);

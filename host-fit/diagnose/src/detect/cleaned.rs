@@ -1,4 +1,4 @@
-//! The logs of a question without what is no measurement, and what anybody would see in them.
+//! Logs of a question without outliers and disturbances, and the warnings about them.
 
 use fos_data::column::Column;
 use fos_data::disturbance::{self, Disturbance};
@@ -10,7 +10,7 @@ use super::question::{DiagnoseError, Question};
 use fos_data::case::DataSheet;
 use fos_data::recording::{Oddity, Recording};
 
-/// The logs of a question, cleaned.
+/// Cleaned logs of a question.
 #[derive(Debug)]
 pub(super) struct Cleaned<'a> {
     column: String,
@@ -19,7 +19,7 @@ pub(super) struct Cleaned<'a> {
     judged: Option<Cow<'a, Recording>>,
 }
 
-/// A log as it is and without the spikes of the column to explain.
+/// A log as read, and without the outliers of the column to explain.
 #[derive(Debug)]
 struct Log<'a> {
     whole: &'a Recording,
@@ -30,11 +30,11 @@ struct Log<'a> {
 }
 
 impl<'a> Cleaned<'a> {
-    /// Of a question.
+    /// Cleans the logs of a question.
     ///
     /// # Errors
     ///
-    /// The column to explain is missing or stuck; or a log moves all along.
+    /// The column to explain is missing or stuck, or a log is never at rest.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
         let column = question.field.axis(question.target)?.name.clone();
         let is_coarse = has_coarse_steps(question);
@@ -48,27 +48,27 @@ impl<'a> Cleaned<'a> {
         Ok(Self { column, field, quiet, judged })
     }
 
-    /// The question, asked of them.
+    /// Returns the question with the cleaned logs.
     pub(super) fn question<'q>(&'q self, question: &Question<'q>) -> Question<'q> {
         let quiet = self.quiet.as_ref().map(|quiet| &*quiet.without);
         Question { field: &self.field.without, quiet, judged: self.judged.as_deref(), ..*question }
     }
 
-    /// When the unit was moved in the field log.
+    /// Returns the detected motion in the log to explain.
     pub(super) fn disturbances(&self) -> &[Disturbance] {
         &self.field.disturbances
     }
 
-    /// The dead zone of the column to explain, if it shows one.
+    /// Returns the result of the search for a dead zone in the column to explain.
     pub(super) fn zone(&self) -> Searched {
         self.field.zone
     }
 
-    /// What is odd about the logs that bears on the column to explain.
+    /// Returns the warnings about the logs that concern the column to explain.
     pub(super) fn cautions(&self) -> Vec<String> {
         let mut cautions = self.field.cautions(&self.column);
-        let of_quiet = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
-        cautions.extend(of_quiet.map(|caution| format!("reference log: {caution}")));
+        let reference_cautions = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
+        cautions.extend(reference_cautions.map(|caution| format!("reference log: {caution}")));
         cautions
     }
 }
@@ -76,13 +76,13 @@ impl<'a> Cleaned<'a> {
 impl<'a> Log<'a> {
     fn of(whole: &'a Recording, column: &str, is_coarse: bool) -> Result<Self, DiagnoseError> {
         let (at_rest, disturbances) = disturbance::marked(whole);
-        // a wild sample is no motion, whatever a detector of motion makes of it
+        // an outlier is not motion, although a motion detector may report it
         let still = at_rest.still.clone().unwrap_or_else(|| vec![true; whole.n_rows()]);
         let zone = match Column::named(column).is_angular_rate() {
             true => dead_zone::search(&whole.channel(column)?.values),
             false => Searched::None,
         };
-        // the value of a dead zone stays as long as the rate does
+        // inside a dead zone a gyro repeats one value, which is not a stuck sensor
         if matches!(zone, Searched::Found(_)) {
             return Ok(Self { whole, still, without: at_rest, disturbances, zone });
         }
@@ -101,20 +101,21 @@ impl<'a> Log<'a> {
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {
-        let bears = |oddity: &Oddity| match oddity {
+        let concerns_column = |oddity: &Oddity| match oddity {
             Oddity::NotGravity { .. } | Oddity::LevelAfterPause(_) => {
                 Column::named(column).is_specific_force()
             }
             _ => true,
         };
         let odd = self.whole.oddities_about(&[column], &self.still);
-        odd.iter().filter(|oddity| bears(oddity)).map(ToString::to_string).collect()
+        odd.iter().filter(|oddity| concerns_column(oddity)).map(ToString::to_string).collect()
     }
 }
 
-/// Whether a step of the axis that is known hides the noise that the data sheet gives: it may show one value at rest.
+/// Returns true if the known step of the axis is so coarse that the noise of the data sheet may not show: the axis may
+/// then repeat one value at rest.
 fn has_coarse_steps(question: &Question<'_>) -> bool {
-    // a density is one-sided
+    // noise densities of data sheets are one-sided
     let noise = |sheet: DataSheet| sheet.noise_density / (2.0 * question.field.rate.period_s).sqrt();
     question.lsb.zip(question.sheet).is_some_and(|(lsb, sheet)| lsb > STAIRS * noise(sheet))
 }

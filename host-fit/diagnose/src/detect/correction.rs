@@ -1,14 +1,13 @@
-//! What the findings of a diagnosis take out of a log.
+//! Correction by the findings of a diagnosis.
 
 use super::answer::{CorrectionTerm, Finding};
 use crate::effects::{Band, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
 
-/// What to subtract, one value per row of `log`, in the axis' unit: the sum of all findings. `fitted` is the log they
-/// were found in: the correction of a slow effect is 0 on its mean, since the mean belongs to the bias.
+/// Returns the values to subtract, one per row of `log`, in the unit of the axis: the sum over all findings. `fitted`
+/// is the log of the diagnosis. On its mean the correction of a slow effect is 0, since the mean belongs to the bias.
 ///
-/// A step that was found in one log is a constant in the next. Before a quantity has its first value it is taken to
-/// have stood at it.
+/// A step that was found in one log is a constant in the next. Before its first value a quantity is taken as constant.
 ///
 /// # Errors
 ///
@@ -38,7 +37,7 @@ pub fn correction(
     Ok(sum)
 }
 
-/// Adds a step about its mean in the log that it was found in; in another log all of it has happened.
+/// Adds a step about its mean in the log that it was found in; in another log it is a constant.
 fn add_step(sum: &mut [f64], coefficient: f64, time_s: f64, fitted: &Recording, log: &Recording) {
     let mean = step_share(fitted, time_s);
     let own = fitted.sources == log.sources;
@@ -48,14 +47,14 @@ fn add_step(sum: &mut [f64], coefficient: f64, time_s: f64, fitted: &Recording, 
     }
 }
 
-/// The share of a log that lies after a step.
+/// Returns the share of a log that lies after a step.
 pub(super) fn step_share(log: &Recording, time_s: f64) -> f64 {
     let after = log.time_s.iter().filter(|time| **time - log.time_s[0] > time_s).count();
     after as f64 / log.n_rows() as f64
 }
 
-/// Takes the steps that were found out of the log they were found in: the values as they would be had every step
-/// happened before it, which is how they are in every later log.
+/// Removes the detected steps from the log that they were found in: returns the values as if every step had happened
+/// before the log began, as it has in every later log.
 pub(crate) fn as_after_steps(
     findings: &[Finding],
     column: &str,
@@ -74,18 +73,18 @@ pub(crate) fn as_after_steps(
     Ok(log.with_values(column, values.map(|(value, time)| value + to_come(*time)).collect()))
 }
 
-/// The time of a step, s after the first sample, if the text of a product is one.
+/// Returns the time of a step, s after the first sample, if the text of a product is a step.
 pub(crate) fn step_time(product: &str) -> Option<f64> {
     product.strip_prefix("clock:step(")?.strip_suffix(')')?.parse().ok()
 }
 
-/// Whether all that is subtracted is steps: constants in every later log.
+/// Returns true if the correction consists of steps alone, which are constants in every later log.
 pub(crate) fn is_step(finding: &Finding) -> bool {
     let mut terms = finding.correction.iter();
     !finding.correction.is_empty() && terms.all(|term| step_time(&term.regressor).is_some())
 }
 
-/// Whether a correction changes from one sample to the next, so that it is needed at the full rate.
+/// Returns true if a correction changes from sample to sample, so that it must run at the full sampling rate.
 pub fn is_fast(findings: &[Finding]) -> bool {
     let terms = || findings.iter().flat_map(|finding| &finding.correction);
     findings.iter().any(|finding| finding.band == Band::Wide && !finding.correction.is_empty())

@@ -1,44 +1,45 @@
 //! A dead zone at zero rate: a gyro holds one value, its bias, while it turns more slowly than a limit, and jumps to the
 //! true rate outside.
 //!
-//! It shows in the histogram of a gyro that turns slowly to both sides: one value that is frequent, nothing at all on
-//! either side of it as far as the limit, and all values from there on. The values of coarse steps are as far from each
-//! other everywhere, and a stuck register holds a value whose neighbours occur at other times.
+//! In the histogram of a gyro that turns slowly to both sides it shows as one frequent value, an empty range on either
+//! side up to the limit, and all values beyond. With coarse steps, values are equally spaced everywhere; with a stuck
+//! register, the neighbours of the repeated value occur at other times.
 
-/// Fewest samples at the value that is held.
-const FEWEST_HELD: usize = 20;
+/// Least number of samples at the repeated value.
+const MIN_HELD: usize = 20;
 
-/// Fewest samples on each side within one half width of the edge.
-const FEWEST_OUTSIDE: usize = 12;
+/// Least number of samples on each side within one half width of the edge.
+const MIN_OUTSIDE: usize = 12;
 
-/// The empty side is so many times the usual distance of neighbouring values outside.
+/// Least ratio of the empty range to the usual distance of neighbouring values outside.
 const EMPTY_STEPS: f64 = 4.0;
 
-/// The two sides are equal to this factor.
+/// Largest ratio of the two empty ranges.
 const SIDES_DIFFER: f64 = 1.5;
 
-/// Parts of the half width beyond the edge, and how many of them have values: those of a few constant rates leave gaps.
+/// Number of parts of the half width beyond the edge, and least number of them with values: a log of a few constant
+/// rates leaves gaps.
 const PARTS: usize = 6;
 const PARTS_WITH_VALUES: usize = 4;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeadZone {
-    /// The value that is held, unit of the axis.
+    /// Repeated value, unit of the axis.
     pub(crate) value: f64,
-    /// Half of its width, unit of the axis.
+    /// Half of the width, unit of the axis.
     pub(crate) half_width: f64,
 }
 
-/// Whether a log would show a dead zone: the axis passes through its most frequent values in motion.
+/// Result of a search for a dead zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Searched {
     Found(DeadZone),
     None,
-    /// The axis does not turn slowly to both sides.
+    /// The axis does not turn slowly to both sides, so the log would not show a dead zone.
     NotShown,
 }
 
-/// Looks for a dead zone among the values of a gyro.
+/// Searches for a dead zone in the values of a gyro.
 pub(super) fn search(values: &[f64]) -> Searched {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -52,11 +53,11 @@ pub(super) fn search(values: &[f64]) -> Searched {
     let Some(held) = (0..distinct.len()).max_by_key(|at| distinct[*at].1) else { return Searched::NotShown };
     let (value, count) = distinct[held];
     let quantile = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
-    // a gyro at rest has nearly all of its values in the middle half's neighbourhood
+    // at rest, nearly all values lie near the middle half
     let middle = quantile(0.75) - quantile(0.25);
     let turns = [value - quantile(0.001), quantile(0.999) - value].iter().all(|side| *side > REST * middle);
     let nothing = if turns { Searched::None } else { Searched::NotShown };
-    if held == 0 || held + 1 == distinct.len() || count < FEWEST_HELD {
+    if held == 0 || held + 1 == distinct.len() || count < MIN_HELD {
         return nothing;
     }
     let sides = [value - distinct[held - 1].0, distinct[held + 1].0 - value];
@@ -77,7 +78,7 @@ pub(super) fn search(values: &[f64]) -> Searched {
         }
         let mut gaps: Vec<f64> = beyond.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         gaps.sort_unstable_by(f64::total_cmp);
-        samples >= FEWEST_OUTSIDE
+        samples >= MIN_OUTSIDE
             && parts.iter().filter(|has| **has).count() >= PARTS_WITH_VALUES
             && gaps.get(gaps.len() / 2).is_some_and(|gap| half_width > EMPTY_STEPS * gap)
             && beyond.iter().all(|(_, outside)| 2 * outside < count)
@@ -85,8 +86,8 @@ pub(super) fn search(values: &[f64]) -> Searched {
     if is_edged { Searched::Found(DeadZone { value, half_width }) } else { nothing }
 }
 
-/// An axis turns if its outermost thousandths lie so many times as far out as the middle half of its values is wide, on
-/// both sides: those of normal noise lie 2.3 times as far.
+/// An axis turns if its outermost thousandths lie further out, on both sides, than this multiple of the interquartile
+/// range. For normal noise the multiple is 2.3.
 const REST: f64 = 5.0;
 
 #[cfg(test)]
@@ -94,7 +95,7 @@ mod tests {
     use super::*;
     use fos_testkit::noise::white_noise;
 
-    /// A gyro at rest, then turning to and fro, with noise of unit variance in steps of `step`.
+    /// A gyro at rest, then turning to and fro, with noise of unit variance quantised to `step`.
     fn turning(step: f64, dead: f64, seed: u64) -> Vec<f64> {
         let noise = white_noise(seed, 40_000);
         let rate = |row: usize| match row {
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn coarse_steps_stuck_values_and_rests_are_no_dead_zone() {
+    fn finds_no_dead_zone_in_coarse_steps_stuck_values_and_rests() {
         for seed in 0..20 {
             for step in [0.01, 0.3, 2.0, 8.0, 40.0] {
                 assert!(!matches!(search(&turning(step, 0.0, seed)), Searched::Found(_)), "{seed}, {step}");
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_rates_to_both_sides_are_no_dead_zone() {
+    fn finds_no_dead_zone_in_constant_rates() {
         let noise = white_noise(1, 9000);
         let rates = [0.0, 30.0, -30.0];
         let seen = noise.iter().enumerate().map(|(row, noise)| match rates[row / 3000] {

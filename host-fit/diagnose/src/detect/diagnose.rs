@@ -1,5 +1,5 @@
-//! What is missing: faults of the data, then lines, then slow effects, then what no library knows; and effects
-//! estimated whether they are missing or not.
+//! Diagnosis in the order faults of the data, spectral lines, slow effects, open search; and the estimation of given
+//! effects.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use super::telegraph::{self, Telegraph};
 use super::testable::{Testable, lacking};
 use crate::effects::{Band, Detector, Effect, Inputs};
 
-/// Says what is missing.
+/// Diagnoses the missing effects of an axis.
 ///
 /// # Errors
 ///
@@ -46,15 +46,15 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
-    let stairs = prepared.in_stairs();
+    let stairs = prepared.hides_slow_effects();
     let hidden = stairs || prepared.is_short();
     let mut untested = prepared.testable.untested.clone();
     let mut effects = Vec::new();
     if !hidden {
-        let of_attitude = prepared.testable.of_attitude(&hypotheses, &inputs, column)?;
-        let tested = prepared.testable.effects.iter().filter(|effect| !is_among(&of_attitude, effect));
+        let attitude_effects = prepared.testable.attitude_effects(&hypotheses, &inputs, column)?;
+        let tested = prepared.testable.effects.iter().filter(|effect| !is_among(&attitude_effects, effect));
         effects.extend(tested.cloned());
-        untested.extend(of_attitude);
+        untested.extend(attitude_effects);
     }
     let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let pass =
@@ -81,10 +81,10 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         false => telegraph::instead(&prepared, &slow, &left),
     };
     if let Some(found) = &telegraph {
-        let beside = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
-        let again = pass(&beside, &effects)?;
+        let with_telegraph = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
+        let again = pass(&with_telegraph, &effects)?;
         match found.leaves_noise(&again.0) {
-            true => (given, (slow, left)) = (beside, again),
+            true => (given, (slow, left)) = (with_telegraph, again),
             false => telegraph = None,
         }
     }
@@ -119,20 +119,20 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         }));
     }
     let tested = tested.iter().map(|effect| effect.id.clone()).collect();
-    let of_log = OfLog { left, telegraph: telegraph.as_ref(), tested, untested, lacks };
-    assembly((&prepared, &given), question, &lines, &slow, of_log).diagnosis()
+    let log_results = LogResults { left, telegraph: telegraph.as_ref(), tested, untested, lacks };
+    assembly((&prepared, &given), question, &lines, &slow, log_results).diagnosis()
 }
 
 fn is_among(untested: &[Untested], effect: &Effect) -> bool {
     untested.iter().any(|other| other.effect == effect.id)
 }
 
-/// Estimates effects together whether they are missing or not, in this order: their parameters, sizes, and the fall
-/// that each should bring once those before it are in the model. Several lines are taken by their strength.
+/// Estimates effects together, whether or not they are missing, in this order: parameters, sizes, and the reduction by
+/// each with those before it in the model. Spectral lines are assigned in order of strength.
 ///
 /// # Errors
 ///
-/// A column is missing, the log is too short, or an effect leaves nothing in it.
+/// A column is missing, the log is too short, or an effect does not show in it.
 pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let question = &logs.question(question);
@@ -161,7 +161,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     }
     let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
-    let assembly = assembly((&prepared, &prepared.given), question, &lines, &slow, OfLog::default());
+    let assembly = assembly((&prepared, &prepared.given), question, &lines, &slow, LogResults::default());
     let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
     let mut line_findings = assembly.line_findings()?.into_iter();
     effects
@@ -182,9 +182,9 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
         .collect()
 }
 
-/// What a diagnosis says of the log itself; an estimate says none of it.
+/// Results about the log itself, which an estimate does not have.
 #[derive(Default)]
-struct OfLog<'t> {
+struct LogResults<'t> {
     left: LeftOver,
     telegraph: Option<&'t Telegraph>,
     tested: Vec<String>,
@@ -197,11 +197,11 @@ fn assembly<'s>(
     question: &'s Question<'s>,
     lines: &'s [Line],
     slow: &'s SlowResult,
-    of_log: OfLog<'s>,
+    log_results: LogResults<'s>,
 ) -> Assembly<'s> {
     let Prepared { column, faults, reduced, .. } = prepared;
     let learnt_from = learnt_from(question);
-    let OfLog { left, telegraph, tested, untested, lacks } = of_log;
+    let LogResults { left, telegraph, tested, untested, lacks } = log_results;
     Assembly {
         question,
         column,
@@ -229,8 +229,8 @@ fn learnt_from(question: &Question<'_>) -> String {
     .to_owned()
 }
 
-/// Lines that are errors. What moves the unit is none: on a shaker or beside a machine an axis rightly shows the lines
-/// that others show too, and what comes and goes, or wanders, on several at once is motion wherever it is.
+/// Finds spectral lines that are errors of the sensor. Motion is excluded: on a shaker or near a machine, lines that
+/// another axis shows too; anywhere, intermittent or wandering lines that several axes show.
 fn lines(
     question: &Question<'_>,
     column: &str,
@@ -241,16 +241,16 @@ fn lines(
     if shaken {
         lines.retain(|line| line.duty >= lines::STEADY);
     }
-    let is_asked = |line: &Line| shaken || !line.coherent || line.duty < lines::STEADY;
+    let may_be_motion = |line: &Line| shaken || !line.coherent || line.duty < lines::STEADY;
     for other in AXES.into_iter().filter(|other| *other != column) {
-        if !lines.iter().any(is_asked) {
+        if !lines.iter().any(may_be_motion) {
             break;
         }
         if question.field.channel(other).is_ok() {
-            let is_of_unit = Column::named(other).unit() == Column::named(column).unit();
+            let same_unit = Column::named(other).unit() == Column::named(column).unit();
             let other = ErrorInBlocks::new(question.field, other, &[])?;
-            let mut shared = lines::shared(question.field, &other, &lines, is_of_unit).into_iter();
-            lines.retain(|line| !(shared.next().unwrap_or(false) && is_asked(line)));
+            let mut shared = lines::shared(question.field, &other, &lines, same_unit).into_iter();
+            lines.retain(|line| !(shared.next().unwrap_or(false) && may_be_motion(line)));
         }
     }
     Ok(lines)

@@ -1,4 +1,4 @@
-//! A log reduced to what a diagnosis looks at: which rows count, the error in them, its block means.
+//! A log reduced to the input of a diagnosis: the rows used, the error in them and its block means.
 
 use std::ops::Range;
 
@@ -10,41 +10,42 @@ use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Blocks, length_for, length_with_levels_for};
 use fos_fit::signal;
 
-/// Rows within so many standard deviations of the noise of a stop are left out: noise that is cut off on one side has
-/// another mean.
+/// Rows within this many standard deviations of a clipping limit are excluded: noise that is clipped on one side has a
+/// different mean.
 const STOP_MARGIN: f64 = 4.0;
 
-/// Share of rows at rest from which on a log counts as one at rest, with motion in between that nobody vouches for.
+/// Share of rows at rest from which on a log counts as recorded at rest. Motion in it is then excluded even if a
+/// reference column covers it.
 const AT_REST: f64 = 0.5;
 
 #[derive(Debug, Clone)]
 pub struct ErrorInBlocks {
-    /// The error of the axis, one value per row, in its unit.
+    /// Error of the axis, one value per row, in its unit.
     pub error: Vec<f64>,
-    /// Blocks of the rows that count.
+    /// Blocks of the rows used.
     pub blocks: Blocks,
     /// Block means of the error.
     pub means: Vec<f64>,
-    /// Most samples lie near a stop: what is left away from it says nothing of the bias.
+    /// True if most samples lie near a clipping limit: the few others do not show the bias.
     pub clipped_through: bool,
 }
 
 impl ErrorInBlocks {
-    /// Reduces `column` of a recording in which nothing is known to be wrong.
+    /// Reduces `column` of a recording without known faults.
     ///
     /// # Errors
     ///
-    /// There is no such column.
+    /// The column is missing.
     pub fn of(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
         Self::new(recording, column, &[])
     }
 
-    /// The same without the rows that `faults` spoil.
+    /// Reduces `column` without the rows that `faults` affect.
     pub(crate) fn new(recording: &Recording, column: &str, faults: &[Fault]) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, faults, length_s(recording, column))
     }
 
-    /// The same over those rows only that `inputs_known` marks too.
+    /// Reduces `column` to the rows that `inputs_known` marks, without those that `faults` affect.
     pub(super) fn where_known(
         recording: &Recording,
         column: &str,
@@ -54,16 +55,16 @@ impl ErrorInBlocks {
         Self::over(recording, column, faults, length_s(recording, column), |row| inputs_known[row])
     }
 
-    /// The same in the blocks of the slow error.
+    /// Reduces `column` in the blocks of the slow error.
     ///
     /// # Errors
     ///
-    /// There is no such column.
+    /// The column is missing.
     pub fn in_slow_blocks(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, &[], SLOW_BLOCK_S)
     }
 
-    /// The same with blocks of a given length, s.
+    /// Reduces `column` in blocks of `length_s`.
     pub(crate) fn in_blocks_of(
         recording: &Recording,
         column: &str,
@@ -99,7 +100,7 @@ impl ErrorInBlocks {
         };
         let rest_share =
             (0..recording.n_rows()).filter(|row| at_rest(*row)).count() as f64 / recording.n_rows() as f64;
-        // a reference vouches for motion too; but where a log is at rest most of the time, the rest is handling
+        // a reference covers motion too; but in a log that is mostly at rest, motion is handling
         let vouched = matches!(series.reference, Reference::Channel(_)) && rest_share < AT_REST;
         let known: Vec<bool> =
             (0..recording.n_rows()).map(|row| is_candidate(row, vouched) && inside(measured[row])).collect();
@@ -112,12 +113,12 @@ impl ErrorInBlocks {
         Ok(Self { error: series.values.into_owned(), blocks, means, clipped_through })
     }
 
-    /// The same with the noise of each block that of the shaking in it.
+    /// Weights each block by the noise of the shaking in it.
     pub(super) fn shaken(self) -> Self {
         Self { blocks: self.blocks.with_noise_of(&self.error), ..self }
     }
 
-    /// Standard deviation of the noise from one sample to the next.
+    /// Returns the standard deviation of the noise, from the differences of adjacent samples.
     pub fn fast_deviation(&self) -> f64 {
         let known = self.blocks.known();
         let pairs = self.error.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
@@ -126,39 +127,39 @@ impl ErrorInBlocks {
         (sum / f64::from(count.max(1)) / 2.0).sqrt()
     }
 
-    /// Variance of values, one per block, each about the mean of its level; of those in `blocks`.
+    /// Returns the variance of values, one per block, about the mean of their level, over `blocks`.
     pub(super) fn variance_in(&self, values: &[f64], blocks: Range<usize>) -> f64 {
         signal::variance(&[&self.blocks.about_levels(values, blocks)])
     }
 
-    /// Variance of the block means of what is left of the error, of the blocks that begin in `rows`; about a mean for
-    /// each rest where gravity may have turned.
-    pub fn slow_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
+    /// Returns the variance of the block means of a residual, over the blocks that begin in `rows`, about a separate
+    /// mean for each dwell if gravity may have turned.
+    pub fn slow_variance(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
         let begins_before = |row: usize| self.blocks.blocks.partition_point(|block| block.rows.start < row);
-        self.variance_in(&self.blocks.means(left), begins_before(rows.start)..begins_before(rows.end))
+        self.variance_in(&self.blocks.means(residual), begins_before(rows.start)..begins_before(rows.end))
     }
 
-    /// Mean of the block means of what is left of the error, of the blocks that begin in `rows`.
-    pub fn slow_mean(&self, left: &[f64], rows: &Range<usize>) -> f64 {
-        let means = self.blocks.means(left);
+    /// Returns the mean of the block means of a residual, over the blocks that begin in `rows`.
+    pub fn slow_mean(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
+        let means = self.blocks.means(residual);
         let inside =
             self.blocks.blocks.iter().zip(means).filter(|(block, _)| rows.contains(&block.rows.start));
         signal::mean(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
     }
 
-    /// Variance of the samples of what is left of the error, of those in `rows` that count.
-    pub fn wide_variance(&self, left: &[f64], rows: &Range<usize>) -> f64 {
-        let counts = |row: &usize| self.blocks.known()[*row] && left[*row].is_finite();
-        signal::variance(&[&rows.clone().filter(counts).map(|row| left[row]).collect::<Vec<f64>>()])
+    /// Returns the variance of the samples of a residual, over the used rows in `rows`.
+    pub fn wide_variance(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
+        let counts = |row: &usize| self.blocks.known()[*row] && residual[*row].is_finite();
+        signal::variance(&[&rows.clone().filter(counts).map(|row| residual[row]).collect::<Vec<f64>>()])
     }
 }
 
-/// Rows from which on the level of an axis may be another: none of a gyro, whose bias goes on.
+/// Returns the rows at which the level of an axis may change; none for a gyro, whose bias is continuous.
 fn turns<'r>(recording: &'r Recording, column: &str) -> &'r [usize] {
     if is_bias_known(recording, column) { &[] } else { &recording.turns }
 }
 
-/// Length of the blocks that suit a column of a recording, s.
+/// Returns the block length that suits a column of a recording, s.
 fn length_s(recording: &Recording, column: &str) -> f64 {
     match turns(recording, column) {
         [] => length_for(recording),
@@ -166,7 +167,8 @@ fn length_s(recording: &Recording, column: &str) -> f64 {
     }
 }
 
-/// Median of the differences of neighbours as a standard deviation: steps and clipped stretches do not move it.
+/// Standard deviation of the noise from the median difference of adjacent samples, which is robust to steps and clipped
+/// stretches.
 fn fast_deviation(error: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         error.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|d| *d > 0.0).collect();

@@ -1,51 +1,51 @@
-//! Faults of the data, not of the sensor's bias: clipping, missing samples, coarse steps. They are looked for first,
-//! since wrong data beat every later test.
+//! Faults of the data rather than of the sensor's bias: clipping, missing samples, coarse steps. They are found first,
+//! since faulty data invalidate every later test.
 
 use super::dead_zone::DeadZone;
 use fos_data::recording::Recording;
 use fos_fit::signal::quantisation::quantisation;
 
-/// Share of samples at one extreme value above which they count as clipped, and by how many standard errors they must
-/// outnumber what the tail of noise would leave there.
+/// Least share of samples at one extreme value for clipping, and the number of standard errors by which they must
+/// exceed the share that a tail of noise would leave there.
 const CLIPPED_SHARE: f64 = 2e-4;
 const PILE_UP_ERRORS: f64 = 4.0;
 
-/// Changes of more than one step for each change of one below which steps make heaps of their own: those of more than
-/// 1.3 standard deviations of the noise do.
-const HEAPS: f64 = 0.3;
+/// Ratio of changes by several steps to changes by one step below which the steps form separate peaks, as steps of more
+/// than 1.3 standard deviations of the noise do.
+const PEAK_RATIO: f64 = 0.3;
 
-/// Share of missing samples that counts, beyond that of the quiet log.
+/// Least share of missing samples, in excess of that of the reference log.
 const DROPPED_SHARE: f64 = 5e-4;
 
-/// Steps so many times those that are known count as coarse: one bit is 2.
+/// Least ratio of the observed step to the known step; one lost bit gives 2.
 const COARSE: f64 = 1.5;
 
-/// What is wrong with the data.
+/// Fault of the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fault {
-    /// Values end at a stop.
+    /// Values are clipped.
     Saturation {
-        /// Share of the samples at it.
+        /// Share of the samples at a limit.
         share: f64,
-        /// The lower and upper stop, unit of the axis, as far as either was hit.
+        /// Lower and upper limit, unit of the axis, if reached.
         limits: (Option<f64>, Option<f64>),
     },
     Dropped {
-        /// Share of the samples.
+        /// Share of missing samples.
         share: f64,
     },
-    /// Steps are coarser than they should be.
+    /// Steps are coarser than specified.
     Coarse {
-        /// How many times; NaN where it is not known how fine they should be.
+        /// Ratio to the specified step; NaN if that is unknown.
         multiple: f64,
-        /// The step, unit of the axis.
+        /// Step, unit of the axis.
         step: f64,
     },
     /// Slow rates read as one value.
     DeadZone(DeadZone),
 }
 
-/// What is known of the axis.
+/// Known properties of the converter of an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Converter {
     /// Full scale, unit of the axis.
@@ -54,7 +54,7 @@ pub(super) struct Converter {
     pub(super) lsb: Option<f64>,
 }
 
-/// The faults of the column `target` of `field`; `quiet` is a log without faults to compare with.
+/// Finds the faults of the column `target` of `field`; `quiet` is a log without faults to compare with.
 pub(super) fn find(
     field: &Recording,
     quiet: Option<&Recording>,
@@ -68,7 +68,7 @@ pub(super) fn find(
     let own = values(field);
     let mut faults = Vec::new();
     let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
-    // one value shows no step: that of the axes beside it
+    // a constant column shows no step: use that of the other axes
     let own_step = step(&own).or_else(|| hidden_step(field, target));
     faults.extend(clipped(&own, converter, own_step));
     let missing = |recording: &Recording| {
@@ -87,20 +87,20 @@ pub(super) fn find(
     } else if quiet.is_none()
         && let Some(step) = hidden_step(field, target)
     {
-        // a step that hides the noise is too coarse, however fine it should be
+        // a step that hides the noise is too coarse, whatever the data sheet states
         faults.push(Fault::Coarse { multiple: known.map_or(f64::NAN, |known| (step / known).round()), step });
     }
     faults
 }
 
-/// The value of a column that never changes.
+/// Returns the value of a column that never changes.
 pub(super) fn only_value(field: &Recording, target: &str) -> Option<f64> {
     let mut values = field.channel(target).ok()?.values.iter().copied().filter(|value| value.is_finite());
     let first = values.next()?;
     values.all(|value| value == first).then_some(first)
 }
 
-/// The step of a column where it hides the noise.
+/// Returns the step of a column if it hides the noise.
 pub(super) fn hidden_step(field: &Recording, target: &str) -> Option<f64> {
     match &field.still {
         Some(still) => field.hidden_step(target, still),
@@ -108,19 +108,19 @@ pub(super) fn hidden_step(field: &Recording, target: &str) -> Option<f64> {
     }
 }
 
-/// Whether steps are so coarse that a sample hardly ever lies more than one from its neighbour.
-fn in_heaps(values: &[f64], step: f64) -> bool {
+/// Returns true if the steps are so coarse that adjacent samples rarely differ by more than one.
+fn forms_separate_peaks(values: &[f64], step: f64) -> bool {
     let changes =
         values.windows(2).map(|pair| (pair[1] - pair[0]).abs() / step).filter(|change| *change > 0.5);
     let (one, more) = changes.fold((0_u32, 0_u32), |(one, more), change| match change < 1.5 {
         true => (one + 1, more),
         false => (one, more + 1),
     });
-    f64::from(more) < HEAPS * f64::from(one)
+    f64::from(more) < PEAK_RATIO * f64::from(one)
 }
 
-/// Whether more samples lie on the outermost value than the tail of noise would leave there, given those on the two
-/// values next to it. The logarithm of a normal density is concave, so that it would leave at most next²/second, and it
+/// Returns true if more samples lie at the outermost value than a tail of noise would leave there, given the counts of
+/// the next two values. The logarithm of a normal density is concave, so the tail leaves at most next²/second, and it
 /// falls off outwards.
 fn is_pile(count: f64, next: f64, second: f64) -> bool {
     let (most, variance) = match next < second {
@@ -133,10 +133,10 @@ fn is_pile(count: f64, next: f64, second: f64) -> bool {
 fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<Fault> {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let heaps = step.is_some_and(|step| in_heaps(values, step));
+    let separate_peaks = step.is_some_and(|step| forms_separate_peaks(values, step));
     let n = sorted.len() as f64;
     let stop = |sorted: &mut dyn Iterator<Item = f64>| -> Option<(f64, f64)> {
-        // samples on the outermost value and on the two next to it
+        // counts of samples at the outermost value and at the next two
         let mut counts: Vec<(f64, usize)> = Vec::new();
         for value in sorted {
             let distinct = counts.len();
@@ -149,7 +149,7 @@ fn clipped(values: &[f64], converter: &Converter, step: Option<f64>) -> Option<F
         let (extreme, count) = *counts.first()?;
         let at_full_scale = converter.full_scale.is_some_and(|full| extreme.abs() >= 0.999 * full);
         let count = count as f64;
-        let piled = !heaps
+        let piled = !separate_peaks
             && match counts[..] {
                 [_, (_, next), (_, second)] => is_pile(count, next as f64, second as f64),
                 _ => false,

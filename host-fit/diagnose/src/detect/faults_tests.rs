@@ -1,4 +1,4 @@
-//! Faults of simulated data: found with their true size, and not found where there are none.
+//! Faults in simulated data are found with their true size, and not found in data without faults.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ fn faults(values: Vec<f64>) -> Vec<Fault> {
     find(&recording(values), None, "ax_mps2", &UNKNOWN)
 }
 
-/// Faults but for coarse steps.
+/// Faults except coarse steps.
 fn stops(values: Vec<f64>) -> Vec<Fault> {
     faults(values).into_iter().filter(|fault| !matches!(fault, Fault::Coarse { .. })).collect()
 }
@@ -39,7 +39,7 @@ fn round(values: &mut [f64], step: f64) {
     values.iter_mut().for_each(|value| *value = step * (*value / step).round());
 }
 
-/// Noise of unit variance with this share clipped, rounded to `step` as its stops are; what should be found.
+/// Noise of unit variance with this share clipped, rounded to `step` as are its limits; and the expected fault.
 fn clipped(seed: u64, share: f64, sides: (bool, bool), step: Option<f64>) -> (Vec<f64>, Fault) {
     const LENGTH: usize = 120_000;
     let unit = Normal::new(0.0, 1.0).expect("a distribution");
@@ -63,7 +63,7 @@ fn clipped(seed: u64, share: f64, sides: (bool, bool), step: Option<f64>) -> (Ve
 const SIDES: [(bool, bool); 3] = [(true, false), (false, true), (true, true)];
 
 #[test]
-fn clipped_noise_is_found_with_its_share() {
+fn finds_share_of_clipped_noise() {
     for (seed, share) in [1e-3, 1e-2, 0.2].into_iter().enumerate() {
         for sides in SIDES {
             for step in [None, Some(0.05)] {
@@ -75,7 +75,7 @@ fn clipped_noise_is_found_with_its_share() {
 }
 
 #[test]
-fn at_full_scale_a_coarse_converter_clips_too() {
+fn finds_clipping_at_full_scale_of_coarse_converter() {
     for (seed, share) in [1e-3, 1e-2, 0.2].into_iter().enumerate() {
         let (values, wanted) = clipped(seed as u64, share, (false, true), Some(0.5));
         let Fault::Saturation { limits: (None, full_scale), .. } = wanted else { panic!("{wanted:?}") };
@@ -85,8 +85,8 @@ fn at_full_scale_a_coarse_converter_clips_too() {
 }
 
 #[test]
-fn a_fifth_of_all_samples_on_the_last_code_is_a_stop() {
-    // at 0.8 with stops on both sides, a tenth each is what the tail of noise leaves on such a code
+fn finds_clipping_of_a_fifth_of_the_samples() {
+    // at 0.8 with clipping on both sides, a tenth each is as much as a tail of noise leaves at such a code
     let missed: Vec<(f64, (bool, bool))> = [0.3, 0.4, 0.5]
         .into_iter()
         .flat_map(|step| SIDES.map(|sides| (step, sides)))
@@ -99,11 +99,11 @@ fn a_fifth_of_all_samples_on_the_last_code_is_a_stop() {
 }
 
 #[test]
-fn noise_that_is_not_clipped_is_not_called_saturated() {
+fn unclipped_noise_is_not_saturated() {
     for seed in 0..300 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut values = noise(&mut random, 1.0, 20_000);
-        // from continuous to six standard deviations a step, which two or three codes are left of
+        // from continuous to six standard deviations a step, which leaves two or three codes
         let step = match seed % 3 {
             0 => None,
             1 => Some(random.random_range(0.02..1.0)),
@@ -118,7 +118,7 @@ fn noise_that_is_not_clipped_is_not_called_saturated() {
     }
 }
 
-/// Noise of unit variance about levels that are held for a while, as poses of an accelerometer are.
+/// Noise of unit variance about levels that are held for a while, as by an accelerometer in several orientations.
 fn dwells(seed: u64, step: f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut values = Vec::new();
@@ -132,7 +132,7 @@ fn dwells(seed: u64, step: f64) -> Vec<f64> {
 }
 
 #[test]
-fn levels_that_are_held_are_not_stops() {
+fn held_levels_are_not_clipping() {
     for seed in 0..300 {
         let step = [0.05, 0.3, 1.0][seed as usize % 3];
         assert_eq!(faults(dwells(seed, step)), [], "seed {seed}, step {step}");
@@ -140,7 +140,7 @@ fn levels_that_are_held_are_not_stops() {
 }
 
 #[test]
-fn levels_that_are_held_under_a_coarse_converter_are_not_stops() {
+fn coarse_held_levels_are_not_clipping() {
     let wrong: Vec<(u64, Vec<Fault>)> = (0..300)
         .map(|seed| (seed, stops(dwells(seed, [2.5, 4.0, 8.0][seed as usize % 3]))))
         .filter(|(_, found)| !found.is_empty())
@@ -148,9 +148,9 @@ fn levels_that_are_held_under_a_coarse_converter_are_not_stops() {
     assert!(wrong.is_empty(), "{} of 300 logs, the first {:?}", wrong.len(), wrong[0]);
 }
 
-/// No reference log and no data sheet say how fine the steps should be: they hide the noise all the same.
+/// Without a reference log and a data sheet the specified step is unknown, but the steps hide the noise all the same.
 #[test]
-fn coarse_steps_are_found_where_nothing_is_known_of_the_converter() {
+fn finds_coarse_steps_of_unknown_converter() {
     for seed in 0..20 {
         let mut values = noise(&mut ChaCha8Rng::seed_from_u64(seed), 1.0, 20_000);
         values.iter_mut().enumerate().for_each(|(row, value)| *value += 0.001 * row as f64);
@@ -168,7 +168,7 @@ fn dropped(found: &[Fault]) -> Option<f64> {
     })
 }
 
-/// A log of which every sample is missing with this probability, in runs of `run`; and the share that is.
+/// A log in which every sample is missing with this probability, in runs of `run`; and the actual share.
 fn with_gaps(seed: u64, probability: f64, run: usize) -> (Recording, f64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut ticks = vec![0];
@@ -207,7 +207,7 @@ fn dropped_samples_are_counted() {
 fn coarse_steps_are_whole_multiples() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     for lsb in [1.0, 1.2e-3, 9.81 / 2048.0] {
-        // noise of so many steps of the quiet log
+        // standard deviation of the noise in steps of the reference log
         for noise_steps in [0.7, 3.0, 12.0] {
             let log = |random: &mut ChaCha8Rng, step: f64| {
                 let mut values = noise(random, noise_steps * lsb, 20_000);
@@ -218,7 +218,7 @@ fn coarse_steps_are_whole_multiples() {
             let quiet = log(&mut random, lsb);
             let converter = Converter { lsb: Some(lsb), ..UNKNOWN };
             for multiple in [1.0, 2.0, 3.0, 4.0, 5.0, 8.0, 16.0] {
-                // noise far below a step leaves one code, and nothing to see
+                // with noise far below a step all samples have one code
                 if multiple > 5.0 * noise_steps {
                     continue;
                 }
@@ -229,9 +229,9 @@ fn coarse_steps_are_whole_multiples() {
                 ] {
                     match found[..] {
                         [] => assert_eq!(multiple, 1.0, "lsb {lsb}, {noise_steps} steps"),
-                        [Fault::Coarse { multiple: told, step }] => {
-                            assert_eq!(told, multiple, "lsb {lsb}, {noise_steps} steps");
-                            // 9.81 leaves 2e-15 of rounding
+                        [Fault::Coarse { multiple: estimated, step }] => {
+                            assert_eq!(estimated, multiple, "lsb {lsb}, {noise_steps} steps");
+                            // 9.81 leaves a rounding error of 2e-15
                             assert!((step / (multiple * lsb) - 1.0).abs() < 1e-9, "{step}");
                         }
                         _ => panic!("lsb {lsb}, {noise_steps} steps, {multiple}: {found:?}"),

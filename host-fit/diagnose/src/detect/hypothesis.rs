@@ -1,4 +1,4 @@
-//! What may be missing: an effect with a value of its parameter, and its regressors in block means.
+//! Hypotheses on the missing effect: an effect with a value of its parameter and its regressors in block means.
 
 use std::sync::Arc;
 
@@ -9,22 +9,22 @@ use fos_data::recording::RecordingError;
 use fos_fit::noise::Blocks;
 use fos_fit::signal::centred;
 
-/// Neighbours on the grid of a parameter are this factor apart, about: between two of them nothing is lost that a later
-/// refinement does not find.
+/// Approximate ratio of neighbouring values on the grid of a parameter, fine enough for the later refinement to find
+/// any optimum in between.
 const GRID_RATIO: f64 = 1.5;
 
 /// An effect with a value of its parameter.
 #[derive(Debug, Clone)]
 pub(super) struct Hypothesis {
-    /// From the library, or one of the user's.
+    /// Effect of the library, built-in or a user's own.
     pub(super) effect: Arc<Effect>,
-    /// The value of its parameter, if it has one.
+    /// Value of the parameter, if the effect has one.
     pub(super) value: Option<f64>,
-    /// Its regressors in block means, each about its mean.
+    /// Regressors in block means, each about its mean.
     pub(super) columns: Arc<Vec<Vec<f64>>>,
-    /// Which terms of the effect they are; terms that explain nothing are left out.
+    /// Index of the term of each column; terms that explain nothing are excluded.
     pub(super) terms: Vec<usize>,
-    /// The regressors, one per column; none for a step.
+    /// Regressors, one per column; none for a step.
     pub(super) regressors: Vec<Regressor>,
 }
 
@@ -33,28 +33,28 @@ impl Hypothesis {
         self.columns.iter().map(Vec::as_slice).collect()
     }
 
-    /// With some of its regressors only.
-    pub(super) fn of_terms(&self, places: &[usize]) -> Self {
+    /// Returns the hypothesis with some of its regressors.
+    pub(super) fn with_terms(&self, places: &[usize]) -> Self {
         let columns = places.iter().map(|place| self.columns[*place].clone()).collect();
         let terms = places.iter().map(|place| self.terms[*place]).collect();
         let regressors = places.iter().filter_map(|place| self.regressors.get(*place).cloned()).collect();
         Self { columns: Arc::new(columns), terms, regressors, ..self.clone() }
     }
 
-    /// With the terms only that `other`, a hypothesis of the same effect, has.
+    /// Returns the hypothesis with only the terms that `other`, a hypothesis of the same effect, has.
     pub(super) fn with_terms_of(&self, other: &Self) -> Self {
         let places: Vec<usize> =
             (0..self.terms.len()).filter(|place| other.terms.contains(&self.terms[*place])).collect();
-        if places.len() == self.terms.len() { self.clone() } else { self.of_terms(&places) }
+        if places.len() == self.terms.len() { self.clone() } else { self.with_terms(&places) }
     }
 
-    /// Whether it is the same effect, whatever the value.
+    /// Returns true if `other` is of the same effect, for any parameter value.
     pub(super) fn is_same_effect(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id
     }
 }
 
-/// Makes hypotheses for one target over one recording.
+/// Makes and caches the hypotheses for one target and one recording.
 #[derive(Debug)]
 pub(super) struct Hypotheses<'a> {
     inputs: &'a Inputs<'a>,
@@ -65,15 +65,16 @@ pub(super) struct Hypotheses<'a> {
 }
 
 impl<'a> Hypotheses<'a> {
-    /// For the axis of column `target`.
+    /// Makes hypotheses for the axis of column `target`.
     pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
         Self { inputs, blocks, target, made: Memo::default(), means: Memo::default() }
     }
 
-    /// The values of the parameter to look at first; one `None` for an effect without one.
+    /// Returns the first values to try for the parameter; one `None` for an effect without a parameter.
     pub(super) fn grid(&self, effect: &Effect) -> Vec<Option<f64>> {
         match (&effect.parameter, effect.search) {
-            // a step after the first and before the last ten blocks: outside, nothing tells it from the constant
+            // a step lies after the first and before the last ten blocks: further out it is indistinguishable from the
+            // constant
             (_, Detector::Step) => {
                 let last = self.blocks.len().saturating_sub(STEP_MARGIN);
                 let blocks = (STEP_MARGIN..last).step_by(self.blocks_a_place());
@@ -82,7 +83,7 @@ impl<'a> Hypotheses<'a> {
             (Some(parameter), Detector::Terms) => {
                 let steps = ((parameter.high / parameter.low).ln() / GRID_RATIO.ln()).ceil().max(1.0);
                 let ratio = (parameter.high / parameter.low).powf(1.0 / steps);
-                // a time constant far below a block is the first block alone, or no lag at all
+                // a time constant far below a block affects only the first block, or is no lag at all
                 let least = if parameter.unit == "s" { SHORTEST_BLOCKS * self.blocks.length_s } else { 0.0 };
                 let values = (0..=steps as i32).map(|i| parameter.low * ratio.powi(i));
                 let mut values: Vec<f64> = values.filter(|value| *value >= least).collect();
@@ -95,27 +96,27 @@ impl<'a> Hypotheses<'a> {
         }
     }
 
-    /// Blocks from one place at which a step is looked for to the next.
+    /// Returns the number of blocks between the positions at which a step is tried.
     pub(super) fn blocks_a_place(&self) -> usize {
         self.blocks.len().div_ceil(MAX_PLACES).max(1)
     }
 
-    /// A logged column in block means; `None` where it is not logged.
+    /// Returns a logged column in block means; `None` if it is not logged.
     pub(super) fn logged_means(&self, column: &str) -> Option<Arc<[f64]>> {
         if let Some(means) = self.means.get(column) {
             return Some(means);
         }
         let logged = self.inputs.logged(&Regressor::parse(column).ok()?)?;
         let means = self.inputs.block_means(&logged, self.blocks).ok().filter(|means| !means.is_empty())?;
-        Some(self.means.keep(column.to_owned(), means.into()))
+        Some(self.means.insert(column.to_owned(), means.into()))
     }
 
-    /// Time of a step just before `block`, s after the first sample.
+    /// Returns the time of a step just before `block`, s after the first sample.
     fn step_time(&self, block: usize) -> f64 {
         self.blocks.middle_s(block) - self.blocks.length_s / 2.0
     }
 
-    /// The hypothesis of `effect` at `value`; no columns are left of an effect whose inputs never change.
+    /// Returns the hypothesis of `effect` at `value`, cached. An effect whose inputs never change has columns of zeros.
     ///
     /// # Errors
     ///
@@ -131,9 +132,9 @@ impl<'a> Hypotheses<'a> {
         }
         let made = match effect.search {
             Detector::Step => self.step(effect, value),
-            _ => self.of_regressors(effect, value)?,
+            _ => self.from_regressors(effect, value)?,
         };
-        Ok(self.made.keep(key, made))
+        Ok(self.made.insert(key, made))
     }
 
     fn step(&self, effect: &Arc<Effect>, value: Option<f64>) -> Hypothesis {
@@ -146,7 +147,7 @@ impl<'a> Hypotheses<'a> {
         Hypothesis { effect: effect.clone(), value, columns, terms: vec![0], regressors: Vec::new() }
     }
 
-    /// False for a play that hardly moves.
+    /// Returns false for a backlash so wide that its output hardly moves.
     fn moves(&self, regressor: &Regressor) -> bool {
         regressor.inputs().all(|input| {
             let Transform::Backlash { half_width } = input.transform else { return true };
@@ -155,7 +156,11 @@ impl<'a> Hypotheses<'a> {
         })
     }
 
-    fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
+    fn from_regressors(
+        &self,
+        effect: &Arc<Effect>,
+        value: Option<f64>,
+    ) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()
@@ -166,7 +171,7 @@ impl<'a> Hypotheses<'a> {
             .into_iter()
             .filter(|(term, regressor)| Some(*term) == first || self.moves(regressor))
             .collect();
-        // all of them, for the error that names the column
+        // with all regressors, the error states the missing column
         let used = if logged.is_empty() { all } else { logged };
         let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
         let columns: Vec<Vec<f64>> = regressors
@@ -177,23 +182,23 @@ impl<'a> Hypotheses<'a> {
     }
 }
 
-/// Largest less least value.
+/// Difference of the largest and the smallest value.
 pub(super) fn span(values: &[f64]) -> f64 {
     let (low, high) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
     high - low
 }
 
-/// A play beside another is no wider than this share of what its input spans: one that hardly moves is the input itself, and
-/// with it hysteresis would pass for any drift.
+/// Largest width of a backlash, as a share of the span of its input, in an effect with several terms. The output of a
+/// wider one is hardly more than a constant, and hysteresis would then fit any drift.
 const WIDEST_PLAY: f64 = 0.25;
 
-/// Shortest time constant that is looked for, in blocks.
+/// Shortest time constant that is tried, in blocks.
 const SHORTEST_BLOCKS: f64 = 0.5;
 
-/// Most places of a step, and most oscillations, that are looked at: a log has about half as many blocks, and one of
-/// many bursts, whose blocks may be many more, is to take time in proportion to them.
+/// Largest number of positions of a step, and of oscillations, that are tried. A usual log has about half as many
+/// blocks; for a log of many bursts with far more blocks it bounds the computing time.
 pub(super) const MAX_PLACES: usize = 1200;
 
-/// A step is looked for so many blocks away from both ends.
+/// Least distance of a step from both ends, blocks.
 const STEP_MARGIN: usize = 10;

@@ -1,27 +1,27 @@
-//! What the library leaves unexplained: leads, and the shape of what is left.
+//! Residual after the library: leads and anomalies.
 
 use fos_fit::noise::{Fitted, LevelPrior, NoiseLevels, Regression};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::open::{self, Lead};
 use super::question::Question;
-use super::shape::{self, Misshape};
+use super::shape::{self, ResidualAnomaly};
 use super::slow::{ExtraNoise, Found, SlowResult};
 
-/// Leads that explain less than this share of what the findings explain do not make the answer *unexplained*: a strong
-/// effect is never reproduced to the last digit by a thermometer that lags.
+/// Leads that explain less than this share of what the findings explain do not change the verdict to *unexplained*: a
+/// lagging thermometer never reproduces a strong effect exactly.
 const LEAD_SHARE: f64 = 0.03;
 
-/// What the library leaves.
+/// Results of the search in the residual.
 #[derive(Default)]
 pub(super) struct LeftOver {
     pub(super) leads: Vec<Lead>,
-    pub(super) misshapes: Vec<Misshape>,
-    /// The leads explain more than findings that follow nothing logged, and than further noise.
+    pub(super) anomalies: Vec<ResidualAnomaly>,
+    /// True if the leads explain more than the findings that follow nothing logged, and than the excess noise.
     pub(super) instead: bool,
 }
 
-/// A lead must be this much better than what it stands for: odds of 150 to 1.
+/// Score by which a lead must exceed what it replaces: odds of 150 to 1.
 pub(super) const INSTEAD: f64 = 10.0;
 
 pub(super) fn left_over(
@@ -40,7 +40,7 @@ pub(super) fn left_over(
         regressors
     };
     let left = |regressors: &[&[f64]], fitted: &Fitted, prior: &LevelPrior| {
-        open::Left {
+        open::Residual {
             recording: question.field,
             blocks: &reduced.blocks,
             target: column,
@@ -55,16 +55,16 @@ pub(super) fn left_over(
     let explained: f64 = slow.found.iter().map(|found| found.gain).sum();
     let mut leads = left(&regressors(&|_| true), &slow.fitted, &slow.prior);
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
-    let mut misshapes = Vec::new();
-    // the noise of an accelerometer that is shaken is the shaking
+    let mut anomalies = Vec::new();
+    // the noise of a shaken accelerometer is the shaking
     if !shaken {
         let quiet = away_from_effects(reduced, slow);
-        misshapes.extend(shape::jumps(&quiet, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
+        anomalies.extend(shape::jumps(&quiet, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
     }
     if sound && !shaken {
-        misshapes.extend(shape::level(question.field, &reduced.blocks, column, !slow.found.is_empty()));
+        anomalies.extend(shape::level(question.field, &reduced.blocks, column, !slow.found.is_empty()));
     }
-    // what follows nothing that is logged may stand for something that does
+    // findings that follow nothing logged may be stand-ins for a logged cause
     let replaced = slow.unbacked() + slow.noise_score;
     if replaced > 0.0 {
         let backed = regressors(&Found::is_backed);
@@ -77,15 +77,15 @@ pub(super) fn left_over(
         let fitted = regression.fit(NoiseLevels::from_logs(&slow.quiet_prior.mean));
         let instead = left(&backed, &fitted, &slow.quiet_prior);
         if instead.first().is_some_and(|lead| lead.score > replaced + INSTEAD) {
-            return LeftOver { leads: instead, misshapes, instead: true };
+            return LeftOver { leads: instead, anomalies, instead: true };
         }
     }
-    LeftOver { leads, misshapes, instead: false }
+    LeftOver { leads, anomalies, instead: false }
 }
 
-/// The whitened residual but for the blocks that only determine a level, where it is 0, and the tenth of the blocks in
-/// which the effects that were found change most: there they leave what they do not reproduce to the last digit, a delay
-/// of a few samples or a thermometer's, and that is no jump.
+/// Returns the whitened residual without the blocks that only determine a level, where it is 0, and without the tenth
+/// of the blocks in which the detected effects change most. There a small delay, of a few samples or of the
+/// thermometer, leaves residuals that are not jumps.
 fn away_from_effects(reduced: &ErrorInBlocks, slow: &SlowResult) -> Vec<f64> {
     let residual = &slow.fitted.gls.residual;
     let restarts = reduced.blocks.restarts();

@@ -1,5 +1,5 @@
-//! How far a log goes in a combination of inputs that another has hardly excited: each input alone may stay where it was
-//! seen, and yet nothing is known of what they do together.
+//! Extrapolation in combinations of inputs: each input alone may stay in its fitted range while their combination was
+//! hardly excited.
 
 use fos_fit::signal;
 use nalgebra::{DMatrix, DVector};
@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 /// Share of the blocks that may go further.
 const TAIL: f64 = 0.05;
 
-/// The largest leverage xᵀ C⁻¹ x of the blocks of a log over the largest of those that the coefficients were learnt from,
-/// C their covariance; but for a twentieth of the blocks. One column alone is held by its limits.
+/// Returns the largest leverage xᵀ C⁻¹ x of the blocks of a log divided by the largest of the fitted blocks, with C
+/// their covariance; 5 % of the blocks are ignored. `None` for a single column, which is bounded by its limits.
 pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
     let (k, n) = (learnt.len(), learnt.first()?.len());
     if k < 2 || judged.len() != k {
@@ -16,13 +16,14 @@ pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
     }
     let means: Vec<f64> = learnt.iter().map(|column| signal::mean(&[column])).collect();
     let at = |columns: &dyn Fn(usize) -> f64| DVector::from_fn(k, |i, _| columns(i) - means[i]);
-    let of_learnt: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
-    let of_judged: Vec<DVector<f64>> = (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
-    let covariance = of_learnt.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
+    let learnt_vectors: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
+    let judged_vectors: Vec<DVector<f64>> =
+        (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
+    let covariance = learnt_vectors.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
     let cholesky = covariance.cholesky()?;
     let leverage = |x: &DVector<f64>| x.dot(&cholesky.solve(x));
-    let most = of_learnt.iter().map(leverage).fold(0.0, f64::max);
-    let mut judged: Vec<f64> = of_judged.iter().map(leverage).collect();
+    let most = learnt_vectors.iter().map(leverage).fold(0.0, f64::max);
+    let mut judged: Vec<f64> = judged_vectors.iter().map(leverage).collect();
     judged.sort_unstable_by(f64::total_cmp);
     let last = judged.len().checked_sub(1)?;
     Some(judged[((1.0 - TAIL) * last as f64) as usize] / most)
@@ -33,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_never_excited_together_is_far_although_each_alone_is_near() {
+    fn flags_combinations_outside_the_fitted_range() {
         let along = |a: f64, b: f64| -> [Vec<f64>; 2] {
             let wave = |row: usize| (0.1 * row as f64).sin();
             let other = |row: usize| 0.01 * (1.7 * row as f64).cos();

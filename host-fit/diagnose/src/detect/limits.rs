@@ -1,4 +1,4 @@
-//! How far a curve that was fitted may be followed outside what was fitted.
+//! Range in which a fitted curve may be extrapolated.
 
 use std::collections::BTreeMap;
 
@@ -7,17 +7,18 @@ use nalgebra::{DMatrix, DVector};
 use crate::effects::{Inputs, Regressor};
 use fos_data::recording::RecordingError;
 
-/// Steps outwards, as shares of the width of the fitted range, and how many. The first is always granted: the noise and
-/// the steps of a thermometer are no extrapolation.
+/// Width of a step outwards as a share of the fitted range, and the number of steps. The first step is always granted:
+/// the noise and the steps of a thermometer are not extrapolation.
 const STEP: f64 = 0.05;
 const STEPS: i32 = 5;
 
-/// What a curve adds beyond the edge must be so many standard errors: below, what it holds at the edge is the better
-/// guess.
+/// Change of the curve beyond the edge, in standard errors, from which on it is trusted. Below, its value at the edge
+/// is the better estimate.
 const TRUSTED: f64 = 3.0;
 
-/// The range of each input that a power is taken of, widened as long as what the curve adds to its value at the edge is
-/// known: of a cubic nothing is known far outside. `coefficients` and their `covariance` are those of `regressors`.
+/// Returns the fitted range of each input that occurs as a power, widened as long as the change of the curve from its
+/// value at the edge is significant: a cubic is undetermined far outside. `coefficients` and `covariance` are those of
+/// `regressors`.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What was found in one log, held against another: what makes the error worse there is no law.
+//! Validation of findings on another log: an effect that makes the error worse there is rejected.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::rms::rms_reduction;
 use fos_data::disturbance;
 use fos_data::recording::Recording;
 
-/// An error that rises by less is as large as before: half a percent.
+/// Largest relative increase of the variance that counts as no change.
 const LEAST_RISE: f64 = 0.005;
 
-/// An effect that takes off at least this share of what was predicted is confirmed.
+/// Least share of the predicted reduction that confirms an effect.
 const CONFIRMED: f64 = 0.5;
 
-/// Adds to every finding the reduction of the error measured on `rows` of `judged`, those before it in the model. A slow
-/// effect that was sure to help and makes the error worse there becomes a lead.
+/// Adds to every finding the reduction measured on `rows` of `judged`, with the findings before it in the model. A slow
+/// effect whose predicted interval excludes 0 and that makes the error worse becomes a lead.
 ///
 /// # Errors
 ///
@@ -34,55 +34,58 @@ pub fn with_measured_reduction(
     let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
     let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
     let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
-    let left_of =
+    let residual_of =
         |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
             let taken = correction(findings, field, log)?;
             Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
         };
-    let left = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
-        let left = left_of(&reduced, judged, findings)?;
+    let error = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
+        let residual = residual_of(&reduced, judged, findings)?;
         Ok(match as_of.band {
-            Band::Wide => reduced.wide_variance(&left, rows),
-            // what is constant here is an error about the bias of the log it was found in
+            Band::Wide => reduced.wide_variance(&residual, rows),
+            // a step is constant here: its error counts from the bias of the log in which it was found
             _ if is_step(as_of) => {
-                let bias = own.slow_mean(&left_of(&own, field, findings)?, &(0..field.n_rows()));
-                reduced.slow_variance(&left, rows) + (reduced.slow_mean(&left, rows) - bias).powi(2)
+                let bias = own.slow_mean(&residual_of(&own, field, findings)?, &(0..field.n_rows()));
+                reduced.slow_variance(&residual, rows) + (reduced.slow_mean(&residual, rows) - bias).powi(2)
             }
-            _ => reduced.slow_variance(&left, rows),
+            _ => reduced.slow_variance(&residual, rows),
         })
     };
-    let mut held: Vec<Finding> = Vec::new();
+    let mut accepted: Vec<Finding> = Vec::new();
     let mut is_confirmed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() {
-            held.push(finding);
+            accepted.push(finding);
             continue;
         }
         if is_step(&finding) && !is_bias_known(judged, &diagnosis.target) {
-            held.push(finding);
+            accepted.push(finding);
             continue;
         }
-        let before = left(&held, &finding)?;
-        let mut with = held.clone();
+        let before = error(&accepted, &finding)?;
+        let mut with = accepted.clone();
         with.push(finding.clone());
-        let fall = 1.0 - left(&with, &finding)? / before;
-        finding.measured_reduction = Some(fall);
-        // its own log leaves the effect open, and the other log decides; a course of the clock fits any drift of another
-        // log, and an implausible size stays one
+        let reduction = 1.0 - error(&with, &finding)? / before;
+        finding.measured_reduction = Some(reduction);
+        // the evaluation log may confirm an effect that its own log leaves open; but not a function of the clock, which
+        // fits any drift, nor an implausible size
         if finding.shows_against.is_some()
             && finding.predicted_reduction > 0.0
             && finding.predicted_reduction_interval[0] <= 0.0
-            && fall >= CONFIRMED * finding.predicted_reduction
+            && reduction >= CONFIRMED * finding.predicted_reduction
         {
             is_confirmed |= finding.doubt.take().is_some();
         }
-        if finding.band == Band::Slow && fall < -LEAST_RISE && finding.predicted_reduction_interval[0] > 0.0 {
+        if finding.band == Band::Slow
+            && reduction < -LEAST_RISE
+            && finding.predicted_reduction_interval[0] > 0.0
+        {
             diagnosis.leads.push(Lead {
                 kind: LeadKind::Refuted,
                 follows: format!(
                     "{} in this log, but it increases the RMS on the evaluation log by {:.0} %",
                     finding.name,
-                    -100.0 * rms_reduction(fall)
+                    -100.0 * rms_reduction(reduction)
                 ),
                 gain: finding.gain.unwrap_or(0.0),
                 score: finding.score.unwrap_or(0.0),
@@ -91,10 +94,10 @@ pub fn with_measured_reduction(
                 decides: true,
             });
         } else {
-            held.push(finding);
+            accepted.push(finding);
         }
     }
-    diagnosis.findings = held;
+    diagnosis.findings = accepted;
     if (is_confirmed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());

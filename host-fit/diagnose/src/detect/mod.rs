@@ -1,8 +1,9 @@
-//! What is missing: compares a log that a model does not explain with every effect of the library, and says which one
-//! is missing, how sure that is, what it cannot be told from, or that nothing in the library explains it.
+//! Diagnosis: compares a log that a model does not explain with every effect of the library. It identifies the missing
+//! effect, its uncertainty and the effects that are indistinguishable from it, or reports that nothing in the library
+//! explains the log.
 //!
-//! The order is that of the evidence (docs/decisions/diagnosis.md): faults of the data, lines in the spectrum, slow
-//! effects in block means, then an open search for what the library does not know.
+//! The tests are in the order of their evidence (docs/decisions/diagnosis.md): faults of the data, lines in the
+//! spectrum, slow effects in block means, then an open search for effects outside the library.
 
 mod answer;
 mod cleaned;

@@ -1,4 +1,4 @@
-//! An all-clear needs tests: whatever the length of a log and its share at rest.
+//! An all-clear requires tests, for any length of a log and any share at rest.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
@@ -9,7 +9,7 @@ use super::findings::verdict;
 use super::{DiagnoseError, Diagnosis, Question, Verdict, diagnose};
 use crate::effects::Library;
 
-/// A gyro and a thermometer at 50 Hz, at rest for this share of every ten seconds.
+/// A gyro and a thermometer at 50 Hz, at rest for this share of every 10 s.
 fn log(seconds: f64, share_at_rest: f64, temperature: f64) -> Recording {
     let simulation = Simulation { duration_s: seconds, rate_hz: 50.0, seed: 3, temperature, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -25,14 +25,14 @@ fn answer(field: &Recording) -> Result<Diagnosis, DiagnoseError> {
     diagnose(&Question::new(field, "gx", &library))
 }
 
-/// Whether an answer says that nothing is missing though no slow effect was tested.
+/// Returns true for an all-clear although no slow effect was tested.
 fn is_empty_all_clear(answer: &Diagnosis) -> bool {
     let is_untested = |id: &String| answer.untested.iter().any(|untested| untested.effect == *id);
     answer.verdict == Verdict::NothingMissing && answer.tested.iter().all(is_untested)
 }
 
 #[test]
-fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
+fn all_clear_requires_a_tested_effect() {
     let mut verdicts = Vec::new();
     for seconds in [1.0, 5.0, 12.0, 28.0, 31.0, 90.0] {
         for share_at_rest in [0.0, 0.03, 0.3, 0.7, 1.0] {
@@ -40,7 +40,7 @@ fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
             assert!(!is_empty_all_clear(&answer), "{seconds} s, {share_at_rest}: {}", answer.sentence);
             if answer.verdict == Verdict::NotEnoughData {
                 assert!(answer.sentence.contains("more than this log has"), "{}", answer.sentence);
-                // negative control: the rule of before, by which no finding is an all-clear
+                // negative control: the earlier rule, by which a diagnosis without findings was an all-clear
                 let before = verdict(&mut answer.findings.clone(), &answer.leads, true);
                 assert!(is_empty_all_clear(&Diagnosis { verdict: before, ..answer.clone() }));
             }
@@ -55,14 +55,14 @@ fn no_log_is_all_clear_untested_whatever_its_length_and_share_at_rest() {
     );
 }
 
-/// They came before a drift with temperature, with a score of 10¹⁵⁴.
+/// They were listed before a drift with temperature, with a score of 10¹⁵⁴.
 #[test]
-fn dropped_samples_come_after_the_drift_and_have_no_score() {
+fn dropped_samples_follow_drift_without_score() {
     let simulation =
         Simulation { duration_s: 1200.0, rate_hz: 50.0, seed: 5, temperature: 1.0, motion: false };
     let mut columns = simulate(&simulation).columns;
     columns.retain(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_str()));
-    // bursts of losses at irregular times
+    // bursts of dropped samples at irregular times
     for (_, values) in &mut columns {
         let mut row = 0_usize;
         values.retain(|_| {
@@ -83,7 +83,7 @@ fn dropped_samples_come_after_the_drift_and_have_no_score() {
 }
 
 #[test]
-fn a_half_duty_log_is_noted_and_its_drift_is_named() {
+fn notes_duty_cycle_and_finds_drift() {
     let simulation =
         Simulation { duration_s: 2200.0, rate_hz: 58.0, seed: 6, temperature: 1.0, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -101,8 +101,8 @@ fn a_half_duty_log_is_noted_and_its_drift_is_named() {
     assert_eq!(found, ["temp_linear"], "{}", answer.sentence);
 }
 
-/// Whether a message says that more time at rest is needed than there is; true of one that says nothing of it.
-fn asks_for_more(message: &str) -> bool {
+/// Returns false if a message requires no more time at rest than it reports; true for messages without these numbers.
+fn requires_more_time(message: &str) -> bool {
     let number_before =
         |words: &str| -> Option<f64> { message.split_once(words)?.0.rsplit(' ').next()?.parse().ok() };
     let needed = || message.split_once("at least ")?.1.split(' ').next()?.parse::<f64>().ok();
@@ -112,16 +112,16 @@ fn asks_for_more(message: &str) -> bool {
     }
 }
 
-/// "60.0 s at rest are too short; at least 20 s are needed": the rests were shorter than a block.
+/// Regression: "60.0 s at rest are too short; at least 20 s are needed", since the rests were shorter than a block.
 #[test]
-fn refusals_of_short_logs_ask_for_more_than_the_log_has() {
+fn short_log_errors_require_more_time_than_available() {
     let mut refusals = 0;
     for (seconds, share_at_rest) in [(3.0, 1.0), (12.0, 1.0), (200.0, 0.005), (200.0, 0.02), (200.0, 0.1)] {
         let log = log(seconds, share_at_rest, 0.0);
         let diagnosis = answer(&log).err().map(|error| error.to_string());
         let noise = axis_noise(&log, &stillness::find(&log), "gx").err().map(|error| error.to_string());
         for message in diagnosis.into_iter().chain(noise) {
-            assert!(asks_for_more(&message), "{seconds} s, {share_at_rest}: {message}");
+            assert!(requires_more_time(&message), "{seconds} s, {share_at_rest}: {message}");
             refusals += 1;
         }
     }
@@ -129,7 +129,7 @@ fn refusals_of_short_logs_ask_for_more_than_the_log_has() {
     let before = "gx: 60.0 s at rest are too short to tell its noise; at least 20 s are needed";
     println!(
         "attack: numbers in messages | {refusals} refusals of logs that are too short: what is needed is more than there is | negative control: a message that contradicts itself {}",
-        if asks_for_more(before) { "passes" } else { "is noticed" },
+        if requires_more_time(before) { "passes" } else { "is noticed" },
     );
-    assert!(!asks_for_more(before));
+    assert!(!requires_more_time(before));
 }

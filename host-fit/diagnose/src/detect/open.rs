@@ -1,5 +1,5 @@
-//! What the library does not know: an open search over what is logged, once the library has said what it can. Its
-//! results are leads and not findings.
+//! Open search for effects outside the library: what the residual follows among the logged columns. Its results are
+//! leads, not findings.
 
 use fos_data::column::{AXES, Column};
 use fos_data::interrupt::in_parallel;
@@ -19,54 +19,54 @@ use fos_fit::signal::centred;
 /// Least score of a lead.
 const ACCEPT: f64 = 12.0;
 
-/// Knots of free curves, from coarse to fine; places of a threshold; places of a dip.
+/// Numbers of knots of free curves, from coarse to fine; number of thresholds; number of positions of a dip.
 const KNOTS: [usize; 3] = [7, 15, 31];
 const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
 
-/// A remainder of less than this share of the variance of what is left is noticed by nobody.
+/// Least share of the residual variance from which on a lead affects the verdict.
 const NOTICED: f64 = 0.01;
 
-/// Leads whose noise levels are fitted.
+/// Number of leads whose noise levels are fitted.
 const FITTED: usize = 2;
 
-/// What kind of remainder a lead is.
+/// Kind of lead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum LeadKind {
-    /// It follows what is logged, or a course of its own.
+    /// The residual follows a logged quantity or a course in time.
     #[default]
     Course,
-    /// Block means too far out now and then; they say nothing against what follows something that is logged.
+    /// Occasional block means far outside the noise. They do not contradict effects that follow a logged quantity.
     Jumps,
-    /// A noise level that changes.
+    /// The noise level changes.
     Level,
-    /// A line that comes and goes.
+    /// An intermittent spectral line.
     Intermittent,
-    /// An effect that the log to be judged refutes.
+    /// An effect that the evaluation log refutes.
     Refuted,
 }
 
-/// Something that what is left follows.
+/// A quantity that the residual follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Lead {
-    /// What kind of remainder it is.
+    /// Kind of lead.
     #[serde(default)]
     pub kind: LeadKind,
-    /// What it follows, in words.
+    /// Description of the quantity.
     pub follows: String,
-    /// By how much −2 ln L falls with it.
+    /// Decrease of −2 ln L.
     pub gain: f64,
-    /// The gain after the price of its coefficients and of everything that was tried.
+    /// Gain minus a penalty for its coefficients and for every candidate tried.
     pub score: f64,
-    /// Its share of the variance of the block means of what is left.
+    /// Share of the variance of the block means of the residual.
     pub share: f64,
-    /// In block means or in the samples: what shows in the samples alone says nothing against a slow effect.
+    /// Band of the lead: one in the samples does not contradict a slow effect.
     #[serde(default = "slow")]
     pub band: Band,
-    /// Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice.
+    /// True if the lead alone decides the verdict; false if it is rare or negligibly small.
     #[serde(default = "yes")]
     pub decides: bool,
 }
@@ -79,13 +79,13 @@ fn slow() -> Band {
     Band::Slow
 }
 
-/// A curve that was tried.
+/// A curve that is tried.
 struct Curve {
     follows: String,
     columns: Vec<Vec<f64>>,
 }
 
-/// Block means of a logged quantity about their mean, over their standard deviation.
+/// Block means of a logged quantity, centred and divided by their standard deviation.
 struct Quantity {
     name: String,
     unit: &'static str,
@@ -94,22 +94,22 @@ struct Quantity {
     values: Vec<f64>,
 }
 
-/// What is left of a log after the library, and what it was explained with.
-pub(super) struct Left<'a> {
+/// The residual after the library, and the model that it belongs to.
+pub(super) struct Residual<'a> {
     pub(super) recording: &'a Recording,
     pub(super) blocks: &'a Blocks,
     pub(super) target: &'a str,
     pub(super) y: &'a [f64],
-    /// All regressors of the model so far.
+    /// All regressors of the model.
     pub(super) regressors: &'a [&'a [f64]],
     pub(super) fitted: &'a fos_fit::noise::Fitted,
     pub(super) prior: &'a LevelPrior,
-    /// The axis measures shaking, whose beats are no error.
+    /// True if the axis measures shaking, whose beats are not an error.
     pub(super) shaken: bool,
 }
 
-impl Left<'_> {
-    /// Everything that passes, best first.
+impl Residual<'_> {
+    /// Returns all leads that pass, best first.
     pub(super) fn leads(&self) -> Vec<Lead> {
         let gls = &self.fitted.gls;
         let curves = self.curves();
@@ -156,7 +156,7 @@ impl Left<'_> {
         leads
     }
 
-    /// Variance of block means that the regressors beyond the model's explain, over what the model leaves.
+    /// Returns the share of the residual variance of block means that the additional regressors explain.
     fn share(&self, gls: &Gls, regressors: &[&[f64]]) -> f64 {
         let left = |gls: &Gls, regressors: &[&[f64]]| -> Vec<f64> {
             let coefficients = gls.coefficients();
@@ -173,7 +173,8 @@ impl Left<'_> {
         (1.0 - after / before).max(0.0)
     }
 
-    /// Free curves of every logged quantity, thresholds and dips, products of two, slow oscillations.
+    /// Returns the curves to try: free curves, thresholds and dips of every logged quantity, products of two, slow
+    /// oscillations.
     fn curves(&self) -> Vec<Curve> {
         let quantities = self.quantities();
         let mut curves = Vec::new();
@@ -217,7 +218,7 @@ impl Left<'_> {
             return curves;
         }
         let span = self.blocks.blocks.last().map_or(0, |last| last.index + 1) as f64;
-        // twice as fine as the resolution, so that none falls between two
+        // twice as fine as the resolution, so that no oscillation falls between two
         for step in 6..self.blocks.len().min(MAX_PLACES) {
             let per_block = step as f64 / (2.0 * span);
             if per_block > 0.33 {
@@ -235,14 +236,14 @@ impl Left<'_> {
         curves
     }
 
-    /// Every logged quantity that is no cousin of the target and that changes.
+    /// Returns every logged quantity that varies and is not of the target's triad.
     fn quantities(&self) -> Vec<Quantity> {
         let triad_of = |name: &str| Column::named(name).place().map(|(triad, _)| triad);
         let triad = triad_of(self.target);
-        let is_cousin = |name: &str| triad.is_some() && triad_of(name) == triad || name == self.target;
+        let is_same_triad = |name: &str| triad.is_some() && triad_of(name) == triad || name == self.target;
         let channels = self.recording.channels().iter();
         let channels =
-            channels.filter(|channel| !is_cousin(&channel.name) && !channel.column().is_of_model());
+            channels.filter(|channel| !is_same_triad(&channel.name) && !channel.column().is_of_model());
         channels
             .filter_map(|channel| {
                 let held = self.recording.held_from_first(channel);
@@ -253,7 +254,7 @@ impl Left<'_> {
                 if deviation < least_motion(&channel.name) {
                     return None;
                 }
-                if channel.column().place().is_some() && is_of_few(&means, deviation) {
+                if channel.column().place().is_some() && has_few_values(&means, deviation) {
                     return None;
                 }
                 let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -269,8 +270,8 @@ impl Left<'_> {
     }
 }
 
-/// Block means of a device at rest scatter by less, in the unit of the axis: 1 °/s, and the gravity of 1°. What an axis
-/// shows then is its own error, and another axis that drifts with it does not follow it.
+/// Upper bound of the scatter of the block means of a device at rest, in the unit of the axis: 1 °/s, and gravity
+/// tilted by 1°. Below, an axis shows only its own error, so another axis that drifts alike does not follow it.
 pub(super) fn least_motion(name: &str) -> f64 {
     let column = Column::named(name);
     if !AXES.contains(&name) {
@@ -282,12 +283,12 @@ pub(super) fn least_motion(name: &str) -> f64 {
     }
 }
 
-/// Fourth moment of a channel that lies at one of two values for a twentieth of the time.
+/// Kurtosis of a channel that is at one of two values for 5 % of the time.
 const FEW: f64 = 19.0;
 
-/// Whether a few of the values are all that it changes by: a unit that was moved now and then shows it in every inertial
-/// channel, and none of them is what another follows.
-fn is_of_few(means: &[f64], deviation: f64) -> bool {
+/// Returns true if a channel changes by a few values only. A device that is moved occasionally shows it in every
+/// inertial channel, and none of them is the cause of another.
+fn has_few_values(means: &[f64], deviation: f64) -> bool {
     means.iter().map(|mean| (mean / deviation).powi(4)).sum::<f64>() > FEW * means.len() as f64
 }
 
@@ -297,8 +298,8 @@ fn sorted(values: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// Functions that are 1 at one knot, 0 at the others, straight between: what they span is every broken line. The first
-/// is left out, the constant has its place.
+/// Hat functions: 1 at one knot, 0 at the others, linear in between, so that they span every piecewise linear function.
+/// The first is omitted because of the constant.
 fn hats(values: &[f64], knots: &[f64]) -> Vec<Vec<f64>> {
     (1..knots.len())
         .map(|at| {

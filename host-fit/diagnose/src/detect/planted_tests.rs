@@ -1,4 +1,4 @@
-//! Effects that the short calibration of the gate does not reach: found under their own names, and not in their rivals.
+//! Effects outside the gate's short calibration are found under their own names, and not as their rivals.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_simulate::{Axis, CasePlan, Durations, Effect, Plant, Setup, Simulation, simulate, simulate_case};
@@ -8,7 +8,7 @@ use super::{Diagnosis, Question, Verdict, diagnose};
 use crate::case::question_of_logs;
 use crate::effects::Library;
 
-/// What is said of a log with this effect.
+/// Diagnoses a simulated log with this effect.
 fn answer(effect: &str, parameter: Option<f64>, setup: Setup, seed: u64) -> Diagnosis {
     let mut plan = CasePlan::new(seed, "lsm6dso", setup, Axis::Gx);
     plan.planted = vec![Plant { effect: Effect::named(effect).expect("an effect"), parameter, size: 60.0 }];
@@ -24,7 +24,7 @@ fn first(diagnosis: &Diagnosis) -> &str {
 }
 
 #[test]
-fn names_creep_telegraph_noise_a_noise_level_and_a_dead_zone() {
+fn identifies_creep_telegraph_noise_noise_level_and_dead_zone() {
     for (effect, setup, parameter) in [
         ("log_creep", Setup::Bench, Some(10.0)),
         ("random_telegraph", Setup::Desk, Some(30.0)),
@@ -53,7 +53,7 @@ fn measures_levels_and_dwells_of_telegraph_noise() {
 }
 
 #[test]
-fn a_step_a_warm_up_and_other_noise_keep_their_names() {
+fn step_warm_up_and_noise_are_not_mistaken_for_telegraph_noise() {
     for (effect, parameter) in [
         ("bias_step", Some(400.0)),
         ("warmup_exp", Some(60.0)),
@@ -68,7 +68,7 @@ fn a_step_a_warm_up_and_other_noise_keep_their_names() {
 
 /// A dip of the supply shifts all axes at once, as motion does; the logged voltage explains it.
 #[test]
-fn finds_a_supply_sensitivity_of_all_axes_whether_or_not_motion_is_excluded() {
+fn finds_supply_sensitivity_of_all_axes_with_and_without_motion() {
     let simulation =
         Simulation { duration_s: 900.0, rate_hz: 50.0, seed: 6, temperature: 0.0, motion: false };
     let quiet = simulate(&simulation).columns;
@@ -102,8 +102,8 @@ fn finds_a_supply_sensitivity_of_all_axes_whether_or_not_motion_is_excluded() {
     }
 }
 
-/// One warm-up by 58 K in 20 min, without a reference log: the accelerometer drifts by `slope` m/s²/K beside white noise and
-/// a random walk of usual size.
+/// One warm-up by 58 K in 20 min without a reference log: the accelerometer drifts by `slope` m/s²/K, with white noise
+/// and a random walk of usual size.
 fn warm_up(seed: u64, slope: f64) -> Diagnosis {
     let n = 12_000;
     let (time_s, dt): (Vec<f64>, f64) = ((0..n).map(|row| 0.1 * f64::from(row)).collect(), 0.1);
@@ -120,7 +120,7 @@ fn warm_up(seed: u64, slope: f64) -> Diagnosis {
 }
 
 #[test]
-fn finds_a_third_of_the_median_drift_in_one_warm_up_and_none_that_is_not_there() {
+fn finds_weak_drift_in_one_warm_up_without_false_alarm() {
     for seed in 1..=4 {
         let found = warm_up(seed, 6.4e-4);
         assert!(["temp_linear", "temp_poly"].contains(&first(&found)), "seed {seed}: {}", found.sentence);

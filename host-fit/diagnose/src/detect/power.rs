@@ -1,5 +1,5 @@
-//! Which tested effects a log would have shown: an effect that could be as large as is typical without standing out of the
-//! noise was not tested, whatever its score.
+//! Power of the tests. An effect that may have its typical size without standing out of the noise counts as not tested,
+//! whatever its score.
 
 use std::sync::Arc;
 
@@ -12,15 +12,16 @@ use super::testable::{Testable, followed};
 use crate::effects::{Effect, Inputs};
 use fos_fit::noise::{Gls, combination, dot};
 
-/// Standard errors of a coefficient that its largest typical value must exceed: those of a 95 % interval.
+/// Standard errors that the largest typical coefficient must exceed: those of a 95 % interval.
 const VISIBLE: f64 = 1.96;
 
-/// A size so many times the largest that is typical is another effect's where no typical size would show, unless the
-/// effect explains this share of the variance of the block means: the column may be in another unit, or the effect new.
+/// Multiple of the largest typical size from which on a finding is implausible if the log shows no typical size, unless
+/// it explains this share of the variance of the block means: then the column may be in another unit, or the effect
+/// new.
 const IMPLAUSIBLE: f64 = 5.0;
 const MOST_BY_CHANCE: f64 = 0.25;
 
-/// A log with its noise, as far as the power of a test depends on them.
+/// A log and its noise as inputs of a power computation.
 pub(super) struct Power<'a> {
     prepared: &'a Prepared,
     hypotheses: &'a Hypotheses<'a>,
@@ -38,8 +39,8 @@ impl<'a> Power<'a> {
         Self { prepared, hypotheses, slow, inputs }
     }
 
-    /// Those of the effects that the log would not have shown, with the data that would show them. An effect whose typical
-    /// size is unknown counts as those that follow the same columns.
+    /// Returns those of the effects that the log would not have shown, with the data that they need. An effect without
+    /// a known typical size is treated as those that follow the same columns.
     pub(super) fn powerless(&self, effects: &[&Arc<Effect>]) -> Result<Vec<Untested>, DiagnoseError> {
         let mut shown: Vec<(&Arc<Effect>, Option<bool>)> = Vec::new();
         for effect in effects {
@@ -62,8 +63,8 @@ impl<'a> Power<'a> {
         Testable::needs_variation(effect, self.inputs, &self.prepared.column)
     }
 
-    /// Effects that were found with a size that no sensor has and that the log would not show at any typical size: their
-    /// inputs hardly change, and something else that drifts is alike by chance.
+    /// Returns the findings of implausible size that this log would not show at any typical size: their inputs hardly
+    /// change, and they match another drift by chance.
     pub(super) fn implausible(&self) -> Result<Vec<Untested>, DiagnoseError> {
         let gls = &self.slow.fitted.gls;
         let mut implausible = Vec::new();
@@ -85,7 +86,7 @@ impl<'a> Power<'a> {
         Ok(implausible)
     }
 
-    /// Share of the variance of the block means that an effect makes up.
+    /// Returns the share of the variance of the block means that an effect explains.
     fn share(&self, hypothesis: &Hypothesis, estimate: &Estimate) -> f64 {
         let reduced = &self.prepared.reduced;
         let effect = combination(&hypothesis.columns, estimate.coefficients.as_slice(), reduced.means.len());
@@ -93,14 +94,14 @@ impl<'a> Power<'a> {
         variance(&effect) / variance(&reduced.means)
     }
 
-    /// Whether one of its terms would stand out at its largest typical size; `None` if no typical size is known.
+    /// Returns whether a term would stand out at its largest typical size; `None` if no typical size is known.
     fn is_visible(&self, effect: &Arc<Effect>) -> Result<Option<bool>, DiagnoseError> {
         let typical = |term: usize| typical(effect, term, &self.prepared.column);
         if (0..effect.terms.len()).all(|term| typical(term).is_none()) {
             return Ok(None);
         }
         let grid = self.hypotheses.grid(effect);
-        // the ends and the middle of a parameter bracket its power
+        // the ends and the middle of the parameter range bracket its power
         let mut places = vec![0, grid.len() / 2, grid.len().saturating_sub(1)];
         places.dedup();
         for value in places.into_iter().filter_map(|place| grid.get(place)) {
@@ -116,7 +117,7 @@ impl<'a> Power<'a> {
         Ok(Some(false))
     }
 
-    /// One over the variance of the coefficient of a regressor beside what the model has already.
+    /// Returns the inverse variance of the coefficient of a regressor added to the model.
     fn information(&self, column: &[f64]) -> f64 {
         let given: Vec<&[f64]> = self.prepared.given.iter().map(Vec::as_slice).collect();
         let gls = Gls::new(&self.prepared.reduced.blocks, &self.slow.fitted.levels, column, &given);
@@ -124,7 +125,7 @@ impl<'a> Power<'a> {
     }
 }
 
-/// The largest typical coefficient of a term, SI.
+/// Largest typical coefficient of a term, SI.
 fn typical(effect: &Effect, term: usize, target: &str) -> Option<f64> {
     Some(effect.typical(term, target)? * effect.unit(term, target)?.si)
 }

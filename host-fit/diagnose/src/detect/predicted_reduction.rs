@@ -1,5 +1,5 @@
-//! By how much an error should fall: from the size of the effect on the inputs of the log that is to be judged, and
-//! from the noise, without looking at what was measured there.
+//! Prediction of the error reduction from the size of an effect, the inputs of the evaluation log and the noise. The
+//! error of that log is not used.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -12,50 +12,50 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Fitted, Regression, UnknownLevels, combination};
 
-/// Draws of noise and coefficients.
+/// Number of draws of noise and coefficients.
 const DRAWS: usize = 300;
 
-/// Most blocks of a draw: the error of a longer log is drawn in means of several seconds, and the white noise that such a
-/// mean takes out of the slow error is added to its variance. A slow effect is the same in both.
+/// Largest number of blocks in a draw. For a longer log the error is drawn in means of several seconds, and the white
+/// noise that this averages out of the slow error is added to its variance; a slow effect is the same in both.
 const MAX_BLOCKS: f64 = 4096.0;
 
 const SEED: u64 = 0x0f05;
 
-/// Share of the variance of block means that goes with a correction: median, 5 % and 95 % quantile.
+/// Share of the variance of block means that a correction removes: median, 5 % and 95 % quantile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PredictedReduction {
     pub(super) median: f64,
     pub(super) interval: [f64; 2],
-    /// How many times further than where its coefficients were learnt the log goes in some combination of its inputs.
+    /// Ratio by which the log exceeds the range of the fitted coefficients in some combination of its inputs.
     pub(super) beyond: Option<f64>,
 }
 
-/// A slow effect on the blocks of a log.
+/// A slow effect in the blocks of a log.
 pub(super) struct SlowEffect {
-    /// It is a constant in every later log: its error is no variance but a square about the bias of the log it was
-    /// found in.
+    /// True if the effect is a constant in every later log. Its error is then a mean square about the bias of the log
+    /// it was found in rather than a variance.
     pub(super) is_step: bool,
-    /// What it was found to be.
+    /// The finding.
     pub(super) found: Truth,
-    /// What it may be instead.
+    /// Alternatives to the finding.
     pub(super) alternatives: Vec<Truth>,
-    /// The columns of what it was found to be as a correction takes them, kept inside limits.
+    /// Columns of the finding as a correction uses them, with clamped inputs.
     pub(super) corrected: Vec<Vec<f64>>,
 }
 
-/// What an effect may be, on the blocks of a log.
+/// A possible cause in the blocks of a log.
 pub(super) struct Truth {
-    /// One column for each regressor.
+    /// Columns, one per regressor.
     pub(super) columns: Vec<Vec<f64>>,
     pub(super) coefficients: DVector<f64>,
-    /// Their scatter: normal numbers times it have the covariance of the coefficients.
+    /// Cholesky factor of the covariance of the coefficients: times standard normal numbers it gives their scatter.
     pub(super) factor: DMatrix<f64>,
-    /// Odds against what was found.
+    /// Odds relative to the finding.
     pub(super) odds: f64,
 }
 
 impl SlowEffect {
-    /// What it may be, each as often as its odds say.
+    /// Draws the finding or an alternative, in proportion to their odds.
     fn draw(&self, random: &mut ChaCha8Rng) -> &Truth {
         let all = || std::iter::once(&self.found).chain(&self.alternatives);
         let mut left = random.random::<f64>() * all().map(|truth| truth.odds).sum::<f64>();
@@ -67,30 +67,30 @@ impl SlowEffect {
     }
 }
 
-/// What is known of the log that is to be judged.
+/// The evaluation log and the noise model.
 pub(super) struct PredictedReductions<'a> {
     pub(super) log: &'a ErrorInBlocks,
-    /// The regression that says what is known of the noise levels.
+    /// Regression that determines the noise levels.
     pub(super) regression: &'a Regression<'a>,
     pub(super) fitted: &'a Fitted,
 }
 
 impl PredictedReductions<'_> {
-    /// The blocks that the error of a log is drawn in.
+    /// Returns the blocks in which the error of a log is drawn.
     ///
     /// # Errors
     ///
-    /// There is no such column.
+    /// The column is missing.
     pub(super) fn blocks(log: &Recording, column: &str) -> Result<ErrorInBlocks, RecordingError> {
         let seconds = (log.duration_s() / SLOW_BLOCK_S / MAX_BLOCKS).ceil().max(1.0);
         ErrorInBlocks::in_blocks_of(log, column, &[], seconds * SLOW_BLOCK_S)
     }
 
-    /// The reduction that goes with `effect`, those of `later` findings still in the error.
+    /// Predicts the reduction by `effect` while those of `later` findings are still in the error.
     ///
     /// # Errors
     ///
-    /// The noise levels cannot be told.
+    /// The noise levels are not identifiable.
     pub(super) fn of(
         &self,
         effect: &SlowEffect,
@@ -106,7 +106,7 @@ impl PredictedReductions<'_> {
         }
         let correction = combination(&effect.corrected, effect.found.coefficients.as_slice(), n);
         let levels = self.regression.draws(self.fitted, DRAWS, &mut random)?;
-        // what is random is drawn one after the other, what comes of it is computed beside one another
+        // random numbers are drawn in sequence, so that the parallel part does not change them
         let drawn: Vec<_> = levels
             .iter()
             .map(|levels| {
@@ -117,7 +117,7 @@ impl PredictedReductions<'_> {
                 (levels, drawn, scatter, units)
             })
             .collect();
-        let mut falls: Vec<f64> = in_parallel(drawn, |(levels, drawn, scatter, units)| {
+        let mut reductions: Vec<f64> = in_parallel(drawn, |(levels, drawn, scatter, units)| {
             interrupt::check();
             let coefficients = &drawn.coefficients + &drawn.factor * scatter;
             let noise = levels.realisation(blocks, &units);
@@ -131,8 +131,8 @@ impl PredictedReductions<'_> {
             };
             1.0 - error(&after) / error(&before)
         });
-        falls.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| falls[(share * (falls.len() - 1) as f64).round() as usize];
+        reductions.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| reductions[(share * (reductions.len() - 1) as f64).round() as usize];
         Ok(PredictedReduction { median: at(0.5), interval: [at(0.05), at(0.95)], beyond: None })
     }
 }

@@ -1,5 +1,5 @@
-//! What a diagnosis begins with: the log in blocks, the faults in it, what is known of the noise, what the model has
-//! already.
+//! Preparation of a diagnosis: the log in blocks, its faults, the noise prior, and the effects that the model already
+//! has.
 
 use std::sync::Arc;
 
@@ -14,42 +14,42 @@ use super::slow::SlowSearch;
 use super::testable::Testable;
 use crate::effects::{Effect, Inputs};
 
-/// Coarse steps above this many standard deviations of the noise hide every slow effect in the stairs they make.
+/// Steps above this multiple of the noise's standard deviation hide every slow effect.
 pub(super) const STAIRS: f64 = 2.5;
 
-/// An accelerometer whose samples scatter so many times as much as in the quiet log is being shaken.
+/// Ratio of the scatter of samples to that of the reference log from which on an accelerometer counts as shaken.
 const SHAKEN: f64 = 1.5;
 
-/// Variances of the logarithms of its noise levels beyond those of a quiet log: its white noise may be ten times as
-/// much.
+/// Variances added to the logarithms of the noise levels of a shaken log: its white noise may be ten times that of a
+/// reference log.
 const SHAKING: [f64; 3] = [4.0, 0.0, 0.0];
 
-/// Fewer blocks tell neither the noise nor a line; of fewer than [`MIN_BLOCKS`] no slow effect.
-const FEWEST_BLOCKS: usize = 10;
+/// Least number of blocks from which noise and lines can be estimated; slow effects need [`MIN_BLOCKS`].
+const MIN_NOISE_BLOCKS: usize = 10;
 
-/// Standard deviation of the logarithm of a random walk that nothing is known of.
+/// Standard deviation of the logarithm of an unknown random walk.
 const FREE_WALK: f64 = 3.0;
 
-/// What a diagnosis begins with: the log reduced, what is known of the noise, what the model has already.
+/// Input of a diagnosis: the reduced log, the noise prior, and the effects that the model already has.
 pub(super) struct Prepared {
     pub(super) column: String,
     pub(super) faults: Vec<Fault>,
     pub(super) testable: Testable,
     pub(super) reduced: ErrorInBlocks,
     pub(super) prior: LevelPrior,
-    /// The same where a random walk larger than the baseline's is tried.
+    /// Prior for trying a random walk larger than that of the reference log.
     free_walk_prior: LevelPrior,
-    /// Inertial axes of the log.
+    /// Number of inertial axes of the log.
     axes: usize,
     pub(super) given: Vec<Vec<f64>>,
-    /// The axis measures shaking, and no reference says what of it.
+    /// True if the axis measures shaking and there is no reference for it.
     pub(super) shaken: bool,
-    /// Standard deviation of the noise without coarse steps: of the quiet log, where there is one.
+    /// Standard deviation of the noise without coarse steps, from the reference log if there is one.
     pub(super) fast_deviation: f64,
 }
 
 impl Prepared {
-    /// Of a question whose field log is clean.
+    /// Prepares a question whose log to explain is clean.
     pub(super) fn new(question: &Question<'_>) -> Result<Self, DiagnoseError> {
         let Question { field, target, library, .. } = *question;
         let column = field.axis(target)?.name.clone();
@@ -65,14 +65,14 @@ impl Prepared {
         let inputs = Inputs::new(field);
         let testable = Testable::of(question, &inputs, &column)?;
         let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
-        if reduced.blocks.beyond_levels() < FEWEST_BLOCKS {
+        if reduced.blocks.beyond_levels() < MIN_NOISE_BLOCKS {
             return Err(too_short(&column, &reduced));
         }
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
             && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
         let prior = prior(question, &reduced, quiet.as_ref())?;
-        // shaking adds to the noise of block means what no quiet log tells of
+        // shaking adds noise to block means that no reference log shows
         let (prior, reduced) = match shaken {
             true => (prior.widened(SHAKING)?, reduced.shaken()),
             false => (prior, reduced),
@@ -117,12 +117,13 @@ impl Prepared {
         }
     }
 
-    /// Whether there are too few blocks for slow effects.
+    /// Returns true if there are too few blocks for slow effects.
     pub(super) fn is_short(&self) -> bool {
         self.reduced.blocks.beyond_levels() < MIN_BLOCKS
     }
 
-    /// What a log that is too short for slow effects needs: time at rest, or the columns that are unknown for most of it.
+    /// Describes what a log that is too short for slow effects needs: time at rest, or the columns that are unknown for
+    /// most of it.
     ///
     /// # Errors
     ///
@@ -130,8 +131,8 @@ impl Prepared {
     pub(super) fn time_needed(&self, question: &Question<'_>) -> Result<String, DiagnoseError> {
         let (has, wanted) = (self.reduced.blocks.len(), MIN_BLOCKS as f64 * self.reduced.blocks.length_s);
         let has_s = has as f64 * self.reduced.blocks.length_s;
-        let whatever_known = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
-        Ok(match whatever_known.blocks.len() < MIN_BLOCKS {
+        let any_inputs = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
+        Ok(match any_inputs.blocks.len() < MIN_BLOCKS {
             true => format!("{wanted:.0} s at rest, {:.0} s more than this log has", (wanted - has_s).ceil()),
             false => format!(
                 "values of every logged input over {wanted:.0} s at rest; they are all known in only {has_s:.0} s"
@@ -139,20 +140,20 @@ impl Prepared {
         })
     }
 
-    /// Refuses a log that is too short for slow effects.
+    /// Rejects a log that is too short for slow effects.
     pub(super) fn long_enough(&self) -> Result<(), DiagnoseError> {
         if self.is_short() { Err(too_short(&self.column, &self.reduced)) } else { Ok(()) }
     }
 
-    /// Whether slow effects drown in the stairs that a converter makes.
-    pub(super) fn in_stairs(&self) -> bool {
+    /// Returns true if coarse steps, clipping or a dead zone hide slow effects.
+    pub(super) fn hides_slow_effects(&self) -> bool {
         self.reduced.clipped_through
             || self.faults.iter().any(|fault| match fault {
                 Fault::Coarse { step, .. } => *step > STAIRS * self.fast_deviation,
-                // the mean of a swing that is cut off moves with the swing
+                // the mean of a clipped oscillation changes with its amplitude
                 Fault::Saturation { .. } => self.shaken,
                 Fault::Dropped { .. } => false,
-                // its value at rest is the same whatever the bias does
+                // its value at rest does not depend on the bias
                 Fault::DeadZone(_) => true,
             })
     }
@@ -163,7 +164,7 @@ fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
     DiagnoseError::TooShort { column: column.to_owned(), blocks, length_s }
 }
 
-/// What is known of the noise before the field log is looked at.
+/// Returns the noise prior, from the data sheet and the reference log if available.
 fn prior(
     question: &Question<'_>,
     field: &ErrorInBlocks,

@@ -1,4 +1,4 @@
-//! What a diagnosis is asked, and why there may be none.
+//! Input of a diagnosis, and its errors.
 
 use fos_data::case::DataSheet;
 use fos_data::column::Column;
@@ -6,30 +6,29 @@ use fos_data::recording::{Recording, RecordingError};
 
 use crate::effects::Library;
 
-/// What to explain, and what is known beside it.
+/// A log to explain and the available knowledge about its axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
     pub field: &'a Recording,
-    /// A quiet log of the same unit, in which nothing is missing.
+    /// Reference log of the same device, without a missing effect.
     pub quiet: Option<&'a Recording>,
-    /// The log that a correction is to be judged on: its inputs say how much should fall there. By default the field
-    /// log.
+    /// Evaluation log, whose inputs determine the predicted reduction. By default the log to explain.
     pub judged: Option<&'a Recording>,
-    /// The column to explain.
+    /// Column to explain.
     pub target: &'a str,
-    /// What the data sheet says of the axis.
+    /// Noise of the axis according to the data sheet.
     pub sheet: Option<DataSheet>,
     /// Full scale of the axis, in its unit.
     pub full_scale: Option<f64>,
     /// Least significant bit of the axis, in its unit.
     pub lsb: Option<f64>,
     pub library: &'a Library,
-    /// Effects that the model already has, with their parameters: they are never found again.
+    /// Effects that the model already has, with their parameters; they are not searched for.
     pub given: &'a [Given],
 }
 
 impl<'a> Question<'a> {
-    /// The axis `target` of a log, with nothing known beside it.
+    /// Returns the question for axis `target` of a log without further knowledge.
     pub fn new(field: &'a Recording, target: &'a str, library: &'a Library) -> Self {
         Self {
             field,
@@ -45,58 +44,58 @@ impl<'a> Question<'a> {
     }
 }
 
-/// An effect that a model already has.
+/// An effect that the model already has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Given {
     pub effect: String,
-    /// The value of its parameter.
+    /// Value of the parameter.
     pub value: Option<f64>,
 }
 
-/// Why there is no diagnosis.
+/// Error that prevents a diagnosis.
 #[derive(Debug, thiserror::Error)]
 pub enum DiagnoseError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// An effect is not known.
+    /// An effect is unknown.
     #[error(transparent)]
     Effect(#[from] crate::effects::EffectError),
-    /// The noise cannot be told.
+    /// The noise levels are not identifiable.
     #[error(transparent)]
     Noise(#[from] fos_fit::noise::UnknownLevels),
-    /// The coefficients of an effect have no covariance, as of data that are not finite.
+    /// The coefficients of an effect have no covariance, for example because data are not finite.
     #[error(
         "{effect}: the uncertainty of its coefficients is not identifiable from this log: their covariance is not positive definite\nhelp: record a longer log at rest, without outliers"
     )]
     UnknownCoefficients { effect: String },
-    /// An effect that was asked for does not show in the log.
+    /// A requested effect does not show in the log.
     #[error(
         "{effect} cannot be estimated from this log: {reason}\nhelp: a log in which what the effect follows is logged and changes"
     )]
     NotThere { effect: String, reason: String },
-    /// An axis that does not measure.
+    /// The axis repeats one value.
     #[error(
         "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
     Stuck {
         column: String,
         value: f64,
-        /// How long it is stuck, s.
+        /// Duration of the repeated value, s.
         seconds: f64,
         /// Time at rest, s.
         all_s: f64,
     },
-    /// Steps that hide all noise.
+    /// Coarse steps hide all noise.
     #[error(
         "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with `axis`"
     )]
     CoarseSteps {
         column: String,
         value: f64,
-        /// The step of the other axes of its triad, in its unit.
+        /// Step of the other axes of the triad, in their unit.
         step: f64,
     },
-    /// Too little to say anything.
+    /// The log is too short.
     #[error(
         "{column}: {:.1} s at rest; at least {:.0} s are needed to tell an effect from drifting noise\nhelp: record a longer log at rest, or one with the true values (`ref_…`)",
         *blocks as f64 * length_s,
@@ -104,18 +103,18 @@ pub enum DiagnoseError {
     )]
     TooShort {
         column: String,
-        /// Blocks in which it is known.
+        /// Number of blocks in which the column is known.
         blocks: usize,
-        /// Their length, s.
+        /// Length of the blocks, s.
         length_s: f64,
     },
 }
 
-/// Whether a log tells the bias of an axis, and not only how it changes: an accelerometer at rest shows gravity, and in
-/// another pose another part of it.
+/// Returns true if a log shows the bias of an axis itself rather than only its changes. An accelerometer at rest shows
+/// a component of gravity that depends on the orientation.
 pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
     log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
 }
 
-/// Fewest blocks that a diagnosis is made of: below 60 the search over twenty effects has no power left.
+/// Least number of blocks for slow effects: below 60 the search over twenty effects has no power.
 pub const MIN_BLOCKS: usize = 60;

@@ -1,5 +1,5 @@
-//! Accelerometers that were put down again between rests, and axes that were stuck for a while: nothing of that is an
-//! effect, and a level for each rest costs no more than the rows of it.
+//! Accelerometers that are turned between rests, and axes that are stuck for a while: neither is an effect, and a
+//! separate level for each rest costs only its rows.
 
 use std::f64::consts::TAU;
 
@@ -14,15 +14,15 @@ const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", 
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// White noise on six axes at these times, gravity as `force` has it in each row.
+/// White noise on six axes at these times, with gravity from `force` in each row.
 fn log(seed: u64, time_s: Vec<f64>, force: impl Fn(usize) -> [f64; 3]) -> Columns {
     let n = time_s.len();
     let temperature = time_s.iter().map(|t| 25.0 + 5.0 * (t / 2000.0).sin()).collect();
     let axis = |(i, name): (usize, &str)| {
         let noise = white_noise(10 * seed + i as u64, n);
-        let of_gravity = |row: usize| if i < 3 { force(row)[i] } else { 0.0 };
+        let gravity_at = |row: usize| if i < 3 { force(row)[i] } else { 0.0 };
         let deviation = if i < 3 { 0.012 } else { 0.0015 };
-        (name.to_owned(), (0..n).map(|row| of_gravity(row) + deviation * noise[row]).collect())
+        (name.to_owned(), (0..n).map(|row| gravity_at(row) + deviation * noise[row]).collect())
     };
     let axes = AXES.into_iter().enumerate().map(axis);
     [("t_s".to_owned(), time_s), ("temp_c".to_owned(), temperature)].into_iter().chain(axes).collect()
@@ -46,7 +46,7 @@ fn turned_bursts(seed: u64, bursts: usize) -> Recording {
     recording(log(seed, time_s, |row| forces[row / 50]))
 }
 
-fn ask<T>(field: &Recording, target: &str, answer: impl FnOnce(&Question<'_>) -> T) -> T {
+fn with_question<T>(field: &Recording, target: &str, answer: impl FnOnce(&Question<'_>) -> T) -> T {
     let library = Library::built_in();
     let question = Question::new(field, target, &library);
     answer(&question)
@@ -57,10 +57,10 @@ fn effects(diagnosis: &Diagnosis) -> Vec<&str> {
 }
 
 #[test]
-fn each_rest_costs_its_blocks_and_no_regressor() {
+fn rests_add_no_regressors() {
     for bursts in [50, 100, 800] {
         let log = fos_data::disturbance::marked(&turned_bursts(1, bursts)).0.into_owned();
-        let (given, blocks, rests) = ask(&log, "az", |question| {
+        let (given, blocks, rests) = with_question(&log, "az", |question| {
             let prepared = Prepared::new(question).expect("long enough");
             let blocks = &prepared.reduced.blocks;
             (prepared.given.len(), blocks.len(), blocks.restarts().len() + 1)
@@ -72,17 +72,17 @@ fn each_rest_costs_its_blocks_and_no_regressor() {
 
 /// A bias step of up to 99 % was found in half of them.
 #[test]
-fn finds_nothing_in_bursts_that_were_turned_between() {
+fn finds_nothing_in_bursts_between_turns() {
     for (seed, bursts) in [(1, 30), (2, 60), (3, 100), (4, 100)] {
         let field = turned_bursts(seed, bursts);
         for axis in ["ax", "az"] {
-            let answer = ask(&field, axis, diagnose).expect("a diagnosis");
+            let answer = with_question(&field, axis, diagnose).expect("a diagnosis");
             assert_eq!(effects(&answer), [""; 0], "{seed} {axis}: {}", answer.sentence);
         }
     }
 }
 
-/// Ten minutes at 20 Hz with a pause in the middle, tilted by so many degrees in it.
+/// Ten minutes at 20 Hz with a pause in the middle, during which the device is tilted by `degrees`.
 fn tilted_in_pause(pause_s: f64, degrees: f64) -> Recording {
     let time_s = (0..12_000).map(|row| row as f64 * 0.05 + if row < 6000 { 0.0 } else { pause_s }).collect();
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -91,16 +91,16 @@ fn tilted_in_pause(pause_s: f64, degrees: f64) -> Recording {
 }
 
 #[test]
-fn a_tilt_in_a_pause_is_no_bias_step_and_is_said() {
+fn tilt_during_pause_is_not_a_bias_step() {
     for degrees in [0.5, 5.0] {
         let field = tilted_in_pause(60.0, degrees);
-        let answer = ask(&field, "ax", diagnose).expect("a diagnosis");
+        let answer = with_question(&field, "ax", diagnose).expect("a diagnosis");
         assert_eq!(effects(&answer), [""; 0], "{degrees}°: {}", answer.sentence);
-        let is_said = |caution: &String| caution.contains("indistinguishable across a pause");
-        assert!(answer.cautions.iter().any(is_said), "{:?}", answer.cautions);
+        let states_ambiguity = |caution: &String| caution.contains("indistinguishable across a pause");
+        assert!(answer.cautions.iter().any(states_ambiguity), "{:?}", answer.cautions);
     }
-    // negative control: the same change while it was recorded is a step
-    let answer = ask(&tilted_in_pause(0.0, 0.5), "ax", diagnose).expect("a diagnosis");
+    // negative control: the same change during recording is a step
+    let answer = with_question(&tilted_in_pause(0.0, 0.5), "ax", diagnose).expect("a diagnosis");
     assert_eq!(effects(&answer), ["bias_step"]);
     println!(
         "attack: orientation across pauses | tilts of 0.5 and 5 degrees within a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
@@ -115,11 +115,11 @@ fn stuck_for(share: f64) -> Result<Diagnosis, DiagnoseError> {
     let values = &mut columns.last_mut().expect("columns").1;
     let held = values[3000] + 0.003;
     values[3000..=3000 + (share * 12_000.0) as usize].fill(held);
-    ask(&recording(columns), "gz", diagnose)
+    with_question(&recording(columns), "gz", diagnose)
 }
 
 #[test]
-fn a_stuck_stretch_is_excluded_and_said_or_the_axis_refused() {
+fn excludes_stuck_stretch_or_rejects_axis() {
     for share in [0.015, 0.05, 0.11, 0.3] {
         let answer = stuck_for(share).expect("a diagnosis");
         assert_eq!(effects(&answer), [""; 0], "{share}: {}", answer.sentence);

@@ -1,56 +1,57 @@
-//! Whether what is left looks like noise at all: its distribution in block means, and its level in the samples.
+//! Tests of the residual against noise: its distribution in block means, and its level in the samples.
 
 use fos_data::column::AXES;
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 use fos_fit::noise::dot;
 
-/// Kurtosis of whitened block means beyond that of normal noise, in standard errors (√(24/n)), that counts. A jump now
-/// and then makes a few of them huge. 600 normal values exceed 5.9 once in 10,000 times, 4.2 once in 1000: the second
-/// is asked where further noise was found, which says that it is normal.
+/// Least excess kurtosis of whitened block means, in standard errors (√(24/n)); occasional jumps make a few of them
+/// huge. Of 600 normal values it exceeds 5.9 once in 10,000 logs and 4.2 once in 1000; the second holds if excess noise
+/// was found, which is assumed to be normal.
 const KURTOSIS_ERRORS: f64 = 5.9;
 const KURTOSIS_ERRORS_OF_NOISE: f64 = 4.2;
 
-/// A block mean so many standard deviations out is part of a jump.
+/// Block means beyond this many standard deviations are part of a jump.
 const FAR_OUT: f64 = 3.0;
 
 /// Least score of a change of the noise level.
 const LEVEL_ACCEPT: f64 = 15.0;
 
-/// A change of the noise level below this share of it does nobody harm; where effects were found, one below the second.
+/// Least relative change of the noise level; the second if effects were found.
 const LEVEL_SHARE: f64 = 0.01;
 const LEVEL_SHARE_BESIDE: f64 = 0.03;
 
-/// The thermometer of a log.
+/// Column of the thermometer.
 pub(super) const TEMPERATURE: &str = "temp_c";
 
-/// Something about what is left that is not noise of constant size.
+/// A deviation of the residual from noise of constant level.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Misshape {
-    /// Jumps: block means too far out for their number.
+pub(super) enum ResidualAnomaly {
+    /// Jumps: more extreme block means than their number explains.
     Jumps {
         /// Excess kurtosis of the whitened block means.
         kurtosis: f64,
-        /// Sum of the squares of the block means that are too far out, in standard deviations.
+        /// Sum of the squares of the extreme block means, in standard deviations.
         gain: f64,
     },
-    /// The level of the noise in the samples is not constant.
+    /// The noise level of the samples changes.
     Level {
-        /// The quantity that it follows best, if it follows one.
+        /// Quantity that it follows best, if any.
         follows: Option<Followed>,
-        /// Standard deviation of the logarithm of the level that is explained.
+        /// Standard deviation of the explained part of the logarithm of the level.
         spread: f64,
         score: f64,
     },
 }
 
-impl Misshape {
-    /// Whether an effect of the library is this: a noise level that follows the temperature.
+impl ResidualAnomaly {
+    /// Returns true if an effect of the library describes it: a noise level that follows the temperature.
     pub(super) fn is_effect(&self) -> bool {
         self.temperature_slope().is_some()
     }
 
-    /// Change of the logarithm of the noise level per kelvin, and its standard error, where it follows the temperature.
+    /// Returns the change of the logarithm of the noise level per kelvin and its standard error, if the level follows
+    /// the temperature.
     pub(super) fn temperature_slope(&self) -> Option<[f64; 2]> {
         match self {
             Self::Level { follows: Some(Followed { column, slope }), .. } if column == TEMPERATURE => {
@@ -69,8 +70,8 @@ pub(super) struct Followed {
     pub(super) slope: [f64; 2],
 }
 
-/// Jumps in the whitened residual of a fit, if they make up more than `least` of −2 ln L.
-pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Misshape> {
+/// Finds jumps in the whitened residual of a fit if they contribute more than `least` to −2 ln L.
+pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<ResidualAnomaly> {
     let errors = if is_noise { KURTOSIS_ERRORS_OF_NOISE } else { KURTOSIS_ERRORS };
     let n = whitened.len() as f64;
     let mean = whitened.iter().sum::<f64>() / n;
@@ -78,11 +79,17 @@ pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Miss
     let kurtosis = moment(4) / (moment(2) * moment(2)) - 3.0;
     let squares = whitened.iter().map(|u| (u - mean).powi(2) / moment(2));
     let gain: f64 = squares.filter(|square| *square > FAR_OUT * FAR_OUT).sum();
-    (gain > least && kurtosis > errors * (24.0 / n).sqrt()).then_some(Misshape::Jumps { kurtosis, gain })
+    (gain > least && kurtosis > errors * (24.0 / n).sqrt())
+        .then_some(ResidualAnomaly::Jumps { kurtosis, gain })
 }
 
-/// A noise level of `target` that changes and is not that of the other axes: vibration shows in all of them.
-pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside: bool) -> Option<Misshape> {
+/// Finds a change of the noise level of `target` that the other axes do not have; vibration shows in all of them.
+pub(super) fn level(
+    recording: &Recording,
+    blocks: &Blocks,
+    target: &str,
+    beside: bool,
+) -> Option<ResidualAnomaly> {
     let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
     let own = log_level(recording, blocks, target)?;
     let mut basis = Basis::default();
@@ -126,12 +133,12 @@ pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside
         consider(&[means, square], Some(&channel.name), &basis);
     }
     let (score, spread, follows) = best?;
-    (score >= LEVEL_ACCEPT && spread > least).then_some(Misshape::Level { follows, spread, score })
+    (score >= LEVEL_ACCEPT && spread > least).then_some(ResidualAnomaly::Level { follows, spread, score })
 }
 
-/// Logarithm of the root mean square of first differences in each block.
+/// Returns the logarithm of the RMS of first differences in each block.
 fn log_level(recording: &Recording, blocks: &Blocks, column: &str) -> Option<Vec<f64>> {
-    // of the error: what a reference says of the motion is no noise
+    // in the error, since motion that a reference covers is not noise
     let values = &recording.error_series(column).ok()?.values;
     let level = |block: &fos_fit::noise::Block| {
         let rows = block.rows.clone();
@@ -152,7 +159,7 @@ struct Basis {
 }
 
 impl Basis {
-    /// Adds what is new in `column`; whether anything is.
+    /// Adds the new direction in `column`; returns false if there is none.
     fn add(&mut self, column: &[f64]) -> bool {
         let left = self.without(&self.without(column));
         let norm = dot(&left, &left).sqrt();
@@ -163,7 +170,7 @@ impl Basis {
         is_new
     }
 
-    /// The coefficient of `column` in `values` beside the columns, and its standard error in noise of this variance.
+    /// Returns the coefficient of `column` in `values` beside the basis, and its standard error in noise of `variance`.
     fn slope(&self, values: &[f64], column: &[f64], variance: f64) -> [f64; 2] {
         let new = self.without(&self.without(column));
         let square = dot(&new, &new);

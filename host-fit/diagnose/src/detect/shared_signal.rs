@@ -1,8 +1,8 @@
-//! A slow signal that several axes share once everything that was found is subtracted: one cause that is not logged, as
-//! an unlogged temperature.
+//! Slow signal that several axes share after all findings are subtracted: one cause that is not logged, for example an
+//! unlogged temperature.
 //!
-//! Axes of independent noise are uncorrelated; so are the changes of their random walks from one mean to the next, while
-//! the walks themselves are not. Therefore changes are compared (Granger and Newbold 1974, spurious regressions).
+//! Independent noise is uncorrelated between axes, and so are the changes of random walks from one mean to the next,
+//! but not the walks themselves. Therefore changes are compared (Granger and Newbold 1974, spurious regressions).
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -17,36 +17,36 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{combination, dot};
 
-/// Means that a log is divided into, from fine to coarse: a fast signal shows in many, a slow one under much white noise
-/// in few.
+/// Numbers of means that a log is divided into, from fine to coarse: a fast signal needs many, a slow one under much
+/// white noise needs few.
 const MEANS: [f64; 3] = [400.0, 200.0, 100.0];
 
-/// A correlation must exceed its standard error by this factor: noise alone does so once in 100,000 axes.
+/// Standard errors that a correlation must exceed; noise alone does so once in 100,000 axes.
 const STANDARD_ERRORS: f64 = 4.5;
 
 /// Changes of white noise are correlated with their neighbours by −½, which increases the variance of a correlation.
 const VARIANCE_OF_WHITE: f64 = 1.5;
 
-/// Fewest axes that share a signal: two may be one axis seen twice, as under a tilt.
-const FEWEST: usize = 3;
+/// Least number of axes that share a signal: two may be one cause seen twice, as under a tilt.
+const MIN_AXES: usize = 3;
 
-/// Changes beyond so many standard deviations count as this many: one shock in all axes is no slow signal.
-const MOST: f64 = 3.0;
+/// Clipping limit of changes, in standard deviations: one shock in all axes is not a slow signal.
+const CLIP_AT: f64 = 3.0;
 
 /// Axes in the same blocks of a log.
 struct Together {
     axes: Vec<String>,
     /// Middle of each block, s.
     time_s: Vec<f64>,
-    /// Mean of the remaining error of each axis in each block, about its level.
+    /// Mean of the residual of each axis in each block, about its level.
     means: Vec<Vec<f64>>,
     /// Blocks whose change from the block before is known.
     changes: Vec<usize>,
     mean_s: f64,
 }
 
-/// Adds to the answers of a log the slow signal that their axes share. Where nothing else explains an axis, the signal is
-/// the answer.
+/// Adds to the diagnoses of a log the slow signal that their axes share. If nothing else explains an axis, its verdict
+/// becomes *unexplained* by this signal.
 ///
 /// # Errors
 ///
@@ -83,7 +83,7 @@ impl SharedSignal {
         )
     }
 
-    /// The common signal as a remark on one of its axes.
+    /// Describes the shared signal as a remark on one of its axes.
     fn describe(&self, recording: &Recording) -> String {
         let bounds = self
             .correlations
@@ -99,7 +99,7 @@ impl SharedSignal {
     }
 }
 
-/// The columns that would show a common cause.
+/// Advises to log the columns that would show a common cause.
 fn advice(recording: &Recording) -> String {
     let missing: Vec<&str> =
         ["temp_c", "supply_v"].into_iter().filter(|column| recording.channel(column).is_err()).collect();
@@ -109,14 +109,14 @@ fn advice(recording: &Recording) -> String {
     }
 }
 
-/// The signal that axes share once the findings of each are subtracted.
+/// Returns the signal that axes share after the findings of each are subtracted.
 fn shared_signal(
     axes: &[(&str, &[Finding])],
     recording: &Recording,
 ) -> Result<Option<SharedSignal>, RecordingError> {
     let inertial: Vec<(&str, &[Finding])> =
         axes.iter().copied().filter(|(axis, _)| AXES.contains(axis)).collect();
-    if inertial.len() < FEWEST {
+    if inertial.len() < MIN_AXES {
         return Ok(None);
     }
     let at_rest = &*disturbance::marked(recording).0;
@@ -137,18 +137,18 @@ fn shared_signal(
     Ok(best)
 }
 
-/// Means of the remaining error of an axis over blocks of one length.
+/// Means of the residual of an axis over blocks of one length.
 struct Means {
-    /// Place of each block on the grid, ascending.
+    /// Index of each block, ascending.
     index: Vec<u64>,
-    /// About the level of each orientation.
+    /// Means about the level of each orientation.
     values: Vec<f64>,
-    /// Blocks, by their place in these lists, where another level begins.
+    /// Blocks, as positions in these lists, at which another level begins.
     restarts: Vec<usize>,
 }
 
 impl Means {
-    /// One for each length, s.
+    /// Computes the means for each length, s.
     fn of<const N: usize>(
         axis: &str,
         findings: &[Finding],
@@ -156,20 +156,20 @@ impl Means {
         lengths_s: [f64; N],
     ) -> Result<[Self; N], RecordingError> {
         let found = correction(findings, recording, recording)?;
-        let mut of_lengths = Vec::with_capacity(N);
+        let mut by_length = Vec::with_capacity(N);
         for length_s in lengths_s {
             let ErrorInBlocks { blocks, error, .. } =
                 ErrorInBlocks::in_blocks_of(recording, axis, &[], length_s)?;
             let left: Vec<f64> = error.iter().zip(&found).map(|(error, found)| error - found).collect();
             let means = blocks.means(&left);
-            of_lengths.push(Self {
+            by_length.push(Self {
                 index: blocks.blocks.iter().map(|block| block.index).collect(),
                 values: blocks.about_levels(&means, 0..means.len()),
                 restarts: blocks.restarts().to_vec(),
             });
         }
-        let mut of_lengths = of_lengths.into_iter();
-        Ok(std::array::from_fn(|_| of_lengths.next().expect("one for each length")))
+        let mut by_length = by_length.into_iter();
+        Ok(std::array::from_fn(|_| by_length.next().expect("one for each length")))
     }
 }
 
@@ -199,23 +199,23 @@ impl Together {
         together
     }
 
-    /// Changes of an axis from one mean to the next.
+    /// Returns the changes of an axis from one mean to the next.
     fn changes(&self, axis: usize) -> Vec<f64> {
         let means = &self.means[axis];
         self.changes.iter().map(|at| means[*at] - means[at - 1]).collect()
     }
 
-    /// The same in standard deviations, without outliers.
+    /// Returns the changes in standard deviations, clipped to [`CLIP_AT`].
     fn standardised(&self, axis: usize) -> Vec<f64> {
         let changes = self.changes(axis);
-        let most = MOST * rms(&changes);
-        // no `clamp`, which panics where an unknown mean makes the limit unknown
+        let most = CLIP_AT * rms(&changes);
+        // no `clamp`, which panics if an unknown mean makes the limit NaN
         let limited: Vec<f64> = changes.iter().map(|change| change.max(-most).min(most)).collect();
         let deviation = rms(&limited);
         limited.iter().map(|change| change / deviation).collect()
     }
 
-    /// The signal, if enough axes share one and a gyro among them: accelerometers alone may have been tilted.
+    /// Returns the signal if enough axes share one, a gyro among them: accelerometers alone may have been tilted.
     fn signal(&self) -> Option<SharedSignal> {
         let n = self.changes.len() as f64;
         let changes: Vec<Vec<f64>> = (0..self.axes.len()).map(|axis| self.standardised(axis)).collect();
@@ -223,7 +223,7 @@ impl Together {
             .filter(|axis| changes[*axis].iter().all(|change| change.is_finite()))
             .collect();
         let least = STANDARD_ERRORS * (VARIANCE_OF_WHITE / n.max(1.0)).sqrt();
-        if known.len() < FEWEST || least >= 1.0 {
+        if known.len() < MIN_AXES || least >= 1.0 {
             return None;
         }
         let correlation = |axis: &usize| -> f64 {
@@ -235,7 +235,7 @@ impl Together {
             known.iter().map(|axis| (*axis, correlation(axis))).filter(|(_, one)| *one > least).collect();
         let axes: Vec<usize> = sharing.iter().map(|(axis, _)| *axis).collect();
         let has_gyro = axes.iter().any(|axis| Column::named(&self.axes[*axis]).is_angular_rate());
-        if axes.len() < FEWEST || !has_gyro {
+        if axes.len() < MIN_AXES || !has_gyro {
             return None;
         }
         let course = combination(&self.means, &self.scaled(&weights(&changes, &axes)), self.time_s.len());
@@ -248,7 +248,7 @@ impl Together {
         })
     }
 
-    /// Weights of the means, of weights of their changes in standard deviations.
+    /// Converts weights of standardised changes to weights of means.
     fn scaled(&self, weights: &[f64]) -> Vec<f64> {
         weights
             .iter()
@@ -262,7 +262,7 @@ fn rms(values: &[f64]) -> f64 {
     (dot(values, values) / values.len() as f64).sqrt()
 }
 
-/// Weights of the first principal component of some of the columns; 0 for the others.
+/// Weights of the first principal component of the columns `of`; 0 for the others.
 fn weights(columns: &[Vec<f64>], of: &[usize]) -> Vec<f64> {
     let products = DMatrix::from_fn(of.len(), of.len(), |i, j| dot(&columns[of[i]], &columns[of[j]]));
     let eigen = SymmetricEigen::new(products);
@@ -282,8 +282,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Half an hour of six axes at 10 Hz: white noise and a random walk of their own, and in the first axes one walk with
-    /// steps of this size in common.
+    /// Half an hour of six axes at 10 Hz with independent white noise and random walks; the first `sharing` axes also
+    /// have a common walk with steps of size `common`.
     fn log(seed: u64, common: f64, sharing: usize) -> Recording {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let n = 18_000;
@@ -329,14 +329,14 @@ mod tests {
     }
 
     #[test]
-    fn a_common_walk_is_found_in_the_axes_that_have_it() {
+    fn finds_common_walk_in_affected_axes() {
         let signal = found(&log(1, 1e-5, 5)).expect("a common walk");
         assert_eq!(signal.axes, AXES[..5]);
         assert!(signal.correlations.iter().all(|correlation| *correlation > 0.5), "{signal:?}");
     }
 
     #[test]
-    fn accelerometers_alone_may_have_been_tilted() {
+    fn accelerometers_alone_share_no_signal() {
         assert_eq!(found(&log(1, 1e-5, 3)), None);
     }
 }

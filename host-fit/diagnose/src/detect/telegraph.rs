@@ -1,8 +1,8 @@
-//! Random telegraph noise: a bias that jumps to and fro between the same two levels, at moments of its own.
+//! Random telegraph noise: a bias that jumps between the same two levels at random times.
 //!
-//! A course of two levels is decoded from the block means (Viterbi), then fitted by generalised least squares beside the
-//! coloured noise of the reference log like any other regressor. Its price is the length of the code of its transitions,
-//! so that noise alone, of which some course of two levels always explains a part, is never worth it.
+//! A course of two levels is decoded from the block means (Viterbi), then fitted by generalised least squares with the
+//! coloured noise of the reference log, like any other regressor. Its penalty is the code length of its transitions, so
+//! that noise alone, which some course of two levels always explains in part, does not pass.
 
 use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 use fos_fit::signal::{centred, mean, variance};
@@ -12,46 +12,46 @@ use super::prepared::Prepared;
 use super::slow::{ACCEPT, Found, SlowResult};
 use crate::effects::Detector;
 
-/// Fewest transitions in each direction: one up and one down may be a fault that was mended.
-const FEWEST_EACH_WAY: usize = 2;
+/// Least number of transitions in each direction: one up and one down may be a temporary fault.
+const MIN_EACH_WAY: usize = 2;
 
-/// Windows over which slow wander is taken off before the levels are decoded, as shares of the log; above 1 none is.
+/// Windows over which slow wander is removed before decoding, as shares of the log; above 1 it is not removed.
 const WINDOWS: [f64; 4] = [2.0, 0.4, 0.15, 0.05];
 
-/// Turns of decoding, levels and wander; they settle after three or four.
+/// Iterations of decoding, levels and wander; they converge after three or four.
 const TURNS: usize = 8;
 
-/// Price of the moment of a transition inside its block.
+/// Penalty for the time of a transition inside its block.
 const MOMENT_PRICE: f64 = 2.0;
 
-/// Further noise that explains this share of what the two levels explain refutes them: they were a part of it.
+/// Excess noise that explains this share of what the two levels explain refutes them.
 const NOISE_SHARE: f64 = 0.2;
 
 /// A course of two levels.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Telegraph {
-    /// The course in block means about its mean: 1 between the levels, in between where a block holds a transition.
+    /// Course in block means about its mean: levels differ by 1, a block with a transition lies in between.
     pub(super) course: Vec<f64>,
-    /// Upper less lower level, unit of the axis, and its standard error.
+    /// Upper minus lower level, unit of the axis, and its standard error.
     pub(super) difference: [f64; 2],
-    /// Mean time in the lower and in the upper level, s.
+    /// Mean dwell time in the lower and in the upper level, s.
     pub(super) dwell_s: [f64; 2],
     pub(super) transitions: usize,
-    /// By how much −2 ln L falls with it.
+    /// Decrease of −2 ln L.
     pub(super) gain: f64,
-    /// The gain after the price of its coefficients and of the code of its transitions.
+    /// Gain minus a penalty for its coefficients and the code of its transitions.
     pub(super) score: f64,
 }
 
-/// Random telegraph noise, if it explains what follows nothing logged better than steps, other effects of the clock,
-/// further noise and leads together.
+/// Returns random telegraph noise if it explains the residual better than steps, other functions of the clock, excess
+/// noise and leads together.
 pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -> Option<Telegraph> {
     let mut regressors: Vec<&[f64]> = prepared.given.iter().map(Vec::as_slice).collect();
     for found in slow.found.iter().filter(|found| found.is_backed()) {
         regressors.extend(found.hypothesis.columns());
     }
     let reduced = &prepared.reduced;
-    let residual = Left {
+    let residual = Residual {
         blocks: &reduced.blocks,
         y: &reduced.means,
         regressors: &regressors,
@@ -64,25 +64,25 @@ pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -
 }
 
 impl Telegraph {
-    /// True if what a search beside it finds leaves it standing: no steps and no further noise to speak of.
+    /// Returns true if a search with the telegraph noise in the model finds no step and little excess noise.
     pub(super) fn leaves_noise(&self, beside: &SlowResult) -> bool {
         let is_step = |found: &Found| found.hypothesis.effect.search == Detector::Step;
         beside.noise_gain < NOISE_SHARE * self.gain && !beside.found.iter().any(is_step)
     }
 }
 
-/// What is left of a log after everything that follows a logged quantity.
-pub(super) struct Left<'a> {
+/// Residual of a log after everything that follows a logged quantity.
+pub(super) struct Residual<'a> {
     pub(super) blocks: &'a Blocks,
     pub(super) y: &'a [f64],
     pub(super) regressors: &'a [&'a [f64]],
     pub(super) prior: &'a LevelPrior,
 }
 
-impl Left<'_> {
-    /// The best course of two levels, if it is worth its price.
+impl Residual<'_> {
+    /// Returns the best course of two levels if it is worth its penalty.
     pub(super) fn telegraph(&self) -> Option<Telegraph> {
-        // of a level that is unknown after every turn nobody knows whether it is one of two
+        // with an unknown level after every turn the two levels cannot be compared
         if !self.blocks.restarts().is_empty() {
             return None;
         }
@@ -134,14 +134,14 @@ impl Left<'_> {
         Regression { blocks, y, regressors: &regressors, prior }.at(levels)
     }
 
-    /// One coefficient, two rates of transitions, and −2 ln P of the states under these rates.
+    /// Penalty: one coefficient, two transition rates, and −2 ln P of the states under these rates.
     fn price(&self, decoded: &Decoded) -> f64 {
         let n = self.y.len() as f64;
         3.0 * n.ln() + decoded.code_length() + MOMENT_PRICE * decoded.transitions() as f64
     }
 }
 
-/// The state of every block, and its course with the transitions inside their blocks.
+/// State of every block, and the course with the transitions inside their blocks.
 #[derive(Debug, Clone)]
 struct Decoded {
     states: Vec<bool>,
@@ -153,20 +153,20 @@ impl Decoded {
         self.each_way().iter().sum()
     }
 
-    /// Transitions out of the lower and out of the upper level.
+    /// Returns the number of transitions out of the lower and out of the upper level.
     fn each_way(&self) -> [usize; 2] {
         let out_of =
             |state: bool| self.states.windows(2).filter(|pair| pair[0] == state && pair[1] != state).count();
         [out_of(false), out_of(true)]
     }
 
-    /// Blocks in the lower and in the upper level.
+    /// Returns the number of blocks in the lower and in the upper level.
     fn blocks_in(&self) -> [usize; 2] {
         let upper = self.states.iter().filter(|state| **state).count();
         [self.states.len() - upper, upper]
     }
 
-    /// −2 ln P of the states, each level left with a rate of its own.
+    /// Returns −2 ln P of the states with one transition rate per level.
     fn code_length(&self) -> f64 {
         let bits = |left: usize, all: usize| -> f64 {
             let (left, all) = (left as f64, all as f64);
@@ -183,7 +183,7 @@ impl Decoded {
     }
 }
 
-/// Two levels in values from which slow wander over `share` of them is taken off; `None` where there are not two.
+/// Decodes two levels after slow wander over `share` of the values is removed; `None` if there are not two.
 fn decoded(values: &[f64], share: f64) -> Option<Decoded> {
     let window = (share * values.len() as f64) as usize;
     let off = |values: &[f64]| -> Vec<f64> {
@@ -208,10 +208,10 @@ fn decoded(values: &[f64], share: f64) -> Option<Decoded> {
     }
     let flat: Vec<f64> = values.iter().zip(&wander).map(|(value, wander)| value - wander).collect();
     let decoded = Decoded { course: course(&flat, &states, levels), states };
-    decoded.each_way().iter().all(|count| *count >= FEWEST_EACH_WAY).then_some(decoded)
+    decoded.each_way().iter().all(|count| *count >= MIN_EACH_WAY).then_some(decoded)
 }
 
-/// The lower and the upper level of values in these states.
+/// Returns the means of the values in the lower and in the upper state.
 fn levels_of(values: &[f64], states: &[bool]) -> Option<[f64; 2]> {
     let of = |wanted: bool| {
         let values: Vec<f64> =
@@ -222,7 +222,7 @@ fn levels_of(values: &[f64], states: &[bool]) -> Option<[f64; 2]> {
     (upper > lower).then_some([lower, upper])
 }
 
-/// The most probable states of values about two levels, `change` being the probability of a transition from one value to
+/// Returns the most probable states of values about two levels, with transition probability `change` from one value to
 /// the next.
 fn viterbi(values: &[f64], levels: [f64; 2], variance: f64, change: f64) -> Vec<bool> {
     let change = change.clamp(1e-4, 0.5);
@@ -233,7 +233,7 @@ fn viterbi(values: &[f64], levels: [f64; 2], variance: f64, change: f64) -> Vec<
     for value in values {
         let reached = [0, 1].map(|state: usize| {
             let (same, other) = (sums[state] + stays, sums[1 - state] + changes);
-            // the state that this one is best reached from
+            // previous state of the cheapest path
             (same.min(other), if same <= other { state == 1 } else { state == 0 })
         });
         from.push(reached.map(|(_, state)| state));
@@ -248,8 +248,8 @@ fn viterbi(values: &[f64], levels: [f64; 2], variance: f64, change: f64) -> Vec<
     states
 }
 
-/// 0 in the lower and 1 in the upper level; of the two blocks at a transition the one whose mean is further between the
-/// levels holds it and has its share.
+/// Returns 0 in the lower and 1 in the upper level. Of the two blocks at a transition, the one whose mean is further
+/// between the levels contains it and gets a fraction.
 fn course(values: &[f64], states: &[bool], levels: [f64; 2]) -> Vec<f64> {
     let share = |block: usize| ((values[block] - levels[0]) / (levels[1] - levels[0])).clamp(0.0, 1.0);
     let mut course: Vec<f64> = states.iter().map(|state| f64::from(u8::from(*state))).collect();
@@ -263,7 +263,7 @@ fn course(values: &[f64], states: &[bool], levels: [f64; 2]) -> Vec<f64> {
     centred(course)
 }
 
-/// Means over windows about each value, shorter at the ends.
+/// Centred moving means, shorter at the ends.
 fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
     let half = (window / 2).max(1);
     let mut sums = vec![0.0];

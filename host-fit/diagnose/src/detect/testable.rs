@@ -1,4 +1,5 @@
-//! Which slow effects a log can be asked for, which rows tell of all of them, and what the log lacks for the others.
+//! Slow effects that a log can test, the rows in which all their inputs are known, and the data that the log lacks for
+//! the others.
 
 use std::sync::Arc;
 
@@ -13,24 +14,24 @@ use fos_data::column::AXES;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::dot;
 
-/// The slow effects that a log can be asked for.
+/// Slow effects that a log can test.
 #[derive(Debug)]
 pub(super) struct Testable {
-    /// Those that can be tried.
+    /// Effects that can be tested.
     pub(super) effects: Vec<Arc<Effect>>,
-    /// Those that cannot, with what they need.
+    /// Effects that cannot, with the data that they need.
     pub(super) untested: Vec<Untested>,
-    /// Rows in which every column that one of them follows is known: what it did before its first value would have to
-    /// be guessed.
+    /// Rows in which every column of the testable effects is known; before its first value a column would have to be
+    /// guessed.
     pub(super) known: Vec<bool>,
 }
 
 impl Testable {
-    /// Of the effects that a question asks for, but for those that are given.
+    /// Selects the effects of a question's library, without those that are given.
     ///
     /// # Errors
     ///
-    /// An effect that is given is not known, or a column is missing.
+    /// A given effect is unknown, or a column is missing.
     pub(super) fn of(
         question: &Question<'_>,
         inputs: &Inputs<'_>,
@@ -59,18 +60,19 @@ impl Testable {
         Ok(Self { effects, untested, known })
     }
 
-    /// Effects of the attitude that an axis at rest in one attitude says nothing of: its slow changes are its own error.
+    /// Returns the effects of attitude, which an axis at rest in one attitude cannot show: its slow changes are its own
+    /// error.
     ///
     /// # Errors
     ///
     /// A column is missing.
-    pub(super) fn of_attitude(
+    pub(super) fn attitude_effects(
         &self,
         hypotheses: &Hypotheses<'_>,
         inputs: &Inputs<'_>,
         target: &str,
     ) -> Result<Vec<Untested>, RecordingError> {
-        let mut of_attitude = Vec::new();
+        let mut attitude_effects = Vec::new();
         for effect in self.effects.iter().filter(|effect| effect.parameter.is_none()) {
             let Hypothesis { regressors, columns, .. } = hypotheses.make(effect, None)?;
             let axes = regressors.iter().zip(columns.iter()).filter_map(|(regressor, means)| {
@@ -79,13 +81,13 @@ impl Testable {
             });
             let at_rest: Vec<bool> = axes.collect();
             if !at_rest.is_empty() && !at_rest.contains(&false) {
-                of_attitude.push(Self::needs_variation(effect, inputs, target));
+                attitude_effects.push(Self::needs_variation(effect, inputs, target));
             }
         }
-        Ok(of_attitude)
+        Ok(attitude_effects)
     }
 
-    /// An effect whose inputs change too little.
+    /// Returns the entry of an effect whose inputs change too little.
     pub(super) fn needs_variation(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Untested {
         let mut columns = followed(effect, inputs, target);
         columns.sort_unstable();
@@ -97,8 +99,7 @@ impl Testable {
         Untested { effect: effect.id.clone(), needs: vec![needs] }
     }
 
-    /// What keeps an effect from being tried though its columns are there: none of its regressors adds anything to what
-    /// the model has already.
+    /// Returns the entry of an effect whose columns are logged but whose regressors add nothing to the model.
     pub(super) fn adds_nothing(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Untested {
         let followed = followed(effect, inputs, target);
         let changes = |column: &&String| {
@@ -119,24 +120,23 @@ impl Testable {
     }
 }
 
-/// The regressors of an effect on an axis, whatever its parameter.
+/// Returns the regressors of an effect on an axis, at the lowest value of its parameter.
 fn regressors(effect: &Effect, target: &str) -> Option<Vec<Regressor>> {
     let low = effect.parameter.as_ref().map(|parameter| parameter.low);
     let regressors = effect.regressors(target, low).ok()?;
     Some(regressors.into_iter().map(|(_, regressor)| regressor).collect())
 }
 
-/// The columns of the log that an effect follows.
+/// Returns the logged columns that an effect follows.
 pub(super) fn followed(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Vec<String> {
     let regressors = regressors(effect, target).unwrap_or_default();
     let logged = regressors.iter().filter_map(|regressor| inputs.logged(regressor));
     logged.flat_map(|regressor| regressor.columns().map(str::to_owned).collect::<Vec<_>>()).collect()
 }
 
-/// What `effect` needs of columns and the log does not have, in words; `None` if the effect cannot strike the target at
-/// all.
+/// Describes the columns that `effect` needs and the log lacks; `None` if the effect cannot act on the target at all.
 ///
-/// Terms whose column is not logged are left out as long as one that follows a logged quantity remains: a single
+/// Terms whose column is not logged are excluded as long as one that follows a logged quantity remains: a single
 /// accelerometer axis already shows vibration.
 pub(super) fn lacking(effect: &Effect, inputs: &Inputs<'_>, target: &str) -> Option<Vec<String>> {
     if !effect.strikes(target) {

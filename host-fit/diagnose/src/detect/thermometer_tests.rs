@@ -1,4 +1,4 @@
-//! Thermometers that are coarse, held or fail to be read: the effect named is the one that is there.
+//! With thermometers that are coarse, held or failing, the correct effect is identified.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_simulate::{Simulation, simulate};
@@ -6,7 +6,7 @@ use fos_simulate::{Simulation, simulate};
 use super::{Diagnosis, Question, diagnose};
 use crate::effects::Library;
 
-/// 25 minutes at 50 Hz of a gyro of 0.02 °/s/K, its thermometer as `read` makes it of every 50th of its values.
+/// 25 minutes at 50 Hz of a gyro with 0.02 (°/s)/K; its thermometer is `read` applied to every 50th value.
 fn answer(seed: u64, read: impl Fn(usize, f64) -> f64) -> Diagnosis {
     let simulation = Simulation { duration_s: 1500.0, rate_hz: 50.0, seed, temperature: 1.0, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -28,20 +28,20 @@ fn names_the_drift(answer: &Diagnosis, caution: &str) {
     let found: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
     assert_eq!(found, ["temp_linear"], "{}", answer.sentence);
     assert!((answer.findings[0].sizes[0].value / 0.02 - 1.0).abs() < 0.05, "{:?}", answer.findings[0].sizes);
-    assert!(answer.cautions.iter().any(|said| said.contains(caution)), "{:?}", answer.cautions);
+    assert!(answer.cautions.iter().any(|text| text.contains(caution)), "{:?}", answer.cautions);
 }
 
-/// A low-pass smooths stairs: a lag of the sensor was named.
+/// A low-pass smooths the steps, and a lag of the sensor was reported.
 #[test]
-fn a_thermometer_of_whole_degrees_makes_no_lag() {
+fn coarse_thermometer_is_not_mistaken_for_lag() {
     for seed in 1..=3 {
         names_the_drift(&answer(seed, |_, temp_c| temp_c.round()), "in steps of 1 K");
     }
 }
 
-/// A random walk was named.
+/// A random walk was reported.
 #[test]
-fn reads_that_fail_hide_nothing() {
+fn failed_temperature_reads_hide_nothing() {
     let read = |row: usize, temp_c: f64| match row % 3001 {
         0..=9 => 0.0,
         1500..=1800 => 85.0,

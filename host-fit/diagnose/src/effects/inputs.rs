@@ -1,4 +1,4 @@
-//! Inputs evaluated over a recording by fos-core, and from which row on they are known.
+//! Inputs of a recording, evaluated by fos-core, and the row from which each is known.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,37 +11,37 @@ use fos_data::recording::{Boundary, Recording, RecordingError, back_filled};
 use fos_fit::fit::InputSpec;
 use fos_fit::noise::Blocks;
 
-/// A column that begins later than after this share of the rows is not known well enough: what it did before would have
-/// to be guessed, and leaving so many rows out would cost every other effect its evidence.
-const LATEST: f64 = 0.1;
+/// Largest share of the rows, at the start of the log, in which a column may be empty. Beyond it, too much of its past
+/// would have to be guessed, and excluding the rows would cost every other effect its evidence.
+const MAX_EMPTY_SHARE: f64 = 0.1;
 
 /// Evaluates inputs over a recording, one value per row, as fos-core does on the device.
 #[derive(Debug)]
 pub struct Inputs<'a> {
     recording: &'a Recording,
-    /// Inputs without a parameter, which are asked for again and again.
-    kept: Memo<String, Arc<[f64]>>,
-    /// What transforms begin with: columns as a device has them, NaN before their first value.
+    /// Cached inputs without a parameter, which are needed repeatedly.
+    cached: Memo<String, Arc<[f64]>>,
+    /// Cached columns as a device sees them, NaN before their first value: the inputs of the transforms.
     held: Memo<String, Arc<[f64]>>,
 }
 
 impl<'a> Inputs<'a> {
     pub fn new(recording: &'a Recording) -> Self {
-        Self { recording, kept: Memo::default(), held: Memo::default() }
+        Self { recording, cached: Memo::default(), held: Memo::default() }
     }
 
-    /// The log that the inputs are computed from.
+    /// Returns the log that the inputs are computed from.
     pub fn recording(&self) -> &'a Recording {
         self.recording
     }
 
-    /// What the recording does not have of a column, in words; none if it can be followed.
+    /// Describes why a column cannot be used: it is missing, empty, or begins too late. `None` if it can.
     pub fn lacks(&self, column: &str) -> Option<String> {
         let Ok(channel) = self.recording.channel(column) else { return Some(column.to_owned()) };
         let first = channel.values.iter().position(|value| !value.is_nan());
         match first {
             None => Some(format!("{column} (every cell is empty)")),
-            Some(row) if row as f64 > LATEST * self.recording.n_rows() as f64 => {
+            Some(row) if row as f64 > MAX_EMPTY_SHARE * self.recording.n_rows() as f64 => {
                 let time_s = self.recording.time_s[row] - self.recording.time_s[0];
                 Some(format!("{column} (empty for the first {time_s:.1} s)"))
             }
@@ -49,8 +49,8 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Whether everything that `columns` need is known, one flag per row: a column is not before its first value since
-    /// the unit was switched on.
+    /// Returns one flag per row: true if all `columns` are known there. A column is unknown before its first value
+    /// after power-on.
     ///
     /// # Errors
     ///
@@ -67,15 +67,14 @@ impl<'a> Inputs<'a> {
         Ok(known)
     }
 
-    /// What the recording has of a regressor: the sum of those of its products whose columns can all be followed, if
-    /// any can.
+    /// Reduces a regressor to the products whose columns are all usable in this recording; `None` if there are none.
     pub fn logged(&self, regressor: &Regressor) -> Option<Regressor> {
         let is_logged = |product: &&Product| product.columns().all(|column| self.lacks(column).is_none());
         let products: Vec<Product> = regressor.products.iter().filter(is_logged).cloned().collect();
         (!products.is_empty()).then_some(Regressor { products })
     }
 
-    /// A regressor over all rows.
+    /// Evaluates a regressor over all rows.
     ///
     /// # Errors
     ///
@@ -84,7 +83,7 @@ impl<'a> Inputs<'a> {
         regressor.over(|spec| self.input(spec))
     }
 
-    /// The means over blocks of a regressor.
+    /// Evaluates the block means of a regressor.
     ///
     /// # Errors
     ///
@@ -95,7 +94,7 @@ impl<'a> Inputs<'a> {
             && is_parametrised(&spec.to_string())
         {
             let held = self.held(spec.column.as_deref())?;
-            // of what is known throughout nothing has to be filled in afterwards, and no column of it is needed
+            // a column without gaps needs no back-filling, so its transform need not be stored
             if !held.iter().any(|value| value.is_nan()) {
                 let mut averaging = blocks.averaging();
                 self.transformed(spec, &held, |value| averaging.push(value));
@@ -105,7 +104,7 @@ impl<'a> Inputs<'a> {
         Ok(blocks.means(&self.regressor(regressor)?))
     }
 
-    /// A regressor over all rows, its inputs kept inside these limits.
+    /// Evaluates a regressor over all rows with its inputs clamped to `limits`.
     ///
     /// # Errors
     ///
@@ -124,22 +123,22 @@ impl<'a> Inputs<'a> {
         })
     }
 
-    /// An input over all rows. A missing value is held; before the first the input is taken to have stood as it starts
-    /// ([`known_rows`](Self::known_rows) says where that is).
+    /// Evaluates an input over all rows. A missing value is held. Before the first value the input is constant at its
+    /// first value ([`known_rows`](Self::known_rows) marks these rows).
     ///
     /// # Errors
     ///
     /// The column is missing, or all its cells are empty.
     pub fn input(&self, spec: &InputSpec) -> Result<Arc<[f64]>, RecordingError> {
         let name = spec.to_string();
-        if let Some(known) = self.kept.get(&name) {
+        if let Some(known) = self.cached.get(&name) {
             return Ok(known);
         }
         let values: Arc<[f64]> = self.evaluate(spec)?.into();
-        Ok(if is_parametrised(&name) { values } else { self.kept.keep(name, values) })
+        Ok(if is_parametrised(&name) { values } else { self.cached.insert(name, values) })
     }
 
-    /// A column as a device has it. No column is the clock, whose transforms need nothing to begin with.
+    /// Returns a column as a device sees it. `None` is the clock, whose transforms need no column.
     fn held(&self, column: Option<&str>) -> Result<Arc<[f64]>, RecordingError> {
         let name = column.unwrap_or_default();
         if let Some(known) = self.held.get(name) {
@@ -149,7 +148,7 @@ impl<'a> Inputs<'a> {
             Some(column) => {
                 let channel = self.recording.channel(column)?;
                 let held = self.recording.held(channel);
-                // a low-pass of stairs is nearer to the temperature than they are, and no lag of the sensor
+                // interpolation between the steps is closer to the temperature, and adds no lag of the sensor
                 match self.recording.coarse_step(channel) {
                     Some(step) => self.recording.between_steps(&held, step),
                     None => held,
@@ -164,7 +163,7 @@ impl<'a> Inputs<'a> {
                 rows: held.len(),
             });
         }
-        Ok(self.held.keep(name.to_owned(), held.into()))
+        Ok(self.held.insert(name.to_owned(), held.into()))
     }
 
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
@@ -175,7 +174,7 @@ impl<'a> Inputs<'a> {
         Ok(values)
     }
 
-    /// A held column transformed, row by row; NaN where it is.
+    /// Transforms a held column row by row; NaN stays NaN.
     fn transformed(&self, spec: &InputSpec, held: &[f64], mut take: impl FnMut(f64)) {
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
@@ -187,14 +186,14 @@ impl<'a> Inputs<'a> {
             }
             for x in &held[segment.rows.clone()] {
                 let u = transformer.update(*x);
-                // what a transform gives before it knows anything is no value
+                // the output of a transform before its first input is not a value
                 take(if x.is_nan() { f64::NAN } else { u });
             }
         }
     }
 }
 
-/// Whether an input has a parameter: there are too many of those to keep.
+/// Returns true if an input has a parameter: there are too many of those to cache.
 fn is_parametrised(name: &str) -> bool {
     name.contains('(')
 }
@@ -216,9 +215,10 @@ mod tests {
         text.parse().unwrap()
     }
 
-    /// A lag and a play began at 0 °C where the first cell was empty: the log of a slow channel merged into a fast one.
+    /// Lag and backlash started at 0 °C if the first cell was empty, as in a log of a slow channel merged into a fast
+    /// one.
     #[test]
-    fn an_empty_first_cell_starts_no_transform_at_zero() {
+    fn empty_first_cells_do_not_start_transforms_at_zero() {
         let full = recording((0..100).map(|row| 25.0 + 0.1 * f64::from(row)).collect());
         for text in [
             "temp_c",
@@ -234,7 +234,7 @@ mod tests {
                 let late = recording(values);
                 let (late, cut) = (Inputs::new(&late), Inputs::new(&cut));
                 let (late, cut) = (late.input(&spec(text)).unwrap(), cut.input(&spec(text)).unwrap());
-                // as if the log began with the first value, and before it as it starts
+                // the same as if the log began with the first value, and constant before it
                 assert_eq!(late[lead..], cut[..], "{text}");
                 assert!(late[..lead].iter().all(|value| *value == cut[0]), "{text}");
             }
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_said() {
+    fn reports_missing_late_and_empty_columns() {
         let mut values = vec![25.0; 100];
         values[..10].fill(NAN);
         let late = recording(values.clone());

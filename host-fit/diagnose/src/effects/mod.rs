@@ -1,4 +1,4 @@
-//! The library of physical effects. An effect is data: a TOML file, the built-in ones and the user's own alike.
+//! Library of physical effects. An effect is data, a TOML file: the built-in ones and those of a user alike.
 
 mod inputs;
 mod own;
@@ -18,7 +18,7 @@ pub use terms::{Product, Regressor};
 
 use fos_data::file::FileError;
 
-/// An effect of a user's own to begin with: every key, explained.
+/// Template for a user's own effect, with every key explained.
 pub const EXAMPLE: &str = include_str!("example.toml");
 
 /// The built-in effects, in the order of docs and lists.
@@ -35,54 +35,54 @@ const BUILT_IN: [(&str, &str); 30] = {
     )
 };
 
-/// A physical effect: what it is, and how it is looked for.
+/// A physical effect: its cause, its equation and how to search for it.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Effect {
-    /// Identifier, the same everywhere.
+    /// Unique identifier, stable across releases: `thermal_lag`.
     pub id: String,
-    /// Name, as in a sentence.
+    /// Name as it stands in a sentence.
     pub name: String,
-    /// In block means, in single samples, in the data themselves, or as noise.
+    /// Band of the error: block means, single samples, the data themselves, or noise.
     pub band: Band,
-    /// Which axes it can strike.
+    /// Axes that the effect can act on.
     #[serde(default)]
     pub targets: Targets,
-    /// How it is looked for.
+    /// Search method.
     #[serde(default)]
     pub search: Detector,
-    /// Any of its terms alone is the effect too: those that explain nothing are left out.
+    /// True if any subset of the terms is the effect too: terms that explain nothing are excluded.
     #[serde(default)]
     pub any_terms: bool,
-    /// What happens in the sensor.
+    /// Physical mechanism in the sensor.
     pub mechanism: String,
     pub equation: String,
-    /// How large it is on phone-class parts.
+    /// Typical size on phone-class parts.
     #[serde(default)]
     pub typical_size: String,
-    /// Where that comes from.
+    /// Reference for the typical size.
     #[serde(default)]
     pub source: String,
-    /// Which experiment shows it.
+    /// Experiment that shows the effect.
     pub experiment: String,
-    /// What in a plot gives it away.
+    /// Signature in a plot.
     #[serde(default)]
     pub gives_away: String,
-    /// What it costs on the device.
+    /// Cost of the correction on the device.
     #[serde(default)]
     pub device: String,
-    /// Terms whose coefficients are fitted; none where it is not looked for by regression.
+    /// Terms whose coefficients are fitted; empty if the effect is not searched for by regression.
     #[serde(default)]
     pub terms: Vec<EffectTerm>,
-    /// The parameter that is searched for.
+    /// Parameter that is searched for.
     pub parameter: Option<Parameter>,
-    /// What it is confused with, the most similar first.
+    /// Effects that it is confused with, the most similar first.
     #[serde(default)]
     pub confused_with: Vec<ConfusedWith>,
 }
 
-/// Where an effect shows.
+/// Band in which an effect shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -95,7 +95,7 @@ pub enum Band {
     Stochastic,
 }
 
-/// Which axes an effect can strike.
+/// Axes that an effect can act on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -107,7 +107,7 @@ pub enum Targets {
 }
 
 impl Targets {
-    /// Whether the axis of this column is one of them.
+    /// Returns true if the axis of this column is among them.
     fn contain(self, column: &str) -> bool {
         let triad = Column::named(column).place().map(|(triad, _)| triad);
         match self {
@@ -118,40 +118,40 @@ impl Targets {
     }
 }
 
-/// What looks for an effect: `search` in its file.
+/// Search method of an effect: `search` in its file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Detector {
-    /// By its regressors, in block means.
+    /// Regression on its terms, in block means.
     #[default]
     Terms,
-    /// As a step of the bias, in block means.
+    /// Step of the bias, in block means.
     Step,
-    /// As a line that keeps its phase, in the spectrum.
+    /// Spectral line with a constant phase.
     Line,
-    /// As a line that wanders, in the spectrum.
+    /// Spectral line whose phase or frequency wanders.
     WanderingLine,
-    /// As values that stop at a limit.
+    /// Values that stop at a limit.
     Saturation,
-    /// As samples that are not there.
+    /// Missing samples.
     DroppedSamples,
-    /// As values in steps that are coarse beside the noise.
+    /// Quantisation steps that are coarse compared with the noise.
     CoarseSteps,
-    /// As a Gauss-Markov process beyond the noise of the baseline, in block means.
+    /// Gauss-Markov process above the noise of the reference log, in block means.
     GaussMarkov,
-    /// As a random walk beyond the noise of the baseline, in block means.
+    /// Random walk above the noise of the reference log, in block means.
     RandomWalk,
-    /// As jumps to and fro between two levels, in block means.
+    /// Jumps to and fro between two levels, in block means.
     Telegraph,
-    /// As a noise level of the samples that follows the temperature.
+    /// Noise level of the samples that follows the temperature.
     NoiseLevel,
-    /// As a gap in the histogram on both sides of the most frequent value.
+    /// Gap in the histogram on both sides of the most frequent value.
     DeadZone,
 }
 
 impl Detector {
-    /// Whether one log may show several of what is found so, each with its own parameter.
+    /// Returns true if one log may show several effects of this kind, each with its own parameter.
     pub fn is_repeatable(self) -> bool {
         matches!(self, Self::Line | Self::Step)
     }
@@ -162,56 +162,56 @@ impl Detector {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct EffectTerm {
-    /// Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`.
+    /// Products of inputs, or a sum of products: `ref_{target} * temp_c:lowpass({tau_s})`.
     pub regressor: String,
-    /// Axes that it can strike, among those of the effect.
+    /// Axes that the term can act on, among those of the effect.
     #[serde(default)]
     pub targets: Targets,
-    /// Unit of its coefficient for a gyro.
+    /// Unit of the coefficient for a gyro.
     #[serde(default)]
     pub gyro: Option<String>,
-    /// Unit of its coefficient for an accelerometer.
+    /// Unit of the coefficient for an accelerometer.
     #[serde(default)]
     pub accelerometer: Option<String>,
-    /// The largest coefficient that is typical of a gyro, in its unit.
+    /// Largest typical coefficient of a gyro, in its unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gyro_typical: Option<f64>,
-    /// The same of an accelerometer.
+    /// Largest typical coefficient of an accelerometer, in its unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accelerometer_typical: Option<f64>,
 }
 
-/// The parameter of an effect, searched for on a logarithmic grid and then refined.
+/// Parameter of an effect, searched for on a logarithmic grid and then refined.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct Parameter {
     /// Name, with the unit as its last part: `tau_s`.
     pub name: String,
-    /// Unit that `low` and `high` are in; empty for a plain number.
+    /// Unit of `low` and `high`; empty for a plain number.
     #[serde(default)]
     pub unit: String,
-    /// Least value looked for.
+    /// Lower end of the search range.
     pub low: f64,
-    /// Largest value looked for.
+    /// Upper end of the search range.
     pub high: f64,
-    /// Values below `low` give the same error, so that one at `low` is as good as any other.
+    /// True if values below `low` give the same error, so that an estimate at `low` is only an upper bound.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub open_below: bool,
 }
 
-/// An effect that another is confused with.
+/// Another effect that an effect is confused with.
 #[derive(Debug, Clone, PartialEq, Deserialize, serde::Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(deny_unknown_fields)]
 pub struct ConfusedWith {
-    /// Identifier of the rival, as `thermal_lag`.
+    /// Identifier of the other effect, as `thermal_lag`.
     pub effect: String,
-    /// The experiment that separates the two.
+    /// Experiment that separates the two.
     pub separate: String,
 }
 
-/// What is wrong with an effect or a library.
+/// Error in the file of an effect, or in a request to the library.
 #[derive(Debug, thiserror::Error)]
 pub enum EffectError {
     /// The file of an effect cannot be read.
@@ -221,12 +221,12 @@ pub enum EffectError {
         "{place}: not an effect: {reason}\nhelp: the example of the library is a complete file to start from"
     )]
     NotAnEffect {
-        /// The file as it was given, and where the reader says it, line and column.
+        /// File as given, with line and column if the parser reports them.
         place: String,
-        /// What the reader said.
+        /// Message of the parser or of the check.
         reason: String,
     },
-    /// Another effect has its identifier.
+    /// The identifier belongs to another effect.
     #[error(
         "{place}: the id {id:?} is taken: {other} has an effect of it\nhelp: give this one another id, as \"my_{id}\""
     )]
@@ -234,10 +234,10 @@ pub enum EffectError {
         /// File, line and column.
         place: String,
         id: String,
-        /// Where the other effect is.
+        /// Place of the other effect.
         other: String,
     },
-    /// What it is confused with is no effect.
+    /// `confused_with` lists an unknown effect.
     #[error("{place}: confused_with names {id:?}, which is no effect{}\nhelp: write one of {}, or leave the entry out", did_you_mean(.closest.as_deref()), .known.join(", "))]
     NoRival {
         /// File, line and column.
@@ -247,7 +247,7 @@ pub enum EffectError {
         closest: Option<String>,
         known: Vec<String>,
     },
-    /// There is no such effect.
+    /// There is no effect of this identifier.
     #[error("there is no effect {id:?}{}\nhelp: the library has {}", did_you_mean(.closest.as_deref()), .known.join(", "))]
     Unknown {
         id: String,
@@ -255,7 +255,7 @@ pub enum EffectError {
         closest: Option<String>,
         known: Vec<String>,
     },
-    /// What was found is no effect that is known.
+    /// No effect in the library is searched for in this way on this axis.
     #[error(
         "nothing in the library is found as {search:?} on {column}\nhelp: undo the step whose effect has taken the place of the built-in one, and add it under another identifier"
     )]
@@ -275,14 +275,14 @@ impl EffectError {
     }
 }
 
-/// All effects that are known.
+/// The built-in effects and those that were added.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Library {
     effects: Vec<Effect>,
 }
 
 impl Library {
-    /// The built-in effects.
+    /// Returns the library of the built-in effects.
     pub fn built_in() -> Self {
         let read = |(id, text): &(&str, &str)| {
             Effect::parse(&format!("{id}.toml"), text).expect("a test reads every built-in effect")
@@ -290,7 +290,7 @@ impl Library {
         Self { effects: BUILT_IN.iter().map(read).collect() }
     }
 
-    /// Adds an effect, or puts it in the place of the one of its identifier.
+    /// Adds an effect, or replaces the one with the same identifier.
     pub fn add(&mut self, effect: Effect) {
         match self.effects.iter_mut().find(|known| known.id == effect.id) {
             Some(known) => *known = effect,
@@ -298,16 +298,16 @@ impl Library {
         }
     }
 
-    /// All of them, in order.
+    /// Returns all effects, in order.
     pub fn effects(&self) -> &[Effect] {
         &self.effects
     }
 
-    /// The effect of this identifier.
+    /// Returns the effect of this identifier.
     ///
     /// # Errors
     ///
-    /// There is none; the error names the most similar one.
+    /// There is none; the error lists the known ones and the most similar one.
     pub fn get(&self, id: &str) -> Result<&Effect, EffectError> {
         self.effects.iter().find(|effect| effect.id == id).ok_or_else(|| EffectError::Unknown {
             id: id.to_owned(),
@@ -317,12 +317,12 @@ impl Library {
         })
     }
 
-    /// What is found in this way on the axis of `column`, with this value of its parameter. Of several effects that say
-    /// so it is the one whose range holds the value, a user's own before the built-in one.
+    /// Returns the effect with this search method that acts on the axis of `column`. If there are several, it is the
+    /// last whose range contains the parameter `value` (a user's own is later than the built-in one), else the first.
     ///
     /// # Errors
     ///
-    /// No effect is found so.
+    /// No effect on this axis has this search method.
     pub fn found_as(&self, search: Detector, column: &str, value: f64) -> Result<&Effect, EffectError> {
         let found_so =
             || self.effects.iter().filter(|effect| effect.search == search && effect.strikes(column));
@@ -336,9 +336,9 @@ impl Library {
         found.ok_or_else(|| EffectError::NoneFoundAs { search, column: column.to_owned() })
     }
 
-    /// The experiment that separates two effects, if either of them says.
+    /// Returns the experiment that separates two effects, if the file of either states one.
     pub fn separation(&self, one: &str, other: &str) -> Option<&str> {
-        let says = |one: &str, other: &str| {
+        let stated = |one: &str, other: &str| {
             let effect = self.effects.iter().find(|effect| effect.id == one)?;
             effect
                 .confused_with
@@ -346,16 +346,16 @@ impl Library {
                 .find(|rival| rival.effect == other)
                 .map(|rival| rival.separate.as_str())
         };
-        says(one, other).or_else(|| says(other, one))
+        stated(one, other).or_else(|| stated(other, one))
     }
 }
 
 impl Effect {
-    /// Reads an effect; `path` is for the error.
+    /// Reads an effect; `path` is used in the error.
     ///
     /// # Errors
     ///
-    /// It is no effect, a term cannot be read, or a unit is not known.
+    /// The text is not an effect, a term cannot be read, or a unit is unknown.
     pub fn parse(path: &str, text: &str) -> Result<Self, EffectError> {
         let wrong = |reason: String| EffectError::NotAnEffect { place: path.to_owned(), reason };
         let effect: Self = toml::from_str(text).map_err(|error| EffectError::toml(path, text, &error))?;
@@ -365,7 +365,7 @@ impl Effect {
 
     /// # Errors
     ///
-    /// What is wrong with it beyond the types of its fields, in words.
+    /// Returns the reason if the effect is invalid although its fields have the right types.
     pub(crate) fn check(&self) -> Result<(), String> {
         if self.id.is_empty()
             || !self.id.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
@@ -387,35 +387,35 @@ impl Effect {
             }
         }
         if self.search == Detector::Terms {
-            // any axis will do for a check of the text
+            // any axis serves to check the text
             self.regressors("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
         }
         Ok(())
     }
 
-    /// Whether it can strike the axis of this column.
+    /// Returns true if the effect can act on the axis of this column.
     pub fn strikes(&self, column: &str) -> bool {
         self.targets.contain(column)
     }
 
-    /// Whether none of its terms needs a logged quantity.
+    /// Returns true if no term needs a logged quantity.
     pub fn follows_clock_alone(&self) -> bool {
         self.terms
             .iter()
             .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
     }
 
-    /// True if one of its terms is a function of this column.
+    /// Returns true if a term is a function of this column.
     pub(crate) fn follows(&self, column: &str) -> bool {
         let is_input = |input: &str| input.trim().split(':').next() == Some(column);
         self.terms.iter().any(|term| term.regressor.split(['*', '+']).any(is_input))
     }
 
-    /// Its regressors for a target column and a value of its parameter, each with the number of its term.
+    /// Returns the regressors for a target column and a value of the parameter, each with the index of its term.
     ///
     /// # Errors
     ///
-    /// A term that cannot be read, or that names an axis the target does not have.
+    /// A term cannot be read, or refers to an axis that the target does not have.
     pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<(usize, Regressor)>, String> {
         let name = self.parameter.as_ref().map(|parameter| parameter.name.as_str());
         let striking = self.terms.iter().enumerate().filter(|(_, term)| term.targets.contain(target));
@@ -426,7 +426,7 @@ impl Effect {
             .collect()
     }
 
-    /// The data-sheet unit of the coefficient of a term for a target column; `None` where the effect states none.
+    /// Returns the data-sheet unit of the coefficient of a term for a target column; `None` if the effect states none.
     pub fn unit(&self, term: usize, target: &str) -> Option<SizeUnit> {
         let term = self.terms.get(term)?;
         let unit = match Column::named(target).is_angular_rate() {
@@ -437,7 +437,7 @@ impl Effect {
         unit.and_then(|unit| unit.parse().ok())
     }
 
-    /// The largest coefficient of a term that is typical of a target column, in its data-sheet unit.
+    /// Returns the largest typical coefficient of a term for a target column, in its data-sheet unit.
     pub fn typical(&self, term: usize, target: &str) -> Option<f64> {
         let term = self.terms.get(term)?;
         match Column::named(target).is_angular_rate() {
@@ -452,18 +452,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_built_in_effect_reads_and_is_named_after_its_file() {
+    fn built_in_effects_parse_and_match_file_names() {
         for (id, text) in BUILT_IN {
             let effect = Effect::parse(id, text).unwrap();
             assert_eq!(effect.id, id);
-            for said in [&effect.typical_size, &effect.source, &effect.gives_away, &effect.device] {
-                assert!(!said.is_empty(), "{id}");
+            for text in [&effect.typical_size, &effect.source, &effect.gives_away, &effect.device] {
+                assert!(!text.is_empty(), "{id}");
             }
         }
     }
 
     #[test]
-    fn every_rival_exists_and_knows_of_it() {
+    fn confused_with_is_symmetric() {
         let library = Library::built_in();
         for effect in library.effects() {
             for rival in &effect.confused_with {
@@ -475,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn a_users_own_line_is_found_in_its_range_and_the_built_in_one_elsewhere() {
+    fn own_line_takes_precedence_in_its_range() {
         let mut library = Library::built_in();
         let built_in = library.get("spectral_line").unwrap().clone();
         let mut hum = Effect { id: "mains_hum".to_owned(), ..built_in };
@@ -492,17 +492,17 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_effect_names_the_closest() {
+    fn unknown_effect_suggests_the_closest() {
         let error = Library::built_in().get("termal_lag").unwrap_err().to_string();
         assert!(error.contains("did you mean \"thermal_lag\"?"), "{error}");
     }
 
     #[test]
-    fn a_users_effect_says_what_is_wrong_with_it() {
+    fn rejects_invalid_effects_with_reason() {
         let start = "id = \"mine\"\nname = \"mine\"\nband = \"slow\"\nmechanism = \"m\"\nequation = \"e\"\nexperiment = \"x\"\n";
         let with = |terms: &str| Effect::parse("mine.toml", &format!("{start}{terms}"));
         assert!(with("[[terms]]\nregressor = \"temp_c * supply_v\"\ngyro = \"dps/K\"\n").is_ok());
-        for (terms, says) in [
+        for (terms, expected) in [
             ("", "needs one"),
             ("[[terms]]\nregressor = \"temp_c:lowpas(3)\"\n", "lowpas"),
             ("[[terms]]\nregressor = \"temp_c\"\ngyro = \"furlong\"\n", "furlong"),
@@ -513,7 +513,7 @@ mod tests {
             ("colour = \"red\"\n", "unknown field"),
         ] {
             let error = with(terms).unwrap_err().to_string();
-            assert!(error.contains(says) && error.starts_with("mine.toml"), "{error}");
+            assert!(error.contains(expected) && error.starts_with("mine.toml"), "{error}");
         }
     }
 }

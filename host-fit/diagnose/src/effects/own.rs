@@ -1,4 +1,4 @@
-//! Effects of a user's own: read from files, and what is wrong with one by file, line and column.
+//! A user's own effects, read from files; errors state file, line and column.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,7 +11,7 @@ use super::{Effect, EffectError, Library};
 use fos_data::closest::closest;
 use fos_data::file;
 
-/// What of an effect's file is held against the library.
+/// Fields of an effect's file that are checked against the library, with their positions.
 #[derive(Deserialize)]
 struct Names {
     id: Spanned<String>,
@@ -25,11 +25,11 @@ struct Rival {
 }
 
 impl Library {
-    /// The built-in effects and the user's, one file each.
+    /// Returns the built-in effects and the user's, one file each.
     ///
     /// # Errors
     ///
-    /// A file cannot be read or is no effect, an identifier is taken, or a rival in `confused_with` is in none of them.
+    /// A file cannot be read or is not an effect, an identifier is taken, or `confused_with` lists an unknown effect.
     pub fn with_files<P: AsRef<Path>>(paths: &[P]) -> Result<Self, EffectError> {
         let mut library = Self::built_in();
         let mut from: HashMap<String, String> = HashMap::new();
@@ -52,7 +52,7 @@ impl Library {
             rivals.extend(names.confused_with.into_iter().map(located));
             library.add(effect);
         }
-        // a rival may be in a file that comes later
+        // the other effect may be in a later file
         for (place, id) in rivals {
             if library.get(&id).is_err() {
                 let known: Vec<String> = library.effects().iter().map(|effect| effect.id.clone()).collect();
@@ -71,8 +71,8 @@ mod tests {
     const MINE: &str = "# mine\nid = \"mine\"\nname = \"m\"\nband = \"slow\"\nmechanism = \"m\"\nequation = \"e\"\nexperiment = \"x\"\n\
          [[terms]]\nregressor = \"temp_c\"\n[[confused_with]]\neffect = \"temp_linear\"\nseparate = \"s\"\n";
 
-    /// What is said of these files, by their names.
-    fn said(files: &[(&str, &str)]) -> String {
+    /// Error message for these files, with paths relative to their folder.
+    fn message_for(files: &[(&str, &str)]) -> String {
         let folder = tempfile::tempdir().unwrap();
         let write = |(name, text): &(&str, &str)| {
             let path = folder.path().join(name);
@@ -88,38 +88,38 @@ mod tests {
     }
 
     #[test]
-    fn an_identifier_that_is_taken_is_refused_with_both_places() {
-        assert_eq!(said(&[("mine.toml", MINE)]), "ok");
+    fn rejects_duplicate_identifier_with_both_positions() {
+        assert_eq!(message_for(&[("mine.toml", MINE)]), "ok");
         let again = MINE.replace("\"mine\"", "\"thermal_lag\"");
-        let built_in = said(&[("again.toml", &again)]);
+        let built_in = message_for(&[("again.toml", &again)]);
         assert!(built_in.starts_with("again.toml:2:6: the id \"thermal_lag\""), "{built_in}");
         assert!(built_in.contains("built-in") && built_in.contains("\nhelp: "), "{built_in}");
-        let twice = said(&[("mine.toml", MINE), ("other.toml", &format!("\n{MINE}"))]);
+        let twice = message_for(&[("mine.toml", MINE), ("other.toml", &format!("\n{MINE}"))]);
         assert!(twice.starts_with("other.toml:3:6: ") && twice.contains("mine.toml:2:6"), "{twice}");
     }
 
     #[test]
-    fn a_rival_that_is_no_effect_is_refused_with_those_that_are() {
-        let wrong = said(&[("mine.toml", &MINE.replace("temp_linear", "temp_linaer"))]);
+    fn rejects_unknown_rival_with_known_effects() {
+        let wrong = message_for(&[("mine.toml", &MINE.replace("temp_linear", "temp_linaer"))]);
         assert!(wrong.starts_with("mine.toml:11:10: "), "{wrong}");
         for part in ["\"temp_linaer\"", "did you mean \"temp_linear\"?", "\nhelp: ", "thermal_lag"] {
             assert!(wrong.contains(part), "{part}: {wrong}");
         }
-        // a user's own, whichever comes first
-        let of_other = MINE.replace("temp_linear", "other");
+        // the other effect may be a user's own, in either order
+        let with_other_rival = MINE.replace("temp_linear", "other");
         let other = MINE.replace("\"mine\"", "\"other\"");
-        assert_eq!(said(&[("mine.toml", &of_other), ("other.toml", &other)]), "ok");
+        assert_eq!(message_for(&[("mine.toml", &with_other_rival), ("other.toml", &other)]), "ok");
     }
 
     #[test]
-    fn a_band_that_is_none_is_refused_at_its_place_with_those_that_are() {
-        let wrong = said(&[("mine.toml", &MINE.replace("\"slow\"", "\"slwo\""))]);
+    fn rejects_unknown_band_with_position_and_valid_bands() {
+        let wrong = message_for(&[("mine.toml", &MINE.replace("\"slow\"", "\"slwo\""))]);
         assert!(wrong.starts_with("mine.toml:4:8: not an effect: "), "{wrong}");
         for part in ["slwo", "slow", "wide", "data", "stochastic", "\nhelp: "] {
             assert!(wrong.contains(part), "{part}: {wrong}");
         }
-        // columns count characters
-        let wrong = said(&[("mine.toml", &MINE.replace("# mine\n", "name = \"µ\"; 1\n"))]);
+        // the column is counted in characters
+        let wrong = message_for(&[("mine.toml", &MINE.replace("# mine\n", "name = \"µ\"; 1\n"))]);
         assert!(wrong.starts_with("mine.toml:1:11: "), "{wrong}");
     }
 }

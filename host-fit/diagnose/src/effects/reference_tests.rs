@@ -1,5 +1,5 @@
-//! The diagnosis against series with one planted effect whose answer was computed by another road: our own fixtures,
-//! and those of others where they are at hand.
+//! Tests the diagnosis on series with one planted effect and an independently computed answer: our own fixtures, and
+//! external ones if they are installed.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
@@ -12,7 +12,7 @@ use crate::effects::{Inputs, Library, Regressor};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_testkit::reference::{self, Reference, number};
 
-/// Channels of the files, as the library knows them: the effects do not care that the unit of y is anybody's guess.
+/// Column names in the files and in the library. The unit of y is unknown, which does not matter to the effects.
 const COLUMNS: [(&str, &str); 5] = [
     ("y", "gx_rads"),
     ("temp_degC", "temp_c"),
@@ -29,7 +29,7 @@ fn recording(Reference { name, answers, channels }: &Reference) -> Recording {
         assert_eq!(answers["series"]["channels"][at], theirs);
         columns.push((ours.to_owned(), channel.clone()));
     }
-    // in the unit of y no absolute size of motion means anything
+    // thresholds of motion are absolute and mean nothing in the unit of y
     let options = LoadOptions { keep_moved: true, ..LoadOptions::default() };
     Recording::from_columns(Source::made_by(name), columns, &options).unwrap()
 }
@@ -39,10 +39,10 @@ fn diagnosed(recording: &Recording, library: &Library) -> Diagnosis {
     diagnose(&question).unwrap()
 }
 
-/// One-step mean square error on the rows of the reference, in the unit of the file: AR(2) and what the search keeps of
-/// the powers and delays of `columns`.
+/// One-step mean square error on the rows of the reference, in the unit of the file, of AR(2) and the terms that the
+/// search selects from powers and delays of `columns`.
 fn searched_mse(recording: &Recording, columns: &[&str]) -> f64 {
-    /// Delays that are tried, samples.
+    /// Largest delay tried, samples.
     const DELAYS: u16 = 10;
     let values = |column: &str| &recording.channel(column).unwrap().values;
     let scaled = |values: &[f64]| -> Vec<f64> {
@@ -67,7 +67,7 @@ fn searched_mse(recording: &Recording, columns: &[&str]) -> f64 {
     fit.refit.mse * fos_fit::signal::variance(&[output])
 }
 
-/// The same with the regressors of the diagnosis as they stand, without delay.
+/// The same for the regressors of the diagnosis without delay.
 fn prompt_mse(recording: &Recording, diagnosis: &Diagnosis) -> f64 {
     let inputs = Inputs::new(recording);
     let terms = diagnosis.findings.iter().flat_map(|finding| &finding.correction);
@@ -81,13 +81,13 @@ fn prompt_mse(recording: &Recording, diagnosis: &Diagnosis) -> f64 {
     refit::refit(&signals, &rows, &terms).unwrap().mse
 }
 
-/// Diagnoses the series; the only finding must be `effect` on `column`, and a search over that channel must come within
-/// half a percent of the error that the true effect leaves.
+/// Diagnoses the series. The only finding must be `effect` on `column`, and a search over that channel must come within
+/// 0.5 % of the error with the true effect.
 fn assert_found(reference: &Reference, effect: &str, column: &str) -> Diagnosis {
     let name = &reference.name;
     let recording = recording(reference);
     let expected = &reference.answers["expected"];
-    // rounding of another factorisation
+    // tolerance for the rounding of another factorisation
     assert!((searched_mse(&recording, &[]) / number(&expected["mse_ar2_only"]) - 1.0).abs() < 1e-9);
 
     let diagnosis = diagnosed(&recording, &Library::built_in());
@@ -106,30 +106,30 @@ fn assert_found(reference: &Reference, effect: &str, column: &str) -> Diagnosis 
     let found = searched_mse(&recording, &columns);
     let truth = number(&expected["mse_with_true_effect"]);
     println!("  refitted: {found:e}, with the true effect {truth:e}");
-    // less than that would be noise that was fitted
+    // a smaller error would mean that noise was fitted
     assert!((found / truth - 1.0).abs() < 0.005, "{name}: {found:e} for {truth:e}");
     diagnosis
 }
 
 #[test]
-fn names_a_bias_that_is_linear_in_temperature() {
+fn identifies_linear_temperature_drift() {
     for reference in reference::each("effect_temp_linear", "effect_temp_linear") {
         assert_found(&reference, "temp_linear", "temp_c");
     }
 }
 
 #[test]
-fn names_a_bias_that_follows_the_supply() {
+fn identifies_supply_sensitivity() {
     for reference in reference::each("effect_supply_sensitivity", "effect_supply_ratio") {
         assert_found(&reference, "supply_sensitivity", "supply_v");
     }
 }
 
 #[test]
-fn names_a_bias_that_follows_vibration() {
+fn identifies_vibration_rectification() {
     for reference in reference::each("effect_vibration_rectification", "effect_vibration_rectification") {
         let found = assert_found(&reference, "vibration_rectification", "ax_mps2");
-        // of the three axes one is logged: that is enough for what vibration does, and too little for what tilt does
+        // one of three axes is logged: enough for vibration, too little for tilt
         assert!(found.untested.iter().any(|untested| untested.effect == "cross_axis"));
         assert!(found.untested.iter().all(|untested| untested.effect != "vibration_rectification"));
     }

@@ -6,18 +6,18 @@ use std::str::FromStr;
 
 use fos_data::column::Column;
 
-/// A unit of a coefficient, and what it is in SI (m/s² or rad/s per unit of the logged quantity).
+/// Unit of a coefficient and its size in SI (m/s² or rad/s per unit of the logged quantity).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SizeUnit {
     text: String,
-    /// One of this unit in SI.
+    /// Size of one of this unit in SI.
     pub si: f64,
 }
 
 /// Standard gravity, m/s².
 const G: f64 = 9.80665;
 
-/// What a unit is in SI; logged quantities keep the unit of their column (°C, V, %, µT).
+/// Size of a unit in SI; logged quantities keep the unit of their column (°C, V, %, µT).
 fn si(unit: &str) -> Option<f64> {
     Some(match unit {
         "dps" => PI / 180.0,
@@ -36,13 +36,13 @@ fn si(unit: &str) -> Option<f64> {
 }
 
 impl SizeUnit {
-    /// What sizes on an axis are told in: °/s for a gyro, mg for an accelerometer.
+    /// Returns the unit of sizes on an axis: °/s for a gyro, mg for an accelerometer.
     pub fn of_axis(column: Column<'_>) -> Self {
         let (text, si) = if column.is_angular_rate() { ("dps", PI / 180.0) } else { ("mg", G * 1e-3) };
         Self { text: text.to_owned(), si }
     }
 
-    /// Spelled for people: `(°/s)/K` for `dps/K`.
+    /// Returns the unit in readable form: `(°/s)/K` for `dps/K`.
     pub fn spelled(&self) -> String {
         self.with_names(|name| match name {
             "dps" => "°/s",
@@ -53,7 +53,7 @@ impl SizeUnit {
         })
     }
 
-    /// The unit of a value times [`si`](Self::si): `(rad/s)/K` for `dps/K`.
+    /// Returns the SI unit of a value multiplied by [`si`](Self::si): `(rad/s)/K` for `dps/K`.
     pub fn in_si(&self) -> String {
         self.with_names(|name| match name {
             "dps" | "mdps" | "dph" => "rad/s",
@@ -67,7 +67,7 @@ impl SizeUnit {
         })
     }
 
-    /// The same with other names of its parts; a part that is a ratio itself stands in brackets.
+    /// Replaces the names of the parts; a part that is itself a ratio is put in brackets.
     fn with_names<'a>(&'a self, name: impl Fn(&'a str) -> &'a str) -> String {
         let is_sign = |letter: char| matches!(letter, '/' | '(' | ')' | '²' | '³');
         let mut text = String::new();
@@ -99,7 +99,7 @@ impl FromStr for SizeUnit {
                 None => part.strip_suffix('³').map_or((part, 1), |name| (name, 3)),
             };
             let one = si(name).ok_or_else(unknown)?.powi(power);
-            // of a/(b/c) the last part is back in the numerator
+            // in a/(b/c) the last part is back in the numerator
             let is_below = place == 1 || (place == 2 && !text.contains('('));
             total *= if is_below { 1.0 / one } else { one };
         }

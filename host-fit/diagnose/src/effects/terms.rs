@@ -1,4 +1,4 @@
-//! The terms of an effect: products of inputs, filled in for an axis.
+//! Terms of an effect: products of inputs, filled in for an axis.
 
 use fos_data::column::{Column, GYROS};
 use std::fmt;
@@ -8,12 +8,12 @@ use fos_fit::fit::InputSpec;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Product {
-    /// The factors of the product.
+    /// Factors of the product.
     pub inputs: Vec<InputSpec>,
 }
 
 impl Product {
-    /// From text: inputs joined by `*`.
+    /// Parses inputs joined by `*`.
     ///
     /// # Errors
     ///
@@ -22,20 +22,20 @@ impl Product {
         Ok(Self { inputs: text.split('*').map(|input| input.trim().parse()).collect::<Result<_, _>>()? })
     }
 
-    /// The columns that it needs.
+    /// Returns the columns that the product needs.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.inputs.iter().filter_map(|input| input.column.as_deref())
     }
 }
 
-/// A regressor: the sum of products, which share a coefficient.
+/// A sum of products that share one coefficient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regressor {
     pub products: Vec<Product>,
 }
 
 impl Regressor {
-    /// From text: products joined by `+`.
+    /// Parses products joined by `+`.
     ///
     /// # Errors
     ///
@@ -44,17 +44,18 @@ impl Regressor {
         Ok(Self { products: text.split('+').map(Product::parse).collect::<Result<_, _>>()? })
     }
 
-    /// The columns that it needs.
+    /// Returns the columns that the regressor needs.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.products.iter().flat_map(Product::columns)
     }
 
-    /// The inputs of all its products, in their order.
+    /// Returns the inputs of all products, in order.
     pub fn inputs(&self) -> impl Iterator<Item = &InputSpec> {
         self.products.iter().flat_map(|product| &product.inputs)
     }
 
-    /// The inputs that it takes a power of; a sum of powers, as of a vector's length, is no curve of any of them.
+    /// Returns the inputs that occur as a power. A sum of powers, such as a squared vector length, is not a curve of
+    /// any single input and gives none.
     pub fn powers(&self) -> impl Iterator<Item = &InputSpec> {
         let is_power = |product: &Product, input: &InputSpec| {
             product.inputs.iter().filter(|other| *other == input).count() > 1
@@ -65,14 +66,14 @@ impl Regressor {
             .flat_map(move |product| product.inputs.iter().filter(move |input| is_power(product, input)))
     }
 
-    /// Its value where those of its inputs, by their text, are `value`.
+    /// Evaluates the regressor with each input, given as text, replaced by `value`.
     pub fn at(&self, value: impl Fn(&str) -> f64) -> f64 {
         let product =
             |product: &Product| product.inputs.iter().map(|input| value(&input.to_string())).product::<f64>();
         self.products.iter().map(product).sum()
     }
 
-    /// Its values where those of its inputs are known.
+    /// Evaluates the regressor row by row from the values of its inputs.
     pub(super) fn over<E>(
         &self,
         input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
@@ -82,7 +83,7 @@ impl Regressor {
     }
 }
 
-/// Columns combined value by value; the only one as it is.
+/// Combines columns value by value; a single column is returned unchanged.
 fn combined<E>(
     columns: impl Iterator<Item = Result<Arc<[f64]>, E>>,
     combine: impl Fn(f64, f64) -> f64,
@@ -108,9 +109,9 @@ impl fmt::Display for Product {
     }
 }
 
-/// The text of a term with its placeholders filled: `{target}`, `{next}`, `{after}` are the target's column and the
-/// next two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` the gyro columns of the same axes;
-/// the name of the parameter stands for its value, `{5 tau_s}` for five times its value.
+/// Fills the placeholders in the text of a term: `{target}`, `{next}`, `{after}` are the target's column and the next
+/// two of its triad in cyclic order; `{gyro}`, `{gyro_next}`, `{gyro_after}` are the gyro columns of the same axes. The
+/// name of the parameter stands for its value, `{5 tau_s}` for five times its value.
 pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -> Result<String, String> {
     let mut filled = text.replace("{target}", target);
     if let Some((name, value)) = parameter {
@@ -136,11 +137,11 @@ pub(super) fn filled(text: &str, target: &str, parameter: Option<(&str, f64)>) -
     }
 }
 
-/// The text with every `{NUMBER name}` replaced by that multiple of the value; anything else stays as it is.
+/// Replaces every `{NUMBER name}` by that multiple of the value; all other text stays.
 fn with_multiples(text: &str, name: &str, value: f64) -> String {
     let mut filled = String::new();
     let mut rest = text;
-    // ends: every turn leaves a shorter rest, from behind an opening brace on
+    // terminates: each iteration shortens the rest by at least an opening brace
     while let Some((before, inside)) = rest.split_once('{') {
         filled.push_str(before);
         let multiple = inside.split_once('}').and_then(|(placeholder, after)| {

@@ -1,4 +1,4 @@
-//! An effect is added only if the evaluation log does not get worse by it, in its mean or in its scatter.
+//! Check that an effect does not increase the error of the evaluation log, in its mean or in its RMS.
 
 use std::ops::Range;
 
@@ -12,14 +12,15 @@ use fos_data::text::rounded;
 use fos_fit::model::UnitModel;
 use fos_fit::signal;
 
-/// Equal parts of a log whose means scatter as the mean of the whole log does: of flicker noise the mean over a longer
-/// time is hardly known better.
+/// Number of equal parts of a log whose means scatter like the mean of the whole log: with flicker noise a longer
+/// average is hardly more certain.
 const PARTS: usize = 8;
 
-/// A mean error that grows by so many standard deviations grows: those of a 95 % interval.
+/// Standard deviations by which a mean error must increase to count: those of a 95 % interval.
 const TWO_SIDED_95: f64 = 1.96;
 
-/// The error of the evaluation log: the mean less that of the field log, where both are known, and the RMS about it.
+/// Error of the evaluation log: its mean minus that of the log to explain, if both biases are known, and the RMS about
+/// it.
 struct Errors {
     mean: Option<f64>,
     rms: f64,
@@ -28,9 +29,9 @@ struct Errors {
 }
 
 impl Refiner<'_> {
-    /// Refuses the effect at `place` of `findings` if with it the error of the evaluation log grows by more than its
-    /// interval. All others are taken off before and after: of two effects that cancel in part each alone makes an error
-    /// larger. The reference log is not asked: by what it is for, it may be one without the effect.
+    /// Rejects the effect at `place` of `findings` if it increases the error of the evaluation log by more than its
+    /// uncertainty. All others are subtracted before and after: of two effects that cancel in part, each alone
+    /// increases the error. The reference log is not used, since by its purpose it may lack the effect.
     pub(super) fn check_errors(
         &self,
         base: &UnitModel,
@@ -65,7 +66,7 @@ impl Refiner<'_> {
         Ok(())
     }
 
-    /// The errors of the evaluation log without the physical part of `base` and without `findings`.
+    /// Returns the errors of the evaluation log after the physical part of `base` and `findings` are subtracted.
     fn errors(&self, base: &UnitModel, findings: &[Finding], band: Band) -> Result<Errors, RefineError> {
         let (column, judged, rows) = (&base.axes[0].column, self.judged(), self.judged_rows());
         let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;

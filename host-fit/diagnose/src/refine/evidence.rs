@@ -1,4 +1,4 @@
-//! What speaks for an effect, for the eye: the error that it should explain, and what it explains of it.
+//! Evidence for an effect, for plots: the error to explain, and the part that the effect explains.
 
 use std::ops::Range;
 
@@ -13,41 +13,41 @@ use fos_fit::cost::Cost;
 use fos_fit::signal::centred;
 use fos_fit::signal::spectrum::{Spectrum, welch};
 
-/// Blocks of an evidence, about: as many as a picture can show.
+/// Approximate number of blocks, limited by the resolution of a plot.
 const BLOCKS: f64 = 400.0;
 
 /// Shortest block, s.
 const SHORTEST_S: f64 = 1.0;
 
-/// Length of the windows that the spectrum about a line is taken over, s.
+/// Length of the windows of the spectrum around a line, s.
 const LINE_WINDOW_S: f64 = 30.0;
 
-/// The slow error in blocks of the field log, beside what a finding says of it.
+/// Slow error in blocks of the log to explain, and the effect of a finding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
     /// Length of the blocks, s.
     pub block_s: f64,
-    /// Their middles, s as stamped.
+    /// Middles of the blocks as timestamps, s.
     pub time_s: Vec<f64>,
-    /// Block means of the error less the model's physical part and all other findings, less their mean, in the axis'
-    /// unit.
+    /// Centred block means of the error after the model's physical part and all other findings are subtracted, in the
+    /// axis' unit.
     pub error: Vec<f64>,
-    /// Block means of what the finding says, less their mean.
+    /// Centred block means of the finding's correction.
     pub effect: Vec<f64>,
-    /// The column against which it shows best.
+    /// Column against which the effect shows best.
     pub against: Option<Against>,
 }
 
 /// A column in the same blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Against {
-    /// As in the log format, as `temp_c`.
+    /// Name in the log format, as `temp_c`.
     pub column: String,
     pub values: Vec<f64>,
 }
 
 impl Evidence {
-    /// In `field`; `without` is the same less all that is not of the finding.
+    /// Returns the evidence in `field`; `without` is `field` after everything except the finding is subtracted.
     fn of(
         field: &Recording,
         without: &Recording,
@@ -81,8 +81,8 @@ fn shows_in_blocks(finding: &Finding) -> bool {
     finding.band == Band::Slow && !finding.correction.is_empty()
 }
 
-/// What speaks for one of the `findings` of a diagnosis of `field` alone, without a model; none for an effect that no
-/// block shows.
+/// Returns the evidence for one of the `findings` of a diagnosis of `field` without a model; none for an effect that
+/// does not show in blocks.
 ///
 /// # Errors
 ///
@@ -104,12 +104,12 @@ pub fn evidence_without_model(
     Ok(Some(Evidence::of(field, &without, column, finding)?))
 }
 
-/// The spectrum of the error of `column` as logged, unit²/Hz, in bins so narrow that a line stands out: what speaks for
-/// one. None where there is too little for a spectrum.
+/// Returns the spectrum of the error of `column` as logged, unit²/Hz, in bins narrow enough to show a line. None if the
+/// log is too short.
 ///
 /// # Errors
 ///
-/// There is no such column.
+/// The column is missing.
 pub fn line_spectrum(field: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
     let error = field.error_series(column)?.values;
     let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
@@ -117,13 +117,14 @@ pub fn line_spectrum(field: &Recording, column: &str) -> Result<Option<Spectrum>
     let stretches: Vec<&[f64]> =
         segments.flat_map(|segment| finite(segment.rows.clone())).map(|rows| &error[rows]).collect();
     let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
-    // half a minute, if there is so much
+    // half a minute, if available
     let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
     Ok(welch(&stretches, field.rate.true_hz, length))
 }
 
 impl Refiner<'_> {
-    /// What speaks for one of the `findings` of a diagnosis of `refinement`; none for an effect that no block shows.
+    /// Returns the evidence for one of the `findings` of a diagnosis of `refinement`; none for an effect that does not
+    /// show in blocks.
     ///
     /// # Errors
     ///
@@ -143,7 +144,7 @@ impl Refiner<'_> {
         Ok(Some(Evidence::of(&self.field, &without, &refinement.column, finding)?))
     }
 
-    /// What the model of `refinement` would cost more on the device with `finding`.
+    /// Returns the additional cost of `finding` on the device.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! An effect is part of a model only if the log that it was found in determines it.
+//! Check that the log in which an effect was found determines it.
 
 use super::error::RefineError;
 use crate::detect::{Finding, Verdict, not_identifiable};
@@ -7,11 +7,11 @@ use crate::study::{Left, Refinement};
 use fos_data::column::Column;
 use fos_data::text::rounded;
 
-/// An RMS that grows by a smaller share has not grown: over the 400 s of an evaluation log the RMS of 1-s means is known to
-/// 7 % if they are independent, and they are not.
+/// Least relative increase of an RMS that counts. Over the 400 s of an evaluation log the RMS of 1-s means is known to
+/// 7 % if they are independent, which they are not.
 pub(super) const SAME_RMS: f64 = 0.1;
 
-/// Refuses an effect that the log it was found in does not determine.
+/// Rejects an effect that its log does not determine.
 pub(super) fn identified(finding: &Finding, effect: &Effect, column: &str) -> Result<(), RefineError> {
     match not_identifiable(finding, effect, column) {
         Some(reason) => {
@@ -22,8 +22,8 @@ pub(super) fn identified(finding: &Finding, effect: &Effect, column: &str) -> Re
     }
 }
 
-/// Refuses the last of the effects that a model would have if the log does not determine it, or with it no longer
-/// another.
+/// Rejects the last of the effects of a model if the log does not determine it, or if with it another effect is no
+/// longer determined.
 pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str) -> Result<(), RefineError> {
     let Some(added) = findings.last() else { return Ok(()) };
     for finding in findings.iter().rev() {
@@ -41,8 +41,8 @@ pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str
     Ok(())
 }
 
-/// What refutes that nothing is missing from a refined model: an effect that its log does not determine, or an error
-/// that is larger than before anything was added, the mean included.
+/// Returns the reason why a refined model is not an all-clear: an effect that its log does not determine, or an error,
+/// the mean included, that is larger than before any effect was added.
 pub(super) fn all_clear_refuted(refinement: &Refinement) -> Option<(Verdict, String)> {
     let undetermined = refinement.added().find_map(|added| {
         let why = not_identifiable(&added.finding, &added.effect, &refinement.column)?;

@@ -1,29 +1,29 @@
-//! The logs that an axis grows on, as read.
+//! Logs used to refine one axis.
 
 use super::refiner::Refiner;
 use crate::effects::Library;
 use crate::study::LogSources;
 use fos_data::recording::{LoadOptions, Recording, Source};
 
-/// The logs that effects are estimated from and judged on, and how they were read.
+/// Logs that effects are estimated from and evaluated on, and the options of reading them.
 #[derive(Debug, Clone)]
 pub struct Logs {
-    /// The log where the model fails.
+    /// Log to explain.
     pub field: Recording,
-    /// A quiet log of the same unit.
+    /// Reference log of the same device.
     pub quiet: Option<Recording>,
-    /// The log that errors are of; without one the last part of the field log is kept back.
+    /// Evaluation log; without one the last part of the log to explain is reserved.
     pub judged: Option<Recording>,
     pub read: LoadOptions,
 }
 
 impl Logs {
-    /// What an axis grows on.
+    /// Returns a refiner of these logs.
     pub fn refiner<'a>(&'a self, library: &'a Library) -> Refiner<'a> {
         Refiner::new(&self.field, self.quiet.as_ref(), self.judged.as_ref(), library)
     }
 
-    /// As a study remembers them; `fitted_rows` of the field log are estimated from.
+    /// Returns the sources as a study stores them; effects are estimated from `fitted_rows` of the log to explain.
     pub fn named(&self, fitted_rows: usize) -> LogSources {
         let source = |recording: &Recording| {
             recording.sources.first().cloned().unwrap_or_else(|| Source::made_by("nothing"))

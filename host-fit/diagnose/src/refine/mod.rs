@@ -1,5 +1,5 @@
-//! Refines a model by physical effects: estimates them together on a log where the model fails, puts them into its
-//! physical part, and judges every step on rows that were not fitted.
+//! Refinement of a model by physical effects: estimates them together on a log where the model fails, adds them to the
+//! physical part, and evaluates every step on rows that were not fitted.
 
 mod check;
 mod error;

@@ -1,4 +1,4 @@
-//! An axis with its logs: what is missing from its model, an effect more in it, and what that gains.
+//! Adds effects to one axis of a model and measures the improvement.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -27,29 +27,29 @@ use crate::effects::{Band, Detector, Effect, Library};
 use crate::physical::physical;
 use crate::study::{Added, Left, LogSources, Refinement, RefinementStep, Study, StudyAxisError};
 
-/// Share of the field log that effects are estimated from where no other log is there to judge on.
+/// Share of the log to explain from which effects are estimated if there is no evaluation log.
 pub const FITTED_SHARE: f64 = 0.6;
 
-/// Most effects that are added one after the other without being asked.
-const MOST: usize = 6;
+/// Largest number of effects that are added automatically.
+const MAX_AUTO_EFFECTS: usize = 6;
 
-/// The logs that an axis grows on.
+/// Logs used to refine one axis.
 #[derive(Debug)]
 pub struct Refiner<'a> {
-    /// The rows that effects are estimated from.
+    /// Rows from which effects are estimated.
     pub(super) field: Cow<'a, Recording>,
     quiet: Option<&'a Recording>,
-    /// The log that errors are of, and the rows of it that were not fitted.
+    /// Evaluation log, and the rows of it that were not fitted.
     judged: &'a Recording,
     judged_rows: Range<usize>,
     library: &'a Library,
-    /// Field and judged log as they are at rest; none where nothing moved the unit.
+    /// Both logs without detected motion; `None` if there is none.
     field_at_rest: Option<Recording>,
     judged_at_rest: Option<Recording>,
 }
 
 impl<'a> Refiner<'a> {
-    /// `judged` is a log of its own; without one the last part of `field` is kept back.
+    /// `judged` is a separate evaluation log; without one the last part of `field` is reserved.
     pub fn new(
         field: &'a Recording,
         quiet: Option<&'a Recording>,
@@ -65,12 +65,12 @@ impl<'a> Refiner<'a> {
         Self { field, quiet, judged, judged_rows, library, field_at_rest, judged_at_rest }
     }
 
-    /// Rows that effects are estimated from.
+    /// Returns the number of rows from which effects are estimated.
     pub fn fitted_rows(&self) -> usize {
         self.field.n_rows()
     }
 
-    /// The state before anything is added: the axis of the study as it was fitted, its bias that of the field log.
+    /// Returns the state before any effect is added: the fitted axis of the study with the bias of the log to explain.
     ///
     /// # Errors
     ///
@@ -78,15 +78,15 @@ impl<'a> Refiner<'a> {
     pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
         let left = self.left(model, &[])?;
         let field = self.measured(&model.axes[0].column);
-        self.step(self.settled(model.clone(), &[], &field)?, None, left)
+        self.step(self.recalibrated(model.clone(), &[], &field)?, None, left)
     }
 
-    /// An axis of a study, before anything is added to it; `logs` as the study is to remember them.
+    /// Starts the refinement of an axis of a study; `logs` are stored in it.
     ///
     /// # Errors
     ///
-    /// There is no such axis, a column is missing, the log is of another sensor or corrected otherwise, or fos-core
-    /// refuses the model.
+    /// There is no such axis, a column is missing, the log is of another sensor or was corrected differently, or
+    /// fos-core refuses the model.
     pub fn begin(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
         self.refuse_other_sensor(study, column)?;
         let steps = vec![self.first_step(&study.axis_alone(column)?)?];
@@ -97,7 +97,7 @@ impl<'a> Refiner<'a> {
         let Some((triad, _)) = Column::named(column).place() else { return Ok(()) };
         let found = self.field.provenance(triad);
         let mut known = SensorProvenance::of_sources(&study.data.sources, triad);
-        // the log format does not say what its values are; the model does
+        // the log format does not state whether values are raw; the model does
         if known.values == Values::Unstated && study.model.fitted_on == FittedOn::Raw {
             known.values = Values::Raw;
         }
@@ -110,12 +110,13 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// An axis of a study to go on with: as it was refined on these very logs, or as before anything was added to it.
+    /// Resumes the refinement of an axis of a study if it was made with these logs; otherwise starts it if nothing was
+    /// added yet.
     ///
     /// # Errors
     ///
-    /// As for [`Refiner::begin`]; and it was refined on other logs.
-    pub fn go_on(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
+    /// As for [`Refiner::begin`]; or the axis was refined on other logs.
+    pub fn resume(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
         match study.refinement_of(column) {
             Some(refinement) if refinement.logs == logs => Ok(refinement.clone()),
             Some(refinement) if refinement.added().next().is_some() => {
@@ -126,11 +127,11 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Whether an effect leaves anything to subtract on this axis.
+    /// Checks that an effect has a correction on this axis.
     ///
     /// # Errors
     ///
-    /// What to do instead.
+    /// The alternative to adding the effect.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
         if effect.search == Detector::Step && !is_bias_known(&self.field, column) {
             let help = "at rest an accelerometer shows gravity beside its bias, and in a later log a step of one is indistinguishable from a step of the other; log the true values (`ref_…`)";
@@ -139,11 +140,11 @@ impl<'a> Refiner<'a> {
         can_be_added(effect)
     }
 
-    /// Whether an effect that a diagnosis found can be added: the same, and the log determines it.
+    /// Checks that a detected effect can be added: it has a correction, and the log determines it.
     ///
     /// # Errors
     ///
-    /// What to do instead, or what to record.
+    /// The alternative to adding the effect, or the log to record.
     pub fn can_add_finding(
         &self,
         column: &str,
@@ -154,7 +155,7 @@ impl<'a> Refiner<'a> {
         identifiable::identified(finding, effect, column)
     }
 
-    /// What is missing from the model as it is after `refinement`.
+    /// Diagnoses the model at the end of `refinement`.
     ///
     /// # Errors
     ///
@@ -171,10 +172,10 @@ impl<'a> Refiner<'a> {
         let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
         let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         let judged = self.without(refinement, &added, self.judged)?;
-        let of_field = self.without_base(refinement, &added)?;
+        let field_residual = self.without_base(refinement, &added)?;
         let mut diagnosis =
-            with_measured_reduction(diagnose(&question)?, &of_field, &judged, &self.judged_rows)?;
-        // the diagnosis fits what was added anew, and so cannot see that the model got worse by it
+            with_measured_reduction(diagnose(&question)?, &field_residual, &judged, &self.judged_rows)?;
+        // the diagnosis fits the added effects again, so it does not see that they made the model worse
         if diagnosis.verdict == Verdict::NothingMissing
             && let Some((verdict, sentence)) = identifiable::all_clear_refuted(refinement)
         {
@@ -183,13 +184,13 @@ impl<'a> Refiner<'a> {
         Ok(diagnosis)
     }
 
-    /// The model of `refinement` and `effect`, all effects estimated anew together, and together with what the
-    /// diagnosis finds beside them: an effect that is still missing must not colour those that are there.
+    /// Returns the model of `refinement` with `effect` added. All effects are estimated again, together with those that
+    /// the diagnosis finds, so that a missing effect does not bias the others.
     ///
     /// # Errors
     ///
-    /// The effect is there already or has nothing to take off, a column that it needs is missing, the log is too short or
-    /// does not determine the effect, or the error of the evaluation log grows with it.
+    /// The effect is in the model already or has no correction, a column that it needs is missing, the log is too short
+    /// or does not determine the effect, or it increases the error of the evaluation log.
     pub fn add(&self, refinement: &Refinement, effect: &Effect) -> Result<RefinementStep, RefineError> {
         self.can_add(&refinement.column, effect)?;
         self.add_beside(refinement, effect, &self.diagnose(refinement)?)
@@ -207,20 +208,20 @@ impl<'a> Refiner<'a> {
             library.add(added.effect.clone());
             wanted.push(added.effect.id.clone());
         }
-        // lines and steps there may be several of
+        // there may be several lines and several steps
         let repeats = effect.search.is_repeatable();
         if wanted.contains(&effect.id) && !repeats {
             return Err(RefineError::Twice(effect.id.clone()));
         }
         wanted.push(effect.id.clone());
         let in_model = wanted.len();
-        // one that is not conclusive would take a share of the error that the others explain
+        // an effect that is not conclusive would take a share of the error that the others explain
         let found = diagnosis.findings.iter().filter(|f| f.band == Band::Slow && f.doubt.is_none());
         wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
         let field = self.without_base(refinement, &[])?;
         let question = self.question(&field, &refinement.column, &library);
         let mut findings = match estimate(&question, &wanted) {
-            // of the others, one that cannot be estimated together with these does not keep them from being added
+            // an additional effect that cannot be estimated must not prevent the estimation of the others
             Err(DiagnoseError::NotThere { effect, .. }) if wanted[in_model..].contains(&effect) => {
                 estimate(&question, &wanted[..in_model])?
             }
@@ -236,7 +237,8 @@ impl<'a> Refiner<'a> {
         let mut model = first.model.clone();
         let effects = terms::add(&mut model, &findings, &self.field)?;
         let field = self.measured(&refinement.column);
-        let model = self.settled(model, &effects, &as_after_steps(&findings, &refinement.column, &field)?)?;
+        let model =
+            self.recalibrated(model, &effects, &as_after_steps(&findings, &refinement.column, &field)?)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -244,7 +246,7 @@ impl<'a> Refiner<'a> {
         let after = self.left(&first.model, &findings)?;
         let measured_reduction = match finding.band {
             Band::Wide => 1.0 - after.wide / before.wide,
-            // a constant in every later log: no variance tells of it
+            // a step is a constant in every later log and contributes no variance
             _ if is_step(&finding) => match (before.bias, after.bias) {
                 (Some(was), Some(is)) => 1.0 - (after.slow + is * is) / (before.slow + was * was),
                 _ => 0.0,
@@ -255,8 +257,8 @@ impl<'a> Refiner<'a> {
         self.step(model, Some(added), after)
     }
 
-    /// Adds what a diagnosis finds, the effect first that should help most, until nothing is worth adding; the steps
-    /// that were added. `progress` is told each.
+    /// Adds the effects that a diagnosis finds, the one with the largest predicted reduction first, until none is worth
+    /// adding. Returns the added steps; `progress` is called with each diagnosis and step.
     ///
     /// # Errors
     ///
@@ -268,9 +270,9 @@ impl<'a> Refiner<'a> {
     ) -> Result<Vec<RefinementStep>, RefineError> {
         let mut refinement = refinement.clone();
         let (mut steps, mut refused) = (Vec::new(), Vec::new());
-        // ends after MOST: each step fell on rows that were not fitted, but the next is estimated anew with all before
-        // it; and a finding that is refused is not tried again
-        while steps.len() < MOST {
+        // terminates after MAX_AUTO_EFFECTS: each step reduced the error on rows that were not fitted, but the next estimates all
+        // again; a rejected finding is not tried again
+        while steps.len() < MAX_AUTO_EFFECTS {
             let diagnosis = self.diagnose(&refinement)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {
                 let effect = self.library.get(&finding.effect);
@@ -300,7 +302,7 @@ impl<'a> Refiner<'a> {
                 step => step?,
             };
             progress(&diagnosis, Some(&step));
-            // on data that were not fitted it did not help: not worth its cost
+            // no reduction on data that were not fitted: not worth its cost
             if step.added.as_ref().is_some_and(|added| added.measured_reduction <= 0.0) {
                 break;
             }
@@ -314,7 +316,7 @@ impl<'a> Refiner<'a> {
         Question { quiet: self.quiet, judged: Some(self.judged), ..Question::new(field, column, library) }
     }
 
-    /// The field log without what the model had before it grew, and without `found`.
+    /// Returns the log to explain after the physical part of the initial model and `found` are subtracted.
     pub(super) fn without_base(
         &self,
         refinement: &Refinement,
@@ -323,7 +325,7 @@ impl<'a> Refiner<'a> {
         self.without(refinement, found, &self.field)
     }
 
-    /// `log` without what the model had before it grew, and without `found`.
+    /// Returns `log` after the physical part of the initial model and `found` are subtracted.
     fn without<'l>(
         &self,
         refinement: &Refinement,
@@ -344,7 +346,7 @@ impl<'a> Refiner<'a> {
         Ok(Cow::Owned(log.with_values(&refinement.column, values)))
     }
 
-    /// The physical part of an axis, in its unit, one value per row of `log`.
+    /// Returns the physical part of an axis, in its unit, one value per row of `log`.
     fn physical(&self, model: &UnitModel, log: &Recording) -> Result<Vec<f64>, RefineError> {
         if model.axes[0].physical.is_empty() {
             return Ok(vec![0.0; log.n_rows()]);
@@ -353,10 +355,10 @@ impl<'a> Refiner<'a> {
         Ok(physical(model, log, &known)?.swap_remove(0))
     }
 
-    /// The model with the bias of `log`: the mean of what its physical part leaves there, and the ranges of both. `log` is
-    /// the field log as it is in later logs, without the steps that happened in it; `effects` the places of the terms that
-    /// were added, effect by effect.
-    fn settled(
+    /// Recalibrates a model on `log`: the bias is the mean of the residual of the physical part, and the ranges cover
+    /// both. `log` is the log to explain with the steps in it removed, as in later logs; `effects` holds the positions
+    /// of the added terms, effect by effect.
+    fn recalibrated(
         &self,
         mut model: UnitModel,
         effects: &[Range<usize>],
@@ -394,7 +396,8 @@ impl<'a> Refiner<'a> {
         Ok(model)
     }
 
-    /// `log` as it would be if an axis whose bias is not known had one level in all its poses; `None` if it has.
+    /// Returns `log` with one level in all orientations, for an axis whose bias is unknown; `None` if the level is
+    /// constant already.
     fn in_one_pose(
         &self,
         model: &UnitModel,
@@ -412,23 +415,23 @@ impl<'a> Refiner<'a> {
         Ok(Some(log.with_values(column, moved)))
     }
 
-    /// The field log at rest.
+    /// Returns the log to explain without detected motion.
     pub(super) fn field(&self) -> &Recording {
         self.field_at_rest.as_ref().unwrap_or(&self.field)
     }
 
-    /// The evaluation log at rest.
+    /// Returns the evaluation log without detected motion.
     pub(super) fn judged(&self) -> &Recording {
         self.judged_at_rest.as_ref().unwrap_or(self.judged)
     }
 
-    /// The rows of the evaluation log that were not fitted.
+    /// Returns the rows of the evaluation log that were not fitted.
     pub(super) fn judged_rows(&self) -> Range<usize> {
         self.judged_rows.clone()
     }
 
-    /// The error of `log` in blocks of the slow error, and its samples without the physical part of `base` and without
-    /// `findings`.
+    /// Returns the error of `log` in blocks of the slow error, and its samples after the physical part of `base` and
+    /// `findings` are subtracted.
     pub(super) fn reduced_without(
         &self,
         base: &UnitModel,
@@ -444,12 +447,12 @@ impl<'a> Refiner<'a> {
         Ok((reduced, left))
     }
 
-    /// The field log without samples of an axis that are no measurements.
+    /// Returns the log to explain without outliers of an axis.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
         self.field.only_measurements(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
     }
 
-    /// What a rival has seen: the field log as it was.
+    /// Returns the data for the simpler rivals, from the log to explain as read.
     fn plain(&self, column: &str) -> Result<Plain, RefineError> {
         let (error, known) = (self.field.error_series(column)?, known_rows(&self.field, column));
         let rows = self.field.stretches_where(|row| known[row] && error.values[row].is_finite());
@@ -457,7 +460,7 @@ impl<'a> Refiner<'a> {
         Ok(Plain::of(&stretches.concat(), &stretches))
     }
 
-    /// Mean of measured − reference − p over the known rows among `rows`, and whether that is the bias.
+    /// Returns the mean of measured − reference − p over the known rows among `rows`, and whether it is the bias.
     fn level(
         &self,
         model: &UnitModel,
@@ -473,7 +476,7 @@ impl<'a> Refiner<'a> {
         Ok((signal::mean(&[&left]), is_bias_known(log, &axis.column)))
     }
 
-    /// What the model before it grew and the findings leave of the error on the judged rows.
+    /// Returns the errors on the evaluation rows after the physical part of `base` and `findings` are subtracted.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
         let column = &base.axes[0].column;
         let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
@@ -501,7 +504,7 @@ impl<'a> Refiner<'a> {
         let mut judged = model.clone();
         let (level, is_bias_known) = self.level(&model, self.judged, self.judged_rows.clone())?;
         if !is_bias_known {
-            // another pose has another constant
+            // another orientation has another constant
             (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
         }
         let in_one_pose = self.in_one_pose(&model, self.judged, self.judged_at_rest.as_ref(), level)?;
@@ -517,7 +520,7 @@ impl<'a> Refiner<'a> {
     }
 }
 
-/// The log without the rows in which the unit was moved.
+/// Returns the log without rows of detected motion; `None` if there is none.
 fn at_rest(log: &Recording) -> Option<Recording> {
     match disturbance::marked(log).0 {
         Cow::Borrowed(_) => None,
@@ -525,8 +528,8 @@ fn at_rest(log: &Recording) -> Option<Recording> {
     }
 }
 
-/// Rows whose error is known: with a reference, or at rest. On a shaker nothing is at rest, and all rows count, as they
-/// do in a diagnosis.
+/// Returns the rows in which the error is known: with a reference, or at rest. On a shaker nothing is at rest and all
+/// rows count, as in a diagnosis.
 fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
     if let Ok(reference) = log.channel(&Column::named(column).reference()) {
         return reference.values.iter().map(|value| value.is_finite()).collect();
@@ -539,11 +542,11 @@ fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
     }
 }
 
-/// Effects that leave nothing to subtract are told apart by what to do instead.
+/// Rejects effects without a correction.
 ///
 /// # Errors
 ///
-/// What to do instead.
+/// The alternative to adding the effect.
 fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
         Band::Data => "repair the data: another full scale, a faster bus, a finer output",

@@ -1,5 +1,4 @@
-//! From the findings of a diagnosis to the physical part of a model: the same coefficients, in the form that fos-core
-//! takes.
+//! Conversion of findings to terms of the physical part of a model, with the same coefficients in the form of fos-core.
 
 use fos_data::column::Column;
 use std::collections::BTreeMap;
@@ -13,12 +12,13 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
 use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
 
-/// A line goes on outside its fitted range as it did inside: an input is limited, and says so, this many widths of the
-/// range outside. Inputs that powers are taken of keep the limits of the finding.
+/// Widths of the fitted range by which an input may exceed it before it is limited and flagged: a linear term
+/// extrapolates well. Inputs that occur as powers keep the limits of the finding.
 const WIDTHS: f64 = 1.0;
 
-/// Adds the effects that were found to the physical part of the only axis of `model`. `field` is the log they were
-/// found in. Steps are no terms: they stay in the bias of every later log. The places of the terms, effect by effect.
+/// Adds findings to the physical part of the only axis of `model`; `field` is the log in which they were found. Steps
+/// become no terms, since they are part of the bias of every later log. Returns the positions of the terms, effect by
+/// effect.
 ///
 /// # Errors
 ///
@@ -37,7 +37,7 @@ pub(super) fn add(
             if step_time(regressor).is_some() {
                 continue;
             }
-            // what a diagnosis writes can be read
+            // every regressor of a diagnosis can be parsed
             let Ok(Regressor { products }) = Regressor::parse(regressor) else { continue };
             for product in &products {
                 let factors = factors(
@@ -59,15 +59,16 @@ pub(super) fn add(
     Ok(places)
 }
 
-/// The factors of a product of inputs in a physical part; inputs that the model does not have are appended, and the quantities that they
-/// need. They are in the quantity's unit, so that a coefficient is per kelvin, and what is logged counts from the `centre` of its column on.
+/// Returns the factors of a product of inputs in a physical part. Inputs that the model lacks are appended, with the
+/// quantities that they need. They are in the unit of the quantity, so that a coefficient is per kelvin, and count from
+/// the `centre` of its column.
 ///
-/// An input keeps to its `limits`, by its text; where there are none it may go one width further than what was `seen` of it. Both count
-/// from there on.
+/// An input is limited to its `limits`, by its text; without limits, to one width beyond the range that was `seen` of
+/// it. Both count from the centre.
 ///
 /// # Errors
 ///
-/// What was seen of an input is not known.
+/// The range of an input is unknown.
 pub fn factors<E>(
     model: &mut UnitModel,
     product: &Product,
@@ -78,7 +79,7 @@ pub fn factors<E>(
     product.inputs.iter().map(|spec| Ok(u(place(model, spec, &centre, limits, &seen)?, 0))).collect()
 }
 
-/// The place of an input in the model; appended if it is not there.
+/// Returns the index of an input in the model; appends it if absent.
 fn place<E>(
     model: &mut UnitModel,
     spec: &InputSpec,
@@ -111,7 +112,7 @@ fn place<E>(
     Ok(position(&mut model.inputs, named))
 }
 
-/// A day: a ramp that was seen for an hour is followed no further.
+/// One day, s: longest extrapolation of a ramp.
 const LONGEST_S: f64 = 86_400.0;
 
 fn range(values: &[f64]) -> [f64; 2] {

@@ -1,4 +1,4 @@
-//! Effects that a log does not determine are refused, whatever the error is.
+//! Effects that a log does not determine are rejected, for any error.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ const RATE_HZ: f64 = 10.0;
 /// Standard deviation of the mean of the gyro over a log, rad/s.
 const MEAN_DEVIATION: f64 = 2e-5;
 
-/// Inputs of a log: their constant and the noise of their sensors, by column.
+/// Inputs of a log: column, constant, and standard deviation of the sensor's noise.
 const INPUTS: [(&str, f64, f64); 8] = [
     ("ax_mps2", 0.1, 0.012),
     ("ay_mps2", 0.2, 0.012),
@@ -28,8 +28,8 @@ const INPUTS: [(&str, f64, f64); 8] = [
     ("mag_z_ut", -40.0, 0.3),
 ];
 
-/// Ten minutes in which every input is constant but for the noise of its sensor; `slope` of the temperature is in K/s, and
-/// the gyro follows `per_kelvin` of it, rad/s/K.
+/// Ten minutes in which every input is constant except for sensor noise; the temperature rises by `slope` in K/s, and
+/// the gyro follows it by `per_kelvin` in rad/s/K.
 fn log(name: &str, seed: u64, slope: f64, per_kelvin: f64) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut noise =
@@ -49,7 +49,7 @@ fn log(name: &str, seed: u64, slope: f64, per_kelvin: f64) -> Recording {
     Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).expect("a recording")
 }
 
-/// The axis before anything is added.
+/// Axis before any effect is added.
 fn begin(refiner: &Refiner<'_>, quiet: &Recording) -> Refinement {
     let options = FitOptions { max_lag: 2, ..FitOptions::default() };
     let fit = fit_axis(quiet, &rest(quiet, options.train), "gx", &options).expect("a fit");
@@ -64,23 +64,22 @@ fn begin(refiner: &Refiner<'_>, quiet: &Recording) -> Refinement {
     Refinement { column: "gx_rads".to_owned(), logs, steps }
 }
 
-/// Slow effects of the library that follow a logged column of a log without a reference.
-fn of_inputs(library: &Library) -> Vec<&Effect> {
+/// Slow effects of the library that follow a logged column, for a log without a reference.
+fn input_effects(library: &Library) -> Vec<&Effect> {
     let effects = library.effects().iter().filter(|effect| effect.search == Detector::Terms);
     effects.filter(|effect| effect.strikes("gx_rads") && !effect.follows_clock_alone()).collect()
 }
 
-/// What an effect does to a model by the rule of before: whatever can be estimated is added. The effects for which it
-/// refuses nothing.
+/// Number of effects that the earlier rule would add: all that can be estimated.
 fn can_be_estimated(field: &Recording, library: &Library) -> usize {
     let question = Question::new(field, "gx", library);
     let estimated = |effect: &&Effect| estimate(&question, std::slice::from_ref(&effect.id)).is_ok();
-    of_inputs(library).into_iter().filter(estimated).count()
+    input_effects(library).into_iter().filter(estimated).count()
 }
 
-/// g-sensitivity was taken from one orientation, and the bias of the gyro grew thirteenfold.
+/// g-sensitivity was estimated from one orientation, and the bias of the gyro grew thirteenfold.
 #[test]
-fn effects_whose_inputs_do_not_change_are_refused_or_leave_the_bias_as_it_was() {
+fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
     let (quiet, field, later) =
         (log("quiet", 1, 0.0, 0.0), log("field", 2, 0.0, 0.0), log("later", 3, 0.0, 0.0));
     let library = Library::built_in();
@@ -92,9 +91,9 @@ fn effects_whose_inputs_do_not_change_are_refused_or_leave_the_bias_as_it_was() 
         parameters.reference + parameters.offset
     };
     let mut refused = 0;
-    for effect in of_inputs(&library) {
+    for effect in input_effects(&library) {
         match refiner.add(&refinement, effect) {
-            // what is determined to be nothing does no harm
+            // an effect that is determined to be zero is harmless
             Ok(step) => {
                 let moved = (bias(&step) - bias(&refinement.steps[0])).abs();
                 assert!(moved < 5.0 * MEAN_DEVIATION, "{}: the bias moved by {moved} rad/s", effect.id);
@@ -108,17 +107,17 @@ fn effects_whose_inputs_do_not_change_are_refused_or_leave_the_bias_as_it_was() 
     }
     assert!(refused >= 8, "{refused}");
     assert_eq!(refinement, before);
-    // negative control: what can be estimated is not refused by that alone
+    // negative control: the possibility of an estimate alone rejects nothing
     let estimated = can_be_estimated(&field, &library);
     assert!(estimated >= 5, "the table would pass whatever is added");
     println!(
         "attack: undetermined effects | {} effects on a log in which no input changes: {refused} refused with what to record, the others leave the bias as it was, the study unchanged | negative control: by the rule of before, what can be estimated is added, {estimated} would be",
-        of_inputs(&library).len(),
+        input_effects(&library).len(),
     );
 }
 
 #[test]
-fn an_effect_that_the_log_determines_is_added_and_lowers_the_error() {
+fn adds_determined_effect_and_reduces_error() {
     let coefficient = 2e-4;
     let logs = [(4, 0.0), (5, 0.02), (6, -0.015)];
     let [quiet, field, later] =
@@ -133,9 +132,9 @@ fn an_effect_that_the_log_determines_is_added_and_lowers_the_error() {
     assert!(refinement.steps[1].left.slow < 0.5 * refinement.steps[0].left.slow);
 }
 
-/// In the evaluation log the effect is not there: with it the error would grow.
+/// The effect is absent from the evaluation log, so it would increase the error there.
 #[test]
-fn an_effect_that_makes_the_evaluation_log_worse_is_refused() {
+fn rejects_effect_that_increases_evaluation_error() {
     let (quiet, field, later) =
         (log("quiet", 7, 0.0, 0.0), log("field", 8, 0.02, 2e-4), log("later", 9, 0.04, 0.0));
     let library = Library::built_in();
@@ -144,9 +143,9 @@ fn an_effect_that_makes_the_evaluation_log_worse_is_refused() {
     assert!(matches!(refused, Err(RefineError::MakesWorse { .. })), "{refused:?}");
 }
 
-/// A study of before may hold an effect that its log did not determine.
+/// A study of an earlier version may contain an effect that its log did not determine.
 #[test]
-fn a_model_with_an_undetermined_effect_is_not_all_clear() {
+fn undetermined_effect_prevents_all_clear() {
     let (quiet, field) = (log("quiet", 10, 0.0, 0.0), log("field", 11, 0.0, 0.0));
     let library = Library::built_in();
     let refiner = Refiner::new(&field, Some(&quiet), Some(&field), &library);

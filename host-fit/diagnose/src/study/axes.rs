@@ -1,11 +1,11 @@
-//! The axes of a study that effects were added to, and the way back.
+//! Axes of a study that effects were added to, and undo.
 
 use fos_fit::model::UnitModel;
 
 use super::Study;
 use super::refinement::Refinement;
 
-/// Why a study does not do to an axis what is asked.
+/// Error of a request for an axis of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
     #[error("the study has no axis {column}; it has {}\nhelp: name one of them", .axes.join(", "))]
@@ -15,16 +15,16 @@ pub enum StudyAxisError {
 }
 
 impl Study {
-    /// The refinement of an axis, if any.
+    /// Returns the refinement of an axis, if any.
     pub fn refinement_of(&self, column: &str) -> Option<&Refinement> {
         self.refinements.iter().find(|refinement| refinement.column == column)
     }
 
-    /// The axis of the study alone, as it was before it grew.
+    /// Returns the model of one axis of the study, as it is now.
     ///
     /// # Errors
     ///
-    /// There is none.
+    /// There is no such axis.
     pub fn axis_alone(&self, column: &str) -> Result<UnitModel, StudyAxisError> {
         let index = self.model.axes.iter().position(|axis| axis.column == column);
         index.map(|index| self.model.only(index)).ok_or_else(|| StudyAxisError::NoAxis {
@@ -33,7 +33,7 @@ impl Study {
         })
     }
 
-    /// Keeps `refinement`, and puts its last state into the model.
+    /// Stores `refinement`, and puts its last state into the model.
     pub fn keep(&mut self, refinement: Refinement) {
         if let Some(last) = refinement.last() {
             self.replace(&refinement.column, last.model.clone());
@@ -44,7 +44,7 @@ impl Study {
         }
     }
 
-    /// Takes the last effect that was added to `column` back; its identifier.
+    /// Removes the last effect that was added to `column`; returns its identifier.
     ///
     /// # Errors
     ///

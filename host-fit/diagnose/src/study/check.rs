@@ -1,4 +1,4 @@
-//! What a study must hold beyond the types of its fields: whatever is done with it relies on that.
+//! Consistency checks of a study beyond the types of its fields, which all later computations rely on.
 
 use std::collections::HashSet;
 
@@ -13,9 +13,11 @@ use fos_data::recording::SensorProvenance;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 impl Study {
+    /// Checks the study.
+    ///
     /// # Errors
     ///
-    /// What no study holds that this program wrote, in words.
+    /// The inconsistency, in words, which no study written by this program has.
     pub(super) fn check(&self) -> Result<(), String> {
         check_model(&self.model).map_err(|wrong| format!("model: {wrong}"))?;
         let columns: Vec<&str> = self.model.axes.iter().map(|axis| axis.column.as_str()).collect();
@@ -44,7 +46,7 @@ impl Study {
         Ok(())
     }
 
-    /// An axis of the model whose values were corrected before they were logged, and what by.
+    /// Returns an axis of the model whose values were corrected before they were logged, and the corrector.
     fn corrected_axis(&self) -> Option<(&str, String)> {
         let find = |axis: &FittedAxis| {
             let (triad, _) = Column::named(&axis.column).place()?;
@@ -91,7 +93,7 @@ fn check_model(model: &UnitModel) -> Result<(), String> {
             }
         }
     }
-    // each alone: together they may have outgrown a predictor, and can be taken back one by one
+    // each axis alone: together they may exceed a predictor, and effects can be removed one by one
     for (index, axis) in axes.iter().enumerate() {
         let alone = model.only(index).predictor::<f64>();
         alone.map_err(|error| format!("{}: {error}", axis.column))?;

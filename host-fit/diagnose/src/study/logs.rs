@@ -1,5 +1,5 @@
-//! The logs of a study, found again: where they were when it was made, or where they lie as seen from the study,
-//! wherever the two were moved together and wherever the command is run.
+//! Location of the logs of a study: at the path of the fit, or at the same place relative to the study, so that study
+//! and logs can be moved together.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -8,10 +8,10 @@ use super::Study;
 use fos_data::file::{folder_of, followed, name_of};
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source, load};
 
-/// A log that a study names and that is not to be had.
+/// Error of finding or reading a log of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum LogAgainError {
-    /// It is there, and cannot be read as a log.
+    /// The log exists but cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(
@@ -21,9 +21,9 @@ pub enum LogAgainError {
     )]
     NotThere {
         log: String,
-        /// The file of the study that names it.
+        /// File of the study.
         study: PathBuf,
-        /// Where it was looked for.
+        /// Paths that were tried.
         tried: Vec<PathBuf>,
     },
     /// Another log lies in its place.
@@ -33,9 +33,9 @@ pub enum LogAgainError {
         study.display()
     )]
     Another {
-        /// The log that lies there.
+        /// Path of the other log.
         log: PathBuf,
-        /// The file of the study that names it.
+        /// File of the study.
         study: PathBuf,
         found: String,
         named: String,
@@ -46,15 +46,15 @@ fn in_words(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// Reads a log that the study at `study` names.
+/// Reads a log that the study at `study` refers to.
 ///
 /// # Errors
 ///
-/// It is nowhere, another log lies in its place, or it cannot be read.
+/// It is not found, another log lies in its place, or it cannot be read.
 pub fn load_again(source: &Source, study: &Path, read: &LoadOptions) -> Result<Recording, LogAgainError> {
     let tried = places(source, study);
     let mut first_problem = None;
-    // what came through a pipe does not come again
+    // a pipe cannot be read again
     for place in tried.iter().filter(|place| place.is_file() || place.is_dir()) {
         let problem = match load(place, read) {
             Ok(recording) => match recording.sources.first() {
@@ -74,7 +74,7 @@ pub fn load_again(source: &Source, study: &Path, read: &LoadOptions) -> Result<R
     Err(first_problem.unwrap_or(LogAgainError::NotThere { log, study, tried }))
 }
 
-/// Where a log may be, the likeliest first; what it holds decides.
+/// Paths where a log may be, the most likely first; the digest decides.
 fn places(source: &Source, study: &Path) -> Vec<PathBuf> {
     let given = PathBuf::from(&source.path);
     let study = followed(study);
@@ -91,8 +91,8 @@ fn places(source: &Source, study: &Path) -> Vec<PathBuf> {
 }
 
 impl Study {
-    /// Notes where its logs lie as seen from where it will be. Of those that were not read now what was noted before
-    /// stays.
+    /// Stores the paths of the logs relative to the study's future location. Paths of logs that were not read in this
+    /// run are unchanged.
     pub(super) fn note_places(&mut self, study: &Path) {
         let study = followed(study);
         let Ok(folder) = fs::canonicalize(folder_of(&study)) else { return };
@@ -107,7 +107,7 @@ impl Study {
     }
 }
 
-/// The way from a folder to a file, both from the root on; none if they have none in common.
+/// Returns the relative path from a folder to a file, both absolute; `None` if they have no common root.
 fn relative(folder: &Path, file: &Path) -> Option<PathBuf> {
     let (from, to): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (folder.components().collect(), file.components().collect());
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_leads_up_and_down_again() {
+    fn relative_path_goes_up_and_down() {
         for (folder, file, way) in [
             ("/a/b", "/a/b/log.csv", "log.csv"),
             ("/a/b", "/a/b/logs/log.csv", "logs/log.csv"),

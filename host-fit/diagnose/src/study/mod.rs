@@ -1,4 +1,5 @@
-//! The user's work in one file: the data with their digest, the settings, the model, and the errors of every step.
+//! A study: the user's work in one file, with the data and their digest, the settings, the model, and the errors of
+//! every step.
 
 mod axes;
 mod check;
@@ -23,64 +24,64 @@ use fos_fit::evaluate::ModelErrors;
 use fos_fit::fit::{AxisReport, FitOptions};
 use fos_fit::model::UnitModel;
 
-/// The schema that this program writes, and the only one it reads.
+/// Schema that this program writes, the only one it reads.
 pub const SCHEMA: &str = "fos-study/1";
 
-/// A study. Self-contained: with the data it names it can be repeated.
+/// A self-contained study: with its data, every result can be reproduced.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// [`SCHEMA`].
     pub schema: String,
-    /// The program that wrote it.
+    /// Program that wrote the study.
     pub tool: Tool,
-    /// The recording that was fitted.
+    /// Recording that was fitted.
     pub data: Data,
     pub settings: FitOptions,
-    /// The model as it is now.
+    /// Model in its present state.
     pub model: UnitModel,
-    /// How each axis of it was found.
+    /// Report of the fit of each axis.
     pub axes: Vec<AxisReport>,
-    /// The plain rivals and every state of the model, in order, with its errors on data that were not fitted.
+    /// Simpler rivals and states of the model, in order, with their errors on data that were not fitted.
     pub steps: Vec<StudyStep>,
-    /// The axes that effects were added to.
+    /// Axes that effects were added to.
     #[serde(rename = "growth", default, skip_serializing_if = "Vec::is_empty")]
     pub refinements: Vec<Refinement>,
 }
 
-/// The program that wrote a study.
+/// Program that wrote a study.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Tool {
-    /// As on the command line.
+    /// Name of the program on the command line.
     pub name: String,
     pub version: String,
 }
 
-/// The recording behind a study.
+/// Recording behind a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Data {
-    /// File, size and digest, of every log.
+    /// File, size and digest of every log.
     pub sources: Vec<Source>,
     #[serde(flatten)]
     pub read: LoadOptions,
-    /// Rows read.
+    /// Number of rows read.
     pub rows: usize,
-    /// Rows that the model was fitted to, from the first row on.
+    /// Number of rows, from the first on, that the model was fitted to.
     pub trained_rows: usize,
-    /// True sample rate, Hz.
+    /// True sampling rate, Hz.
     pub true_rate_hz: f64,
-    /// Stretches without gaps.
+    /// Number of stretches without gaps.
     pub segments: usize,
-    /// How it is known where the unit is still.
+    /// Source of the information where the device is at rest.
     pub still_known_by: KnownBy,
-    /// Share of the rows in which it is.
+    /// Share of the rows at rest.
     pub still_share: f64,
 }
 
-/// A state of the model, and its errors on the judged rows.
+/// State of the model, with its errors on the evaluation rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyStep {
-    /// What was done: the name of a rival, or of the step.
+    /// Name of the rival or of the step.
     pub name: String,
     pub errors: Vec<ModelErrors>,
 }
@@ -88,13 +89,13 @@ pub struct StudyStep {
 /// A study that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// What the system says of the file.
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    /// It cannot be written back.
+    /// The file cannot be written back.
     #[error(transparent)]
     Unchanged(#[from] CompareAndSwapError),
-    /// It is not a study, or is damaged.
+    /// The file is not a study, or is damaged.
     #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: a study is what a fit writes")]
     NotAStudy {
         path: String,
@@ -102,10 +103,10 @@ pub enum StudyError {
         line: usize,
         /// Column of the error, from 1.
         column: usize,
-        /// What the reader said.
+        /// Message of the parser.
         reason: String,
     },
-    /// Its fields contradict one another.
+    /// The fields contradict one another.
     #[error("{path}: {reason}: such a study was not written by this program\nhelp: fit the log again")]
     Unsound { path: String, reason: String },
     #[error(
@@ -113,7 +114,7 @@ pub enum StudyError {
     )]
     Schema {
         path: String,
-        /// The schema that it names.
+        /// Schema of the file.
         found: String,
     },
 }
@@ -125,7 +126,7 @@ impl Tool {
 }
 
 impl Data {
-    /// Whether `recording` is what was fitted.
+    /// Returns true if `recording` is the one that was fitted.
     pub fn is(&self, recording: &Recording) -> bool {
         self.rows == recording.n_rows() && self.sources == recording.sources
     }
@@ -136,16 +137,16 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// No such file, not a study, one of another schema, or one whose fields contradict one another.
+    /// The file is missing, not a study, of another schema, or its fields contradict one another.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         Ok(Self::read_to_change(path)?.0)
     }
 
-    /// Reads a study that is to be written back.
+    /// Reads a study that will be written back.
     ///
     /// # Errors
     ///
-    /// As of [`Study::read`].
+    /// As for [`Study::read`].
     pub fn read_to_change(path: &Path) -> Result<(Self, FileVersion), StudyError> {
         let bytes = file::read(path)?;
         let refused = |refused| match (refused, path.display().to_string()) {
@@ -159,25 +160,25 @@ impl Study {
         Ok((study, FileVersion::of(path, &bytes)))
     }
 
-    /// Writes the study, whole or not at all, to a file that is as it was seen; it notes where its logs lie as seen
-    /// from there.
+    /// Writes the study atomically, provided that the file is unchanged since it was read; stores the paths of its logs
+    /// relative to it.
     ///
     /// # Errors
     ///
-    /// The file cannot be written, or another process has written it meanwhile; it is then untouched.
+    /// The file cannot be written, or another process has written it meanwhile; it is then unchanged.
     pub fn write(&mut self, file: &FileVersion) -> Result<(), StudyError> {
         self.note_places(file.path());
         Ok(file.replace(&self.to_bytes())?)
     }
 
-    /// The study as it is written.
+    /// Returns the bytes of the study's file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut text = serde_json::to_vec_pretty(self).expect("a study has only string keys");
         text.push(b'\n');
         text
     }
 
-    /// Studies of single axes, fitted to one log with one setting, as one; none of none.
+    /// Joins studies of single axes that were fitted to one log with the same settings; `None` without any.
     pub fn joined(studies: impl IntoIterator<Item = Self>) -> Option<Self> {
         studies.into_iter().reduce(|mut all, other| {
             all.model.absorb(other.model);
@@ -189,7 +190,7 @@ impl Study {
         })
     }
 
-    /// In a few lines: where the model comes from.
+    /// Describes the origin of the model in a few lines.
     pub fn provenance(&self) -> String {
         let data = self
             .data

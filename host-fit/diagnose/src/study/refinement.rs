@@ -1,4 +1,4 @@
-//! What a study remembers of refining an axis: the logs, and every step.
+//! Record of the refinement of an axis in a study: the logs, and every step.
 
 use serde::ser::SerializeSeq;
 use serde::{Deserialize, Serialize, Serializer};
@@ -11,82 +11,82 @@ use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
 use fos_fit::model::UnitModel;
 
-/// An axis of a study that effects were added to.
+/// Axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Refinement {
-    /// The axis, by its column.
+    /// Column of the axis.
     pub column: String,
     pub logs: LogSources,
-    /// The model before anything was added, then after each effect.
+    /// Model before any effect was added, then after each.
     #[serde(rename = "stairs", serialize_with = "with_rms")]
     #[cfg_attr(feature = "page-types", ts(as = "Vec<StepWithRms>"))]
     pub steps: Vec<RefinementStep>,
 }
 
-/// The logs that effects were estimated from and judged on.
+/// Logs that effects were estimated from and evaluated on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LogSources {
-    /// The log with the hidden effect.
+    /// Log to explain.
     pub field: Source,
-    /// A quiet log that the noise was learnt from.
+    /// Reference log for the noise.
     pub quiet: Option<Source>,
-    /// The log that the errors are of; none: the rows of the field log from `fitted_rows` on.
+    /// Evaluation log; without one, the rows of the log to explain from `fitted_rows` on.
     pub judged: Option<Source>,
-    /// Rows of the field log that effects are estimated from, from the first on.
+    /// Number of rows of the log to explain, from the first on, that effects are estimated from.
     pub fitted_rows: usize,
     #[serde(flatten)]
     pub read: LoadOptions,
 }
 
-/// A state of the model, and its errors on rows that were not fitted.
+/// State of the model, with its errors on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct RefinementStep {
-    /// What was added; none in the state before.
+    /// Effect added in this step; none in the first state.
     pub added: Option<Added>,
     #[cfg_attr(feature = "page-types", ts(type = "unknown"))]
     pub model: UnitModel,
-    /// All errors, on the judged rows.
+    /// Errors on the evaluation rows.
     pub errors: ModelErrors,
-    /// Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows.
+    /// Variances of the residual of the physical part on the evaluation rows.
     pub left: Left,
-    /// What the axis costs on the device.
+    /// Cost of the axis on the device.
     pub cost: Cost,
 }
 
-/// An effect that was added.
+/// Effect that was added.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Added {
-    /// The effect itself: the study can be read without the file it came from.
+    /// Definition of the effect, so that the study can be read without its file.
     pub effect: Effect,
-    /// What it was found to be, with the reduction that is predicted.
+    /// Finding as estimated, with the predicted reduction.
     #[serde(serialize_with = "crate::detect::finding_with_rms")]
     #[cfg_attr(feature = "page-types", ts(as = "crate::detect::FindingWithRms"))]
     pub finding: Finding,
-    /// The reduction that was measured, in the band of the effect.
+    /// Measured reduction, in the band of the effect.
     #[serde(rename = "realised_fall")]
     pub measured_reduction: f64,
 }
 
-/// What the physical part leaves of the error, in the square of the axis' unit.
+/// Residual of the physical part, in the square of the axis' unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Left {
-    /// Variance of 1-s means.
+    /// Variance of the 1-s means.
     pub slow: f64,
     /// Variance of the samples.
     pub wide: f64,
-    /// Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
-    /// model's bias is off by. Absent where the log does not tell, and in studies from before it was kept.
+    /// Error of the model's bias: mean on the evaluation rows minus the mean on the rows that effects are estimated
+    /// from, in the axis' unit. Absent if the log does not show the bias, and in studies of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bias: Option<f64>,
 }
 
 impl LogSources {
-    /// What differs from the logs of `now`, in words; empty if they are the same.
+    /// Describes the differences from the logs of `now`; empty if they are the same.
     pub(crate) fn changes(&self, now: &Self) -> String {
         let mut changes = Vec::new();
         let of = |which: &str, then: Option<&Source>, now: Option<&Source>| match (then, now) {
@@ -113,12 +113,12 @@ impl LogSources {
 }
 
 impl Refinement {
-    /// The effects that were added, in order.
+    /// Returns the added effects, in order.
     pub fn added(&self) -> impl Iterator<Item = &Added> {
         self.steps.iter().filter_map(|step| step.added.as_ref())
     }
 
-    /// The state as it is now.
+    /// Returns the last state.
     pub fn last(&self) -> Option<&RefinementStep> {
         self.steps.last()
     }
@@ -127,7 +127,8 @@ impl Refinement {
 #[cfg(feature = "page-types")]
 crate::rms::twinned!(StepWithRms, RefinementStep);
 
-/// Steps with the RMS of the slow error before and after each, and the measured reduction in the band of the effect.
+/// Serialises steps with the RMS of the slow error before and after each, and the measured reduction in the band of the
+/// effect.
 fn with_rms<S: Serializer>(steps: &[RefinementStep], serializer: S) -> Result<S::Ok, S::Error> {
     let mut sequence = serializer.serialize_seq(Some(steps.len()))?;
     let mut rms_before = None;
@@ -153,9 +154,9 @@ mod tests {
         Source { sha256: digest.to_owned(), ..Source::made_by(path) }
     }
 
-    /// A changed evaluation log was blamed on the log to explain.
+    /// A changed evaluation log was reported as a change of the log to explain.
     #[test]
-    fn names_the_log_that_changed_and_no_other() {
+    fn changes_list_only_the_changed_log() {
         let then = LogSources {
             field: source("field.csv", "a"),
             quiet: Some(source("quiet.csv", "b")),

@@ -1,15 +1,15 @@
-//! The noise of a log as a table: what its figure shows, number by number.
+//! Noise of a log as a table: the numbers of its figure.
 
 use std::fmt::Write as _;
 
 use super::noise_unit::NoiseUnits;
 use crate::noise::{AxisNoise, Level};
 
-/// The share that the intervals of a noise table hold.
+/// Confidence level of the intervals in a noise table.
 pub const SHARE: f64 = 0.9;
 
-/// One row a number: `column,quantity,tau_s,value,low,high,unit`, the interval of 90 %. N, B and K have no averaging
-/// time; one that was not seen has no value and no lower end.
+/// Formats one row per number: `column,quantity,tau_s,value,low,high,unit`, with 90 % intervals. N, B and K have no
+/// averaging time; without a detected value they have an upper limit only.
 pub fn allan_csv(axes: &[AxisNoise]) -> String {
     let mut text = String::from("column,quantity,tau_s,value,low,high,unit\n");
     for axis in axes {
@@ -22,7 +22,7 @@ pub fn allan_csv(axes: &[AxisNoise]) -> String {
         ] {
             let Level { value, low, high } = level;
             let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
-            // writing to a string does not fail
+            // writing to a string cannot fail
             let _ = writeln!(text, "{},{name},,{},{},{high:e},{unit}", axis.column, cell(value), cell(low));
         }
         for point in &axis.allan {

@@ -1,4 +1,4 @@
-//! A model image in words: what people check before they trust it.
+//! Description of a model image in words, for review before use.
 
 use fos_data::column::Column;
 use std::fmt::{self, Display, Formatter};
@@ -11,7 +11,7 @@ use crate::fit::input_text;
 use fos_data::text::number;
 use fos_data::visible::visible;
 
-/// Where the model in `image` comes from, its inputs, and the terms of every axis, with units.
+/// Describes the provenance of the model in `image`, its inputs, and the terms of every axis, with units.
 pub fn description(image: &Image<'_>) -> String {
     Description(image).to_string()
 }

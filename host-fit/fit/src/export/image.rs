@@ -1,4 +1,4 @@
-//! The model image: docs/MODEL_FORMAT.md.
+//! Model image, as specified in docs/MODEL_FORMAT.md.
 
 use fos_core::image::encode;
 use fos_core::{Channel, Image, ImageError, Info, ModelError, Quantity, Source, Transform};
@@ -7,7 +7,7 @@ use fos_data::column::Column;
 use crate::model::{HostPredictor, UnitModel};
 use fos_data::visible::visible;
 
-/// The largest image that is written, bytes; a model of 6 axes with 20 terms each takes about 2000.
+/// Size limit of an image, bytes; a model of 6 axes with 20 terms each takes about 2000.
 const LARGEST: usize = 1 << 16;
 
 /// The image of a model cannot be written, or cannot be read back.
@@ -26,7 +26,7 @@ fn remedy(error: &ImageError) -> &'static str {
     }
 }
 
-/// The image of `model`, read back and tried before it is returned.
+/// Returns the image of `model`, which is read back and run as a check.
 ///
 /// # Errors
 ///
@@ -46,12 +46,12 @@ pub fn image(model: &UnitModel, sensor: &str, provenance: &str) -> Result<Vec<u8
     Ok(bytes)
 }
 
-/// Names one a line, as an image lists them: one with a line's end in it would move those behind it.
+/// Joins names one per line, as in an image; a line break in a name would shift those after it.
 fn in_lines(names: impl IntoIterator<Item = String>) -> String {
     names.into_iter().map(|name| visible(&name).into_owned()).collect::<Vec<_>>().join("\n")
 }
 
-/// Identifiers of the effects that the physical parts describe, each once, in the order of the inputs.
+/// Returns the identifiers of the effects in the physical parts, each once, in the order of the inputs.
 fn effects(model: &UnitModel) -> Vec<String> {
     let used = |index: usize| {
         let physical = model.axes.iter().flat_map(|axis| &axis.physical);
@@ -72,7 +72,7 @@ fn effects(model: &UnitModel) -> Vec<String> {
     effects
 }
 
-/// The effect that a quantity makes through a transform, if it is one with a name.
+/// Returns the effect of a quantity with a transform, if it has a name.
 fn effect(quantity: Option<Quantity>, transform: Transform<f64>) -> Option<&'static str> {
     use fos_core::Axis;
     use {Quantity as Q, Transform as T};

@@ -1,14 +1,13 @@
 //! The noise of a log for Kalibr (`imu.yaml`) and OpenVINS (`kalibr_imu_chain.yaml`), in one file that both read.
 //!
-//! Kalibr takes the keys at the top (kalibr_common/ConfigReader.py, `ImuParameters`), OpenVINS those in the block `imu0`
-//! (ov_msckf/core/VioManagerOptions.h, through `cv::FileStorage`). Both take the continuous densities N and K as they
-//! are; what they need per sample they make of them with `update_rate`. The first line is one that PyYAML and OpenCV
-//! both take.
+//! Kalibr reads the keys at the top (kalibr_common/ConfigReader.py, `ImuParameters`), OpenVINS those in the block
+//! `imu0` (ov_msckf/core/VioManagerOptions.h, through `cv::FileStorage`). Both read the continuous densities N and K
+//! and convert them to values per sample with `update_rate`. PyYAML and OpenCV both accept the first line.
 
 use super::comment::in_ascii;
 use super::noise_model::{NoiseModel, yaml_line};
 
-/// The file, in ASCII.
+/// Returns the file, in ASCII.
 pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
     let NoiseModel { log, rate_hz, accel, gyro } = noise;
     let topic = quoted(rostopic);
@@ -51,7 +50,7 @@ pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
     )
 }
 
-/// A string of YAML in double quotes, which is one of JSON too.
+/// Formats a double-quoted YAML string, which is also valid JSON.
 fn quoted(text: &str) -> String {
     let escaped: String = text.chars().flat_map(char::escape_default).collect();
     format!("\"{}\"", escaped.replace("\\'", "'"))

@@ -1,5 +1,5 @@
-//! What others take: the image of a model, what it says in words, and the model in it again; the noise of a log as a table
-//! and as the files of other stacks.
+//! Exports: the image of a model, its description, and the model in it; the noise of a log as a table and as files of
+//! other stacks.
 //!
 //! | file | writes |
 //! |---|---|

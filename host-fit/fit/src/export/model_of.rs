@@ -1,20 +1,20 @@
-//! The model in an image, as the host keeps one: what a log has to have for it to run.
+//! Model in an image in the form of the host: the basis of a check of a log's columns.
 
 use fos_core::{Axis, Image, Quantity};
 
 use crate::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
-/// An axis or quantity of an image has no name of its own.
+/// An axis or quantity of an image has no name.
 #[derive(Debug, thiserror::Error)]
 #[error("{what} {index} of the image has no column of its own\nhelp: name the columns of the axes (`axes`)")]
 pub struct NoColumn {
     /// `axis` or `quantity`.
     pub what: &'static str,
-    /// Place in the model, from 0.
+    /// Index in the model, from 0.
     pub index: usize,
 }
 
-/// The column of an axis.
+/// Returns the column of an axis.
 pub(super) fn column_of(axis: Axis) -> Option<&'static str> {
     match axis {
         Axis::Ax => Some("ax_mps2"),
@@ -27,11 +27,11 @@ pub(super) fn column_of(axis: Axis) -> Option<&'static str> {
     }
 }
 
-/// The model of an image, with the names of its columns.
+/// Returns the model of an image, with the names of its columns.
 ///
 /// # Errors
 ///
-/// An axis or a quantity without a name. `axes` names the axes instead, where it is not empty.
+/// An axis or a quantity has no name. If `axes` is not empty, it names the axes instead.
 pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, NoColumn> {
     let terms = |terms: fos_core::image::Terms<'_>| -> Vec<FittedTerm> {
         terms

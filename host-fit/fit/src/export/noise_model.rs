@@ -1,4 +1,4 @@
-//! One noise level for the three axes of a sensor, as the files of other stacks have it.
+//! One noise level for the three axes of a sensor, as in the files of other stacks.
 
 use super::noise_unit::NoiseUnits;
 use crate::noise::{AxisNoise, Level};
@@ -7,34 +7,34 @@ use fos_data::column::{ACCELEROMETERS, GYROS};
 /// Noise of an accelerometer and a gyro.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseModel {
-    /// The log that it is of.
+    /// Name of the log.
     pub log: String,
-    /// Samples a second, as measured.
+    /// Measured sampling rate, Hz.
     pub rate_hz: f64,
-    /// Of the accelerometers.
+    /// Noise of the accelerometers.
     pub accel: TriadNoise,
     pub gyro: TriadNoise,
 }
 
-/// Noise of three axes: of each level that of the axis that has the most. A filter that is told too little trusts a
-/// sensor that does not deserve it and diverges; one that is told too much only learns more slowly.
+/// Noise of three axes, at each level that of the noisiest axis. A filter given too small a noise value becomes
+/// overconfident and diverges; with too large a value it only converges more slowly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriadNoise {
     pub white: Worst,
-    /// K.
+    /// Random walk K.
     pub walk: Worst,
 }
 
-/// The largest of three.
+/// Largest value of three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Worst {
-    /// Its value, or its limit where it was not seen.
+    /// Value, or the upper limit if none was detected.
     pub value: f64,
-    /// What is to be known of it, for a comment.
+    /// Remark for a comment.
     pub about: String,
 }
 
-/// A log from which no file for a filter can be written.
+/// A log is not sufficient for the file of a filter.
 #[derive(Debug, thiserror::Error)]
 pub enum NoiseModelError {
     #[error(
@@ -44,11 +44,11 @@ pub enum NoiseModelError {
 }
 
 impl NoiseModel {
-    /// Of the axes of a log.
+    /// Combines the axes of a log.
     ///
     /// # Errors
     ///
-    /// One of the six is missing.
+    /// One of the six axes is missing.
     pub fn of(log: &str, rate_hz: f64, axes: &[AxisNoise]) -> Result<Self, NoiseModelError> {
         let of = |columns: [&'static str; 3]| -> Result<TriadNoise, NoiseModelError> {
             let mut three = Vec::new();
@@ -67,7 +67,7 @@ impl NoiseModel {
 }
 
 fn worst(three: &[&AxisNoise], unit: &str, level: impl Fn(&AxisNoise) -> Level) -> Worst {
-    // what was seen goes before a limit: a limit says how short the log was
+    // a detected value takes precedence over a limit, which only shows how short the log was
     let seen = |axis: &&AxisNoise| level(axis).value.is_some();
     let any_seen = three.iter().any(seen);
     let most = three
@@ -90,18 +90,19 @@ fn worst(three: &[&AxisNoise], unit: &str, level: impl Fn(&AxisNoise) -> Level) 
 }
 
 impl Worst {
-    /// Its line in a file of YAML, under the name that its reader has for it.
+    /// Formats the value as a line of YAML with the key of its reader.
     pub(super) fn line(&self, key: &str) -> String {
         yaml_line(key, self.value, &self.about)
     }
 }
 
-/// A line of YAML: a number, and in a comment what is to be known of it.
+/// Formats a line of YAML: a number, with a remark as a comment.
 pub(super) fn yaml_line(key: &str, value: f64, about: &str) -> String {
     format!("{key}: {}  # {about}\n", real(value))
 }
 
-/// A number that every reader takes for a real one: YAML 1.1 wants a point and a sign in the exponent, ORB-SLAM3 a point.
+/// Formats a number that every reader takes as real: YAML 1.1 needs a point and a sign in the exponent, ORB-SLAM3 a
+/// point.
 pub(super) fn real(value: f64) -> String {
     if value > 0.0 && value < 1.0 { format!("{value:.6e}") } else { format!("{value:.6}") }
 }

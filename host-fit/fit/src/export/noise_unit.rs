@@ -1,16 +1,16 @@
-//! Units of N, B and K, in letters that every reader of configuration files takes.
+//! Units of N, B and K, in characters that every reader of configuration files accepts.
 
 /// Units of the noise of an axis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NoiseUnits {
     pub white: String,
     pub flicker: String,
-    /// Of K.
+    /// Unit of K.
     pub walk: String,
 }
 
 impl NoiseUnits {
-    /// Of an axis in `unit`.
+    /// Returns the units for an axis in `unit`.
     pub fn of(unit: &str) -> Self {
         let per_second = match unit {
             "m/s²" => "m/s^3".to_owned(),

@@ -1,10 +1,10 @@
-//! The noise of a log for ORB-SLAM3 and for VINS-Mono and VINS-Fusion: the lines of their settings that are about it.
+//! Noise of a log for ORB-SLAM3 and for VINS-Mono and VINS-Fusion: the lines of their settings that concern it.
 
 use super::comment::in_ascii;
 use super::noise_model::{NoiseModel, real, yaml_line};
 
-/// Lines for the settings of ORB-SLAM3: continuous densities. It multiplies the noise by √`IMU.Frequency` and divides
-/// the walk by it (src/Tracking.cc), and refuses a number without a point (src/Settings.cc, `isReal`).
+/// Returns lines for the settings of ORB-SLAM3, with continuous densities. It multiplies the noise by √`IMU.Frequency`
+/// and divides the walk by it (src/Tracking.cc), and rejects a number without a point (src/Settings.cc, `isReal`).
 pub fn orb_slam3(noise: &NoiseModel) -> String {
     let NoiseModel { log, rate_hz, accel, gyro } = noise;
     let levels = [
@@ -25,9 +25,9 @@ pub fn orb_slam3(noise: &NoiseModel) -> String {
     )
 }
 
-/// Lines for the configuration of VINS. Which levels it wants is disputed; its code multiplies them by the time step
-/// where it adds them up (factor/integration_base.h, `V·noise·Vᵀ`, V ∝ dt), which is right for standard deviations per
-/// sample, N·√rate and K·√rate. Those are active, the densities stand beside them in comments.
+/// Returns lines for the configuration of VINS. The unit of its levels is disputed; its code multiplies them by the
+/// time step when it accumulates them (factor/integration_base.h, `V·noise·Vᵀ`, V ∝ dt), which is right for standard
+/// deviations per sample, N·√rate and K·√rate. These are active; the densities are given in comments.
 pub fn vins(noise: &NoiseModel) -> String {
     let NoiseModel { log, rate_hz, accel, gyro } = noise;
     let levels =

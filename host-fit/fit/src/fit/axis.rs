@@ -24,34 +24,34 @@ use fos_data::interrupt::in_parallel;
 use fos_data::recording::{Recording, Reference};
 use fos_data::stillness::{self, Stillness};
 
-/// Wide enough for any scaled value, while the ranges are not known yet.
+/// Wide enough for any scaled value until the ranges are known.
 const ANY: Fitted<f64> = Fitted { low: -1e12, high: 1e12 };
 
-/// Logged quantities further than this many standard deviations from their mean are limited before the transform.
+/// Distance from the mean, in standard deviations, at which logged quantities are clamped before the transform.
 const SOURCE_LIMIT: f64 = 100.0;
 
-/// A missing sample or two is coasted; after this long the lags no longer say much, s.
+/// Longest coast over missing samples, s; after it the lags carry little information.
 const GAP_LIMIT_S: f64 = 0.1;
 
-/// A value repeated this many times as often as it ever was while fitting counts as stuck.
+/// Multiple of the longest repetition of a value in the fitted rows from which on the sensor counts as stuck.
 const STUCK_RATIO: usize = 4;
 const STUCK_AT_LEAST: usize = 20;
 
-/// Widths of the range of the error in the fitted rows by which a prediction for these rows may leave it: as far as
-/// the evaluator lets inputs go beyond their fitted ranges.
-const FURTHEST: f64 = 1.0;
+/// Widths of the error's range in the fitted rows by which a prediction for these rows may leave it, the same as the
+/// evaluator's margin for inputs.
+const LARGEST_EXCURSION: f64 = 1.0;
 
-/// The validated coast where not even the shortest horizon does better than the mean, s.
+/// Validated coast if not even the shortest horizon is better than the mean, s.
 const SHORTEST_COAST_S: f64 = 1.0;
 
-/// A fitted axis: a unit of that axis alone, and how it was found.
+/// A fitted axis: a model of that axis alone, and the report of the fit.
 #[derive(Debug, Clone)]
 pub struct AxisFit {
     pub model: UnitModel,
     pub report: AxisReport,
 }
 
-/// The first rows of the recording: a share of them, or those of its first seconds, at rest or not.
+/// Returns the first rows of the recording, by share or by time, at rest or not.
 pub fn training_rows(recording: &Recording, train: Train) -> Range<usize> {
     let end = match train {
         Train::Share(share) => (share * recording.n_rows() as f64).round() as usize,
@@ -67,17 +67,17 @@ pub fn training_rows(recording: &Recording, train: Train) -> Range<usize> {
     0..end.min(recording.n_rows())
 }
 
-/// Where a log is at rest that a model is fitted to: in the training part told from that part alone.
+/// Returns the rows at rest of a log for fitting; in the training part they are detected from that part alone.
 pub fn rest(recording: &Recording, train: Train) -> Stillness {
     stillness::find_apart(recording, training_rows(recording, train).end)
 }
 
-/// Fits `axis` (`gx`, or a column) of `recording`; `stillness` is [`rest`], or what else is known about the log.
+/// Fits `axis` (`gx`, or a column) of `recording`; `stillness` is [`rest`] or further information about the log.
 ///
 /// # Errors
 ///
-/// A column is missing, the training part is too short or constant, the device moves all along, or the candidates cannot
-/// be told apart.
+/// A column is missing, the training part is too short or constant, the device moves all along, or the candidates are
+/// indistinguishable.
 pub fn fit_axis(
     recording: &Recording,
     stillness: &Stillness,
@@ -117,7 +117,7 @@ pub fn fit_axis(
     let mut model = start(recording, stillness, (&column, &series.reference), &training, &known, options)?;
     let playback = Playback::new(recording, &model, &stillness.still)?;
 
-    let of_column = |source| AxisError::Search { column: column.clone(), source };
+    let search_error = |source| AxisError::Search { column: column.clone(), source };
     let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     let mut left_out = Vec::new();
@@ -125,7 +125,7 @@ pub fn fit_axis(
     let mut recording = recording;
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
-        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(of_column)?;
+        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(search_error)?;
         model.axes[0].physical = part.terms;
         left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
@@ -141,7 +141,7 @@ pub fn fit_axis(
             regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
         }
         if options.offset.is_none() {
-            take_off_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
+            subtract_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
         }
     }
     let part = stochastic::fit(&model, &regressors, options)?;
@@ -154,7 +154,7 @@ pub fn fit_axis(
         },
         left_out,
         spikes,
-        poses: poses.told(),
+        poses: poses.fitted(),
         ..part.report
     };
     set_ranges(&mut model, &regressors);
@@ -165,11 +165,11 @@ pub fn fit_axis(
     Ok(AxisFit { model, report })
 }
 
-/// Fits several axes of a recording, beside one another; `done` is called after each.
+/// Fits several axes of a recording in parallel; `done` is called after each.
 ///
 /// # Errors
 ///
-/// As for [`fit_axis`]: of the first axis that has any.
+/// As for [`fit_axis`]; the error of the first axis that has one.
 pub fn fit_axes(
     recording: &Recording,
     stillness: &Stillness,
@@ -185,7 +185,7 @@ pub fn fit_axes(
     fits.into_iter().collect()
 }
 
-/// The model before anything is fitted: offset, scale, inputs.
+/// Returns the model before anything is fitted: offset, scale, inputs.
 fn start(
     recording: &Recording,
     stillness: &Stillness,
@@ -201,7 +201,7 @@ fn start(
     }
     let axis = Column::named(column).axis();
     let is_accelerometer = matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
-    // at rest an accelerometer shows gravity: what is constant then is the true value as far as anyone knows
+    // at rest an accelerometer shows gravity: without further knowledge the constant is the true value
     let (reference_value, offset) = match (reference, options.offset) {
         (_, Some(offset)) => (0.0, offset),
         (Reference::Constant, None) if is_accelerometer => (mean, 0.0),
@@ -267,8 +267,8 @@ fn logged_input(
         None => (Source::Clock, 0.0, 1.0),
         Some(column) => {
             let channel = recording.channel(column)?;
-            // of the fitted rows alone: about another centre a coefficient that is hardly known would leave a constant
-            // that is nothing but its error
+            // centred on the fitted rows: with another centre an uncertain coefficient would add a constant that
+            // consists of its error only
             let held = recording.held(channel);
             let rows = training.clone().filter(|row| stillness.still[*row] && held[*row].is_finite());
             let finite: Vec<f64> = rows.map(|row| held[row]).collect();
@@ -287,7 +287,7 @@ fn logged_input(
                 model.quantities.push(quantity);
                 model.quantities.len() - 1
             });
-            // |x| means what it says only about zero
+            // |x| needs its true zero
             let centred = spec.transform != Transform::Absolute;
             let centre = if centred { signal::mean(&[&finite]) } else { 0.0 };
             (Source::Quantity(index as u8), centre, deviation)
@@ -297,43 +297,43 @@ fn logged_input(
     Ok(NamedInput { name: spec.to_string(), input })
 }
 
-/// Takes the mean of what the physical part leaves into the offset, so that the remainder has none: a coast goes back
-/// to the mean of the remainder, which is 0.
-fn take_off_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regressors, reference: &Reference) {
+/// Moves the mean of the physical part's residual into the offset, so that the remainder has mean 0, to which a coast
+/// returns.
+fn subtract_mean(parameters: &mut AxisParameters<f64>, regressors: &mut Regressors, reference: &Reference) {
     let mean = signal::mean(&regressors.known_remainder());
     regressors.remainder.iter_mut().for_each(|value| *value -= mean);
     let is_accelerometer = matches!(parameters.axis, Axis::Ax | Axis::Ay | Axis::Az);
     match reference {
-        // there the constant is the true value as far as anyone knows
+        // without further knowledge the constant is the true value there
         Reference::Constant if is_accelerometer => parameters.reference += mean * parameters.scale,
         _ => parameters.offset += mean * parameters.scale,
     }
 }
 
-/// Corrected values if the log says that its values are, or the user does; raw otherwise.
+/// Returns whether the values are corrected: by the log if it states so, or by the user; raw otherwise.
 fn fitted_on(recording: &Recording, column: &str, stated: FittedOn) -> FittedOn {
     let place = Column::named(column).place();
     let is_corrected = place.is_some_and(|(triad, _)| recording.provenance(triad).corrected_by().is_some());
     if is_corrected { FittedOn::FactoryCorrected } else { stated }
 }
 
-/// The longest run of one value in the fitted rows, times a margin.
+/// Returns the longest repetition of a value in the fitted rows, times a margin.
 fn stuck_after(recording: &Recording, column: &str, training: &Range<usize>) -> u16 {
     let values = recording.channel(column).map(|channel| &channel.values[training.clone()]).unwrap_or(&[]);
     let longest = values.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0);
     u16::try_from((STUCK_RATIO * longest).max(STUCK_AT_LEAST)).unwrap_or(u16::MAX)
 }
 
-/// Refuses a model whose predictions over the rows that it was fitted to, from measured history or from its own after 1,
-/// 10 and 60 s, leave the range of the error in those rows by more than `FURTHEST` of its widths.
+/// Rejects a model whose predictions over the fitted rows, one-step or after 1, 10 and 60 s of free run, leave the
+/// range of the error in those rows by more than `LARGEST_EXCURSION` of its widths.
 fn refuse_divergent(column: &str, trace: &Trace) -> Result<(), AxisError> {
     let axis = &trace.axes[0];
     let known = || axis.measured.iter().copied().filter(|error| error.is_finite());
     let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
-    let most = (1.0 + FURTHEST) * (high - low);
+    let most = (1.0 + LARGEST_EXCURSION) * (high - low);
     let tracked = axis.one_step.iter().copied().filter(|left| left.is_finite());
     let coasted = axis.horizons.iter().flatten().map(|square| square.sqrt());
-    // from anywhere in the range to its furthest end and so many widths beyond
+    // from any value in the range to its far end and this many widths beyond
     let furthest =
         tracked.chain(coasted).fold(0.0, |most: f64, left| if left.abs() > most.abs() { left } else { most });
     match furthest.abs() <= most || low >= high {
@@ -342,13 +342,14 @@ fn refuse_divergent(column: &str, trace: &Trace) -> Result<(), AxisError> {
     }
 }
 
-/// Sets the innovation statistics, and how long coasting beats the mean, by running the model over its training data.
+/// Sets the innovation statistics and the longest coast that beats the mean, by running the model over its training
+/// data.
 fn set_statistics(
     model: &mut UnitModel,
     playback: &Playback<'_>,
     training: Range<usize>,
 ) -> Result<Trace, ModelError> {
-    // long enough that nothing fades while it is found out
+    // longer than any coast of the test, so that nothing fades
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
     let trace = evaluate::trace_to_horizons::<f64>(model, playback, training)?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
@@ -357,7 +358,7 @@ fn set_statistics(
     let variance = signal::variance(&innovations) / (scale * scale);
     parameters.innovation = InnovationStatistics {
         mean: signal::mean(&innovations) / scale,
-        // an exact model has none left; the monitor divides by it
+        // an exact model has no innovations, and the monitor divides by their variance
         variance: variance.max(f64::from(f32::MIN_POSITIVE)),
         lag_1_correlation: autocorrelation(&innovations, 1)
             .map_or(0.0, |result| result.lag_1().clamp(-1.0, 1.0)),
@@ -384,7 +385,7 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
     for (named, column) in model.inputs.iter_mut().zip(&regressors.inputs) {
         let input = &mut named.input;
         input.range = match input.transform {
-            // these end where they end, whatever part of it the training data show
+            // these have fixed limits, whatever part of the range the training data cover
             Transform::Decay { .. } => Fitted::new(0.0, 1.0),
             Transform::Sine { .. } | Transform::Cosine { .. } => Fitted::new(-1.0, 1.0),
             _ => range(column),
@@ -392,7 +393,7 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
         input.source_range = match input.source {
             Source::Clock => Fitted::new(0.0, 0.0),
             Source::Remainder(_) => remainder,
-            // a low-pass stays within what goes into it; a variance or a rate does not tell
+            // a low-pass stays within the range of its input; a variance or a rate does not bound it
             Source::Quantity(_) => Fitted::new(-SOURCE_LIMIT, SOURCE_LIMIT),
         };
     }
@@ -429,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn fitted_models_stay_near_the_rows_that_they_were_fitted_to() {
+    fn fitted_models_stay_near_their_training_rows() {
         let mut fitted = 0;
         for (name, values) in every_kind(800) {
             let recording = recording(&values);
@@ -457,10 +458,10 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_diverges_is_refused() {
+    fn rejects_divergent_model() {
         let verdict = |one_step, squares| refuse_divergent("gx_rads", &trace_of(one_step, squares));
         assert!(verdict([0.1, -0.2, f64::NAN], vec![0.5]).is_ok());
-        // from measured history, and from its own: twice the range of the error away
+        // one-step, and in a free run: twice the range of the error away
         for diverged in [verdict([0.1, -4.5, 0.1], vec![0.5]), verdict([0.1, 0.1, 0.1], vec![0.5, 20.5])] {
             let error = diverged.unwrap_err().to_string();
             assert!(error.starts_with("gx_rads: the model diverges"), "{error}");

@@ -1,4 +1,4 @@
-//! Why an axis cannot be fitted, and what to do about it.
+//! Reasons why an axis cannot be fitted, with remedies.
 
 use fos_core::ModelError;
 use fos_data::recording::RecordingError;
@@ -7,78 +7,78 @@ use super::FitError;
 use super::autoregression::AutoregressionError;
 use crate::candidates::{CandidatesError, MAX_CANDIDATES};
 
-/// Why an axis cannot be fitted.
+/// Reason why an axis cannot be fitted.
 #[derive(Debug, thiserror::Error)]
 pub enum AxisError {
-    /// A column is not there.
+    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// Too little to fit to.
+    /// Too few rows at rest.
     #[error(
         "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger `train`{}",
-        what_fits(", or ", fits)
+        suggestion(", or ", fits)
     )]
     TooShort {
         column: String,
-        /// Rows at rest in the training part.
+        /// Number of rows at rest in the training part.
         rows: usize,
-        /// Rows needed.
+        /// Number of rows needed.
         needed: usize,
         candidates: usize,
-        /// Options that the rows are enough for; empty if there are none.
+        /// Options for which the rows suffice; empty if there are none.
         fits: String,
     },
-    /// More than a search can hold.
+    /// Too many candidates for the memory.
     #[error(
         "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller `max_lag`, `input_lags` or `degree`{}",
-        what_fits(", as ", fits)
+        suggestion(", as ", fits)
     )]
     TooMany {
         column: String,
         candidates: usize,
-        /// Options that give fewer.
+        /// Options that give fewer candidates.
         fits: String,
     },
-    /// An accelerometer without a reference, in more than one pose.
+    /// An accelerometer without a reference rests in more than one orientation.
     #[error(
         "{column}: the device rests in several orientations, from {:.1} s on with {} and from {:.1} s on with {} m/s²: gravity differs between them, and the difference would be fitted as an error\nhelp: fit one orientation: `train` {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros are not affected: `axis` gx,gy,gz",
         first.0, force(&first.1), second.0, force(&second.1)
     )]
     TwoPoses {
         column: String,
-        /// Since when the first is held, s as stamped, and what the accelerometers show in it, m/s².
+        /// Begin of the first orientation as timestamp, s, and the specific force in it, m/s².
         first: (f64, Vec<f64>),
-        /// The same of the second.
+        /// Begin and specific force of the second orientation.
         second: (f64, Vec<f64>),
-        /// Whole seconds at rest to the end of the first.
+        /// Whole seconds at rest until the end of the first orientation.
         train_s: u64,
     },
-    /// All values are the same, or half of them and more repeat one that is stuck.
+    /// All values are equal, or at least half of them repeat one value.
     #[error(
         "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"
     )]
     Constant { column: String, value: f64 },
-    /// An input that does not change where it is fitted.
+    /// An input is constant in the fitted rows.
     #[error(
         "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of `physical` and `input`, or fit on rows in which it changes (`train`)"
     )]
     Steady {
-        /// The column of the input.
+        /// Column of the input.
         column: String,
         value: f64,
     },
-    /// An input that has no value where it is fitted.
+    /// An input has no value in the fitted rows.
     #[error(
         "{column} has no value in the rows that are fitted\nhelp: leave it out of `physical` and `input`, or fit on rows in which it is logged (`train`)"
     )]
     NotKnown {
-        /// The column of the input.
+        /// Column of the input.
         column: String,
     },
-    /// The candidates do not make a pool.
+    /// The candidates do not form a pool.
     #[error("{column}: {source}\nhelp: a smaller `max_lag`, `input_lags` or `degree`")]
     Candidates { column: String, source: CandidatesError },
-    /// The search or the final solution.
+    /// The search or the final solution failed.
     #[error(
         "{column}: {source}\nhelp: a longer log at rest without empty cells, a larger `train`, a smaller `max_lag`, or fewer inputs (`physical`, `input`)"
     )]
@@ -88,15 +88,15 @@ pub enum AxisError {
         "{column}: {source}\nhelp: a smaller `max_lag`, a longer log at rest without empty cells, or `method` fos"
     )]
     Autoregression { column: String, source: AutoregressionError },
-    /// The model does not follow the rows that it was fitted to.
+    /// The model diverges on the rows that it was fitted to.
     #[error(
         "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or remove inputs that hardly change in it (`physical`, `input`)"
     )]
     Diverges {
         column: String,
-        /// The largest error of a prediction, in the axis' unit.
+        /// Largest error of a prediction, in the axis' unit.
         off: f64,
-        /// The least error in the fitted rows, in the axis' unit.
+        /// Smallest error in the fitted rows, in the axis' unit.
         low: f64,
         high: f64,
     },
@@ -107,7 +107,7 @@ pub enum AxisError {
     Model { column: String, source: ModelError },
 }
 
-fn what_fits(joined_by: &str, fits: &str) -> String {
+fn suggestion(joined_by: &str, fits: &str) -> String {
     if fits.is_empty() { String::new() } else { format!("{joined_by}{fits}") }
 }
 

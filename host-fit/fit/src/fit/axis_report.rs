@@ -1,4 +1,4 @@
-//! How an axis was fitted, as a study keeps it.
+//! Report of the fit of an axis, as stored in a study.
 
 use fos_core::Factor;
 use serde::{Deserialize, Serialize};
@@ -6,34 +6,34 @@ use serde::{Deserialize, Serialize};
 use super::options::FitMethod;
 use super::poses::FittedPose;
 
-/// How one axis was fitted.
+/// Report of the fit of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisReport {
     pub column: String,
-    /// The reference column that was subtracted; none if the log is taken as static.
+    /// Reference column that was subtracted; none if the log is assumed to be static.
     pub reference_column: Option<String>,
     pub method: FitMethod,
-    /// Candidates searched, or lags of an autoregression.
+    /// Number of candidates, or number of lags of an autoregression.
     pub candidates: usize,
-    /// Rows that counted.
+    /// Number of rows used.
     pub rows: usize,
-    /// Every term in the order of its selection; none for an autoregression, which has all lags.
+    /// Terms in the order of their selection; empty for an autoregression, which has all lags.
     pub steps: Vec<SelectionStep>,
-    /// Models of the same size that the data cannot tell from this one.
+    /// Models of the same size that are indistinguishable from this one.
     pub ties: Vec<TiedModel>,
-    /// Terms of the physical part that were asked for and left out, since the data say nothing of them.
+    /// Requested physical terms that were excluded because they are not significant.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOut>,
-    /// Samples that are no measurements, and were left out.
+    /// Number of outliers, which were excluded.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub spikes: usize,
-    /// The poses that it was fitted in, each with a constant of its own; none where there is one, or where gravity does
-    /// not bear on it.
+    /// Orientations of the fitted rows, each with its own constant; empty if there is only one, or if gravity does not
+    /// act on the axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<FittedPose>,
-    /// Why the search stopped, or what was done instead, in words.
+    /// Reason why the search stopped, or the remedy applied, in words.
     pub stopped: String,
-    /// Condition number of the final terms, columns scaled.
+    /// Condition number of the final terms with scaled columns.
     pub condition_number: f64,
     /// Mean square of the residual on the training data as measured, scaled units.
     pub mse: f64,
@@ -47,37 +47,37 @@ fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// A term of the physical part of which the data say nothing.
+/// A physical term that is not significant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
     pub input: String,
-    /// Its coefficient as estimated, scaled units.
+    /// Estimated coefficient, scaled units.
     pub coefficient: f64,
-    /// The standard error of that, scaled units.
+    /// Standard error of the coefficient, scaled units.
     pub standard_error: f64,
 }
 
 /// One step of the search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SelectionStep {
-    /// The monomial, in words.
+    /// Monomial in words.
     pub monomial: String,
     pub factors: Vec<Factor>,
-    /// Q: drop of the mean square error, scaled units.
+    /// Q: reduction of the mean square error, scaled units.
     pub mse_reduction: f64,
-    /// ERR: the same over the mean square of the remainder.
+    /// ERR: Q divided by the mean square of the remainder.
     pub error_reduction_ratio: f64,
     /// Mean square error after the step, scaled units.
     pub mse: f64,
 }
 
-/// A model of the same size that the data cannot tell from the chosen one.
+/// A model of the same size that is indistinguishable from the chosen one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TiedModel {
     /// Monomials of the chosen model that it lacks, in words.
     pub leaves: Vec<String>,
     /// Monomials that it has instead.
     pub enters: Vec<String>,
-    /// n·ln(MSE of it / MSE of the chosen model); a parameter that does nothing lowers it by 1 on average.
+    /// n·ln(its MSE / MSE of the chosen model); a parameter without effect decreases it by 1 on average.
     pub deviance: f64,
 }

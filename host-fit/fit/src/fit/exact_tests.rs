@@ -1,5 +1,5 @@
-//! Near-singular records against a twin in exact rational arithmetic: every f64 is a fraction, so that the twin's
-//! coefficients are those of the samples as they are, with no rounding at all.
+//! Near-singular records compared with a reference in exact rational arithmetic: every f64 is a fraction, so the
+//! coefficients of the reference have no rounding error at all.
 
 use num_rational::BigRational;
 use num_traits::{ToPrimitive, Zero};
@@ -98,12 +98,12 @@ fn exact_coefficients(method: Method, series: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Two undamped lines and next to no noise: the MSE of an AR(4) is some `noise`² of the variance.
+/// Two undamped lines with very little noise: the MSE of an AR(4) is about `noise`² of the variance.
 fn lines(noise: f64) -> Vec<f64> {
     two_lines([0.7, 1.9], noise)
 }
 
-/// Two lines of these frequencies, radians a sample.
+/// Two lines at these frequencies, radians per sample.
 fn two_lines(frequencies: [f64; 2], noise: f64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     (0..60)
@@ -115,7 +115,7 @@ fn two_lines(frequencies: [f64; 2], noise: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A coloured noise of 10⁻⁴ on gravity.
+/// Coloured noise of 10⁻⁴ on top of gravity.
 fn on_gravity() -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(12);
     let mut r = 0.0;
@@ -128,7 +128,7 @@ fn on_gravity() -> Vec<f64> {
         .collect()
 }
 
-/// The largest error of the coefficients, relative to the largest of them; `None` if the method refuses.
+/// Largest error of the coefficients, relative to the largest of them; `None` if the method rejects the series.
 fn error(method: Method, series: &[f64]) -> Option<f64> {
     match estimate(method, &[series], ORDER) {
         Ok(fit) => {
@@ -143,7 +143,7 @@ fn error(method: Method, series: &[f64]) -> Option<f64> {
 }
 
 #[test]
-fn near_singular_records_give_the_exact_coefficients_or_a_refusal() {
+fn near_singular_records_are_solved_exactly_or_rejected() {
     for (what, series) in [
         ("plain", lines(0.1)),
         ("MSE 1e-8 of the variance", lines(1e-4)),
@@ -157,21 +157,22 @@ fn near_singular_records_give_the_exact_coefficients_or_a_refusal() {
         for method in Method::ALL {
             let error = error(method, &series);
             println!("{what}, {method}: {error:?}");
-            // the refusals' own promise
+            // bound that the rejections guarantee
             assert!(error.is_none_or(|error| error < TRUSTED), "{what}, {method}: {error:?}");
         }
     }
 }
 
 #[test]
-fn what_need_not_be_refused_is_not() {
-    // least squares and the lattice see the noise itself, 10⁻⁶ of the signal: 16 digits less 6, and some for the sums
+fn accepts_well_conditioned_records() {
+    // least squares and the lattice depend on the noise itself, 10⁻⁶ of the signal: 16 digits minus 6, and some for the
+    // sums
     for method in [Method::Covariance, Method::ModifiedCovariance, Method::Burg] {
         assert!(error(method, &lines(1e-6)).is_some_and(|error| error < 1e-8), "{method}");
     }
-    // the autocorrelation is squared before it is solved for; windowing leaves it well conditioned here
+    // the autocorrelation is a square; windowing leaves it well conditioned here
     assert!(error(Method::YuleWalker, &lines(1e-6)).is_some_and(|error| error < 1e-10));
-    // centred, nothing is left of gravity
+    // centring removes gravity
     let centred: Vec<f64> = on_gravity().iter().map(|a| a - 9.81).collect();
     for method in Method::ALL {
         assert!(error(method, &centred).is_some_and(|error| error < 1e-10), "{method}");
@@ -196,7 +197,7 @@ fn terms_fitted_with_a_constant_are_exact_too() {
 }
 
 #[test]
-fn the_search_finds_the_terms_on_gravity_too() {
+fn search_finds_terms_on_top_of_gravity() {
     let pool = Candidates::builder().output(1..=4, 1).build().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(13);
     let mut r = 0.0;

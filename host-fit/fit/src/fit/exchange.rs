@@ -1,23 +1,22 @@
-//! Exchange refinement: terms of a greedy search are swapped, one at a time and two at a time, until no swap helps.
+//! Exchange refinement: terms of a greedy search are swapped, one or two at a time, until no swap helps.
 //!
-//! The greedy search keeps what it took first, though two later terms may make it worthless: on a known system with
-//! the products r(n−1)·r(n−2) and r(n−3)² it takes r(n−4)·r(n−10) and r(n−1)², each the best when it was chosen. A
-//! pair is found only by trying pairs. All is done on the Gram matrix, so that a swap costs M·K multiply-adds and no
+//! The greedy search never removes a term, though two later ones may make it worthless: on a known system with the
+//! products r(n−1)·r(n−2) and r(n−3)² it chooses r(n−4)·r(n−10) and r(n−1)², each the best when it was chosen. A pair
+//! is found only by trying pairs. All is computed from the Gram matrix, so that a swap costs M·K multiply-adds and no
 //! pass over the data.
 //!
 //! [`refine`] alternates three moves until none changes anything:
 //!
-//! 1. *exchange*: one term for one, then two for two, while the MSE falls;
-//! 2. *prune*: a term that the stop rule would not have taken is taken out;
-//! 3. *extend*: the greedy search goes on from there.
+//! 1. *exchange*: one term for one, then two for two, while the MSE decreases;
+//! 2. *prune*: a term that the stop rule would not have accepted is removed;
+//! 3. *extend*: the greedy search continues from there.
 //!
-//! It ends because a set of terms has one cost (`Worth::cost`: ln MSE, and a price for each term), and no move is made
-//! that does not lower it. The cost is computed from the set alone, whatever way led there, so no set is met twice, and
-//! there are finitely many. That a move lowers it must be looked at and does not follow from the rules of the moves:
-//! they go by Q of (6), and where terms are nearly collinear, as the lags of a smooth signal are, the Q of one term
-//! differs from the difference of two MSE of (7) by more than the stop rule asks for. What a move gains must for the
-//! same reason exceed the rounding error of the MSE: what is within it says nothing, and following it would wander
-//! through sets that are all the same.
+//! It terminates because every move lowers the cost of the set of terms (`Worth::cost`: ln MSE plus a penalty per
+//! term). The cost depends on the set alone, so no set occurs twice, and there are finitely many. The decrease must be
+//! checked, since it does not follow from the rules of the moves: they use Q of (6), and for nearly collinear terms,
+//! such as the lags of a smooth signal, the Q of one term differs from the difference of two MSE of (7) by more than
+//! the threshold of the stop rule. For the same reason the gain of a move must exceed the rounding error of the MSE:
+//! smaller gains are not significant and would lead through equivalent sets.
 
 use super::fos::{COLLINEAR, Expansion, Open, Selection};
 use super::stop::{EXACT, StopRule, Stopped, Worth};
@@ -28,37 +27,37 @@ mod ends_tests;
 #[cfg(test)]
 mod two_rules;
 
-/// Smallest relative fall of the MSE that is worth a swap: above rounding, below anything that matters.
+/// Smallest relative decrease of the MSE that justifies a swap: above rounding, below any significant change.
 const WORTH: f64 = 1e-9;
 
-/// Most moves. The argument above bounds them by the number of sets only; on data of every kind (`ends_tests`) there
-/// are ten or fewer, and a thousand would take hours.
-const MOST_MOVES: usize = 1000;
+/// Largest number of moves. The argument above bounds them only by the number of sets; on data of every kind
+/// (`ends_tests`) there are ten or fewer, and a thousand would take hours.
+const MAX_MOVES: usize = 1000;
 
-/// How many models that the data cannot tell apart are listed at most.
-const MOST_TIES: usize = 10;
+/// Largest number of indistinguishable models that are listed.
+const MAX_TIES: usize = 10;
 
-/// n·ln(MSE ratio) below which two models of the same size are called tied: the 95 % point of a chi-square variable
-/// with one degree of freedom, which is what one more parameter would be allowed by chance.
+/// Threshold of n·ln(MSE ratio) below which two models of the same size count as tied: the 95 % point of a chi-square
+/// variable with one degree of freedom, the chance gain of one more parameter.
 pub const TIED: f64 = 3.841;
 
-/// A model of the same size that the data cannot tell from the chosen one.
+/// A model of the same size that is indistinguishable from the chosen one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tie {
-    /// Candidates of the chosen model that it does not have, in order of the pool.
+    /// Candidates of the chosen model that it lacks, in order of the pool.
     pub leaves: Vec<usize>,
-    /// Candidates that it has in their place.
+    /// Candidates that it has instead.
     pub enters: Vec<usize>,
-    /// n·ln(MSE of it / MSE of the chosen model).
+    /// n·ln(its MSE / MSE of the chosen model).
     pub deviance: f64,
 }
 
-/// Refines what `rule` lets a greedy search choose.
+/// Refines the selection of a greedy search under `rule`.
 pub fn refine(gram: &Gram, rule: &StopRule, greedy: Selection) -> Selection {
-    refine_within(MOST_MOVES, gram, rule, greedy).0
+    refine_within(MAX_MOVES, gram, rule, greedy).0
 }
 
-/// The same with at most so many moves; also how many were made.
+/// Refines with at most this many moves; also returns their number.
 pub(super) fn refine_within(
     most: usize,
     gram: &Gram,
@@ -93,9 +92,9 @@ pub(super) fn refine_within(
     }
 }
 
-/// The models of the same size, one or two swaps away, that the data cannot tell from `terms`; best first.
+/// Returns the models of the same size, one or two swaps away, that are indistinguishable from `terms`, best first.
 pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
-    let expansion = Expansion::of_terms(gram, terms);
+    let expansion = Expansion::from_terms(gram, terms);
     let (mse, rounding) = (expansion.mse(), expansion.rounding());
     let rows = gram.rows() as f64;
     if mse <= EXACT * gram.target_mean_square() || rows * (rounding / mse).ln_1p() > TIED {
@@ -114,21 +113,21 @@ pub fn ties(gram: &Gram, terms: &[usize]) -> Vec<Tie> {
     for_each_single(gram, terms, &mut list);
     for_each_pair(gram, terms, &mut list);
     found.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    found.truncate(MOST_TIES);
+    found.truncate(MAX_TIES);
     found
 }
 
-/// Takes a swap: what leaves, what enters, the MSE then.
+/// Receives a swap: the terms that leave, those that enter, and the resulting MSE.
 type Visit<'v> = &'v mut dyn FnMut(&[usize], &[usize], f64);
 
 /// Visits every swap of a kind.
 type ForEachSwap = fn(&Gram, &[usize], Visit<'_>);
 
-/// A set of terms and what it costs.
+/// A set of terms and its cost.
 struct Model<'g> {
     gram: &'g Gram,
     worth: Worth,
-    /// Without those that are collinear with others of the set.
+    /// Terms, without those collinear with others of the set.
     terms: Vec<usize>,
     mse: f64,
     /// Rounding error of the MSE.
@@ -137,7 +136,7 @@ struct Model<'g> {
 
 impl<'g> Model<'g> {
     fn of(gram: &'g Gram, worth: Worth, terms: Vec<usize>) -> Self {
-        let expansion = Expansion::of_terms(gram, &terms);
+        let expansion = Expansion::from_terms(gram, &terms);
         let (mse, rounding) = (expansion.mse(), expansion.rounding());
         Self { gram, worth, terms: expansion.candidates().collect(), mse, rounding }
     }
@@ -147,27 +146,27 @@ impl<'g> Model<'g> {
     }
 
     fn expansion(&self) -> Expansion<'g> {
-        Expansion::of_terms(self.gram, &self.terms)
+        Expansion::from_terms(self.gram, &self.terms)
     }
 
     fn cost(&self) -> f64 {
         self.worth.cost(self.mse, self.terms.len())
     }
 
-    /// Whether `other` costs less, however the MSE of both are rounded.
+    /// Returns true if `other` costs less, for any rounding of both MSE.
     fn is_beaten_by(&self, other: &Self) -> bool {
         let at_most = other.worth.cost(other.mse + other.rounding, other.terms.len());
         at_most < self.worth.cost(self.mse - self.rounding, self.terms.len())
     }
 
-    /// The model after the first kind of move that lowers the cost.
+    /// Returns the model after the first kind of move that lowers the cost.
     fn improved(&self) -> Option<Self> {
         fos_data::interrupt::check();
-        // pairs last: they take the longest, and the fewer terms are left the fewer pairs there are
+        // pairs last: they take the longest, and fewer terms make fewer pairs
         self.exchanged(for_each_single).or_else(|| self.pruned()).or_else(|| self.exchanged(for_each_pair))
     }
 
-    /// With the best swap of a kind, if one is worth it.
+    /// Returns the model after the best swap of a kind, if one is worth it.
     fn exchanged(&self, for_each_swap: ForEachSwap) -> Option<Self> {
         if self.worth.is_exact(self.mse) {
             return None;
@@ -186,12 +185,12 @@ impl<'g> Model<'g> {
         Some(self.with_terms(terms)).filter(|swapped| self.is_beaten_by(swapped))
     }
 
-    /// Without the least term, if the rule would not have taken it. Of two sets that rounding cannot tell apart this is
-    /// the smaller, so that no more is asked than a lower cost.
+    /// Returns the model without the least significant term, if the rule would not have accepted it. Of two sets within
+    /// rounding of each other this is the smaller, so that a lower cost suffices.
     fn pruned(&self) -> Option<Self> {
         let without_each = self.terms.iter().map(|&term| without(&self.terms, &[term]));
         let least = without_each
-            .map(|terms| (Expansion::of_terms(self.gram, &terms).mse(), terms))
+            .map(|terms| (Expansion::from_terms(self.gram, &terms).mse(), terms))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (mse, terms) = least?;
         let is_taken = self.worth.takes(mse - self.mse, mse);
@@ -199,24 +198,24 @@ impl<'g> Model<'g> {
     }
 }
 
-/// Every swap of one term for one candidate.
+/// Visits every swap of one term for one candidate.
 fn for_each_single(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
     for &leaves in terms {
         fos_data::interrupt::check();
-        let base = Expansion::of_terms(gram, &without(terms, &[leaves]));
+        let base = Expansion::from_terms(gram, &without(terms, &[leaves]));
         for open in base.open().iter().filter(|open| open.candidate != leaves) {
             visit(&[leaves], &[open.candidate], base.mse() - open.mse_reduction());
         }
     }
 }
 
-/// Every swap of two terms for two candidates.
+/// Visits every swap of two terms for two candidates.
 fn for_each_pair(gram: &Gram, terms: &[usize], visit: Visit<'_>) {
     for (i, &first) in terms.iter().enumerate() {
         for &second in &terms[i + 1..] {
             fos_data::interrupt::check();
             let leaves = [first, second];
-            let base = Expansion::of_terms(gram, &without(terms, &leaves));
+            let base = Expansion::from_terms(gram, &without(terms, &leaves));
             let open: Vec<&Open> =
                 base.open().iter().filter(|open| !leaves.contains(&open.candidate)).collect();
             for (place, a) in open.iter().enumerate() {
@@ -234,7 +233,7 @@ fn without(terms: &[usize], leaves: &[usize]) -> Vec<usize> {
     terms.iter().copied().filter(|term| !leaves.contains(term)).collect()
 }
 
-/// What two candidates take off the MSE together; `None` if they are collinear.
+/// Reduction of the MSE by two candidates together; `None` if they are collinear.
 fn joint_reduction(gram: &Gram, base: &Expansion<'_>, a: &Open, b: &Open) -> Option<f64> {
     let d_ab = base.residual_product(a, b);
     let dmm = b.dmm - d_ab * d_ab / a.dmm;

@@ -15,9 +15,9 @@
 //!   a_m = Σ_{i≥m} g_i v_i,   v_m = 1,   v_i = −Σ_{m≤r<i} α(i,r) v_r           (8)
 //! ```
 //!
-//! What differs from the textbook: averages come from the Gram matrix, and every candidate keeps its D(m,·),
-//! so a step costs M·K multiply-adds for M candidates and K terms, whatever the length of the record.
-//! D(m,r)/√D(r,r) is a row of the Cholesky factor of the Gram matrix of the terms.
+//! Differences from the textbook: averages come from the Gram matrix, and every candidate keeps its D(m,·), so a step
+//! costs M·K multiply-adds for M candidates and K terms, independent of the length of the record. D(m,r)/√D(r,r) is a
+//! row of the Cholesky factor of the Gram matrix of the terms.
 
 use super::stop::{StopRule, Stopped};
 use crate::moments::Gram;
@@ -25,9 +25,9 @@ use crate::moments::Gram;
 /// Smallest D(m,m)/⟨p_m²⟩ of a candidate that may be chosen; below it the candidate is collinear with the
 /// terms.
 ///
-/// (4) and the sums in it carry some 10⁻¹⁵ of ⟨p_m²⟩ of rounding error, which 10⁻¹² keeps below 0.1 % of
-/// D(m,m). Relative to ⟨p_m²⟩ before the mean is taken off, because the rounding is; and to each candidate's
-/// own, because a square in small units is a small number and no less a candidate.
+/// (4) and its sums have a rounding error of some 10⁻¹⁵ of ⟨p_m²⟩, which 10⁻¹² keeps below 0.1 % of D(m,m). It is
+/// relative to ⟨p_m²⟩ before the mean is subtracted, because the rounding is; and to each candidate's own, because a
+/// square in small units is a small number but a valid candidate.
 pub const COLLINEAR: f64 = 1e-12;
 
 /// Rounding error of an entry of the Gram matrix and of the sums of the recursion, relative to the root mean squares of
@@ -37,28 +37,28 @@ const ROUNDING: f64 = 1e-15;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     pub candidate: usize,
-    /// Q: drop in mean square error, unit of y².
+    /// Q: reduction of the mean square error, unit of y².
     pub mse_reduction: f64,
     /// Error reduction ratio Q/⟨y²⟩.
     pub err: f64,
-    /// Mean square error with this term, by (7). The refit has it from residuals.
+    /// Mean square error with this term, by (7). The refit computes it from residuals.
     pub mse: f64,
 }
 
-/// What a search chose, in which order, and why it stopped.
+/// Result of a search: the chosen terms in order, and the reason why it stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// Terms in the order chosen.
     pub steps: Vec<Step>,
-    /// Why there are not more.
+    /// Reason why the search stopped.
     pub stopped: Stopped,
     /// Candidates that are collinear with the terms (or with the constant), in order of the pool.
     pub collinear: Vec<usize>,
-    /// Mean square error of the constant alone, the variance of y.
+    /// Mean square error of the constant alone, which is the variance of y.
     pub initial_mse: f64,
     /// a_0 by (8).
     pub constant: f64,
-    /// a_m by (8), one per step. The refit has them to more digits.
+    /// a_m by (8), one per step; the refit is more accurate.
     pub coefficients: Vec<f64>,
 }
 
@@ -102,14 +102,14 @@ impl Open {
     }
 }
 
-/// Chooses terms from the pool of a Gram matrix, the one with the largest Q each time, until `rule` stops.
+/// Chooses terms from the pool of a Gram matrix, each time the one with the largest Q, until `rule` stops.
 ///
 /// Equal Q go to the candidate that comes first in the pool.
 pub fn search(gram: &Gram, rule: &StopRule) -> Selection {
-    Expansion::of_constant(gram).run(rule)
+    Expansion::from_constant(gram).run(rule)
 }
 
-/// Terms chosen so far, with everything needed to choose the next.
+/// Terms chosen so far, with the state for choosing the next.
 pub(super) struct Expansion<'g> {
     gram: &'g Gram,
     factor: Factorisation,
@@ -119,8 +119,8 @@ pub(super) struct Expansion<'g> {
 }
 
 impl<'g> Expansion<'g> {
-    pub(super) fn of_constant(gram: &'g Gram) -> Self {
-        let factor = Factorisation::of_constant(gram);
+    pub(super) fn from_constant(gram: &'g Gram) -> Self {
+        let factor = Factorisation::from_constant(gram);
         let open = (0..gram.size()).map(|candidate| {
             let mut open = Open {
                 candidate,
@@ -133,14 +133,14 @@ impl<'g> Expansion<'g> {
         });
         let mut expansion =
             Self { gram, open: open.collect(), factor, steps: Vec::new(), collinear: Vec::new() };
-        expansion.leave_out_collinear();
+        expansion.exclude_collinear();
         expansion
     }
 
-    /// The constant and `terms`, taken in the order of their Q; those collinear with others are left out.
-    pub(super) fn of_terms(gram: &'g Gram, terms: &[usize]) -> Self {
-        let mut expansion = Self::of_constant(gram);
-        // ends: one of `terms` is taken each time, and is then no longer open
+    /// Returns the constant and `terms`, added in the order of their Q; those collinear with others are excluded.
+    pub(super) fn from_terms(gram: &'g Gram, terms: &[usize]) -> Self {
+        let mut expansion = Self::from_constant(gram);
+        // terminates: each iteration adds one of `terms`, which is then no longer open
         while let Some(best) = expansion.best(|candidate| terms.contains(&candidate)) {
             expansion.take(best);
         }
@@ -158,9 +158,9 @@ impl<'g> Expansion<'g> {
     }
 
     /// Rounding error of (7). The MSE is a quadratic form in the Gram matrix, vᵀGv with v = (1, −a_0, …, −a_K) for y
-    /// and the terms, and the factorisation's is that of a matrix whose entries are off by [`ROUNDING`] (backward
-    /// stability; Higham 2002, theorem 10.3). Near-collinear terms have large weights of either sign: the error can
-    /// then be many times the MSE.
+    /// and the terms. The factorisation is exact for a matrix whose entries differ by [`ROUNDING`] (backward stability;
+    /// Higham 2002, theorem 10.3). Near-collinear terms have large weights of opposite sign: the error can then be many
+    /// times the MSE.
     pub(super) fn rounding(&self) -> f64 {
         let weights = self.factor.weights();
         let constant = weights[0].abs();
@@ -170,22 +170,22 @@ impl<'g> Expansion<'g> {
         ROUNDING * sum * sum
     }
 
-    /// The candidates that are neither chosen nor collinear with what is.
+    /// Returns the candidates that are neither chosen nor collinear with the chosen ones.
     pub(super) fn open(&self) -> &[Open] {
         &self.open
     }
 
-    /// ⟨p_a p_b⟩ when all that is chosen is taken out of both.
+    /// Returns ⟨p_a p_b⟩ after all chosen terms are projected out of both.
     pub(super) fn residual_product(&self, a: &Open, b: &Open) -> f64 {
         let taken = a.d.iter().zip(&b.d).zip(&self.factor.diagonal).map(|((a, b), d_rr)| a * b / d_rr);
         self.gram.product(a.candidate, b.candidate) - taken.sum::<f64>()
     }
 
-    /// Chooses more terms until `rule` stops.
+    /// Chooses further terms until `rule` stops.
     pub(super) fn run(mut self, rule: &StopRule) -> Selection {
         let initial_mse = self.gram.target_variance();
         let worth = rule.worth(self.gram);
-        // ends: a term more each time, of at most `max_terms`
+        // terminates: each iteration adds a term, up to `max_terms`
         let stopped = loop {
             fos_data::interrupt::check();
             let mse = self.mse();
@@ -210,7 +210,7 @@ impl<'g> Expansion<'g> {
         self.stopped(stopped)
     }
 
-    /// What was chosen, no more being looked for.
+    /// Finishes the search and returns the selection.
     pub(super) fn stopped(mut self, stopped: Stopped) -> Selection {
         let initial_mse = self.gram.target_variance();
         self.collinear.sort_unstable();
@@ -226,7 +226,7 @@ impl<'g> Expansion<'g> {
         }
     }
 
-    /// Which of the open candidates that are `offered` has the largest Q; the first of equals.
+    /// Returns the index of the open candidate with the largest Q among the `offered` ones, the first of equals.
     fn best(&self, offered: impl Fn(usize) -> bool) -> Option<usize> {
         let larger = |best: usize, i: usize| {
             if self.open[i].mse_reduction() > self.open[best].mse_reduction() { i } else { best }
@@ -245,10 +245,10 @@ impl<'g> Expansion<'g> {
         }
         let err = mse_reduction / self.gram.target_mean_square();
         self.steps.push(Step { candidate, mse_reduction, err, mse: mse - mse_reduction });
-        self.leave_out_collinear();
+        self.exclude_collinear();
     }
 
-    fn leave_out_collinear(&mut self) {
+    fn exclude_collinear(&mut self) {
         let Self { open, collinear, gram, .. } = self;
         open.retain(|m| {
             let free = m.dmm > COLLINEAR * gram.product(m.candidate, m.candidate);
@@ -260,7 +260,7 @@ impl<'g> Expansion<'g> {
     }
 }
 
-/// The recursion's numbers of the terms chosen so far, the constant first.
+/// State of the recursion for the terms chosen so far, the constant first.
 struct Factorisation {
     /// D(m,0), …, D(m,m−1) of each term.
     d: Vec<Vec<f64>>,
@@ -272,7 +272,7 @@ struct Factorisation {
 
 impl Factorisation {
     /// Equation (1).
-    fn of_constant(gram: &Gram) -> Self {
+    fn from_constant(gram: &Gram) -> Self {
         Self { d: vec![vec![]], diagonal: vec![1.0], c: vec![gram.target_mean()] }
     }
 
@@ -282,7 +282,7 @@ impl Factorisation {
         self.c.push(chosen.c);
     }
 
-    /// Takes the newest term out of a candidate; `product` is their ⟨p_m p_r⟩.
+    /// Projects the newest term out of a candidate; `product` is their ⟨p_m p_r⟩.
     fn orthogonalise(&self, open: &mut Open, product: f64) {
         let newest = self.c.len() - 1;
         open.orthogonalise(product, &self.d[newest], &self.diagonal, self.c[newest]);
@@ -324,7 +324,7 @@ mod tests {
         let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
         let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
         let chosen: Vec<usize> = search(&gram, &rule).candidates().collect();
-        let recursion = Expansion::of_terms(&gram, &chosen).factor;
+        let recursion = Expansion::from_terms(&gram, &chosen).factor;
 
         let entry = |i: usize, j: usize| match (i.checked_sub(1), j.checked_sub(1)) {
             (None, None) => 1.0,

@@ -8,11 +8,11 @@
 //!   H = I − τ v vᵀ,    τ = −1/(β·(α − β)),    H [α; b] = [β; 0]
 //! ```
 //!
-//! Reflections are orthogonal to rounding whatever the condition of the columns, and each column is treated in
-//! its own scale. Only R is kept, so a reflection is applied and forgotten.
+//! Reflections are orthogonal to rounding for any condition of the columns, and each column is treated in its own
+//! scale. Only R is stored; a reflection is applied and discarded.
 //!
-//! Own code because on blocks a dozen columns wide the QR of `faer`, the fastest library we know, took 7
-//! (unblocked) to 15 times (as it comes) as long; the tests hold it against that of `nalgebra`.
+//! It is our own code because on blocks a dozen columns wide the QR of `faer`, the fastest library we know, took 7
+//! (unblocked) to 15 times (as released) as long; the tests compare it with that of `nalgebra`.
 
 use aligned_vec::{AVec, avec};
 use pulp::{Arch, Simd, WithSimd};
@@ -20,7 +20,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// Lanes of the widest vector; columns are padded with zeros to a multiple of it. Rows of zeros change nothing.
 const LANES: usize = 8;
 
-/// A block of rows of a tall matrix, column after column, each from the start of a cache line.
+/// A block of rows of a tall matrix, column by column, each aligned to a cache line.
 pub(super) struct Block {
     values: AVec<f64>,
     width: usize,
@@ -29,14 +29,14 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Room for `rows` rows of `width` columns.
+    /// Allocates `rows` rows of `width` columns.
     pub(super) fn new(rows: usize, width: usize) -> Self {
         // one cache line more, or columns a multiple of 4096 bytes apart would share cache sets
         let stride = rows.next_multiple_of(LANES) + LANES;
         Self { values: avec![0.0; stride * width], width, stride, rows: 0 }
     }
 
-    /// Takes `rows` rows, each column written by `fill(column index, its values)`.
+    /// Fills `rows` rows, each column by `fill(column index, its values)`.
     pub(super) fn fill(&mut self, rows: usize, mut fill: impl FnMut(usize, &mut [f64])) {
         self.rows = rows;
         for (j, column) in self.values.chunks_exact_mut(self.stride).enumerate() {
@@ -55,7 +55,7 @@ impl Block {
     }
 }
 
-/// The triangular factor of all rows taken in so far.
+/// Triangular factor of all rows so far.
 pub(super) struct Triangle {
     /// Row-major, `width` × `width`, nothing below the diagonal.
     values: Vec<f64>,
@@ -63,7 +63,7 @@ pub(super) struct Triangle {
 }
 
 impl Triangle {
-    /// The factor of no rows: zero.
+    /// Returns the factor of no rows: zero.
     pub(super) fn new(width: usize) -> Self {
         Self { values: vec![0.0; width * width], width }
     }
@@ -72,7 +72,7 @@ impl Triangle {
         self.values[i * self.width + j]
     }
 
-    /// Takes in a block of rows, which is used up.
+    /// Includes a block of rows, whose contents are destroyed.
     pub(super) fn take_in(&mut self, block: &mut Block) {
         assert_eq!(block.width, self.width);
         Arch::new().dispatch(TakeIn { triangle: self, block });
@@ -116,7 +116,7 @@ impl WithSimd for TakeIn<'_> {
     }
 }
 
-/// aᵀb, in four partial sums so that no addition waits for the one before.
+/// aᵀb, in four partial sums so that no addition waits for the previous one.
 #[inline(always)]
 fn dot<S: Simd>(simd: S, a: &[S::f64s], b: &[S::f64s]) -> f64 {
     let mut sums = [simd.splat_f64s(0.0); 4];

@@ -6,7 +6,7 @@
 //!             [ 0  ρ ]
 //! ```
 //!
-//! so memory is one block, and nothing squared is ever solved.
+//! Memory is one block, and no squared matrix is ever solved.
 
 use std::ops::Range;
 
@@ -15,12 +15,12 @@ use nalgebra::{DMatrix, DVectorViewMut};
 use super::householder::{Block, Triangle};
 use crate::moments::Product;
 
-/// Rows taken in at a time: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
+/// Rows per block: eight terms and the target of 512 rows are 40 kB and stay in the first-level cache.
 const BLOCK_ROWS: usize = 512;
 
-/// Smallest share of a column's norm that must be left when the columns before it are taken out. Householder
-/// reflections leave some 10⁻¹⁵ of a column that is an exact sum of others, a little more after thousands of
-/// blocks; a candidate the search may choose leaves 10⁻⁶ at least.
+/// Smallest share of a column's norm that must remain after the columns before it are projected out. Householder
+/// reflections leave some 10⁻¹⁵ of a column that is an exact sum of others, a little more after thousands of blocks; a
+/// candidate of the search leaves at least 10⁻⁶.
 const RANK: f64 = 1e-12;
 
 /// Relative error of an entry of R.
@@ -33,27 +33,26 @@ pub(super) struct System<'a> {
     pub(super) columns: Vec<Product>,
 }
 
-/// The weights a with the least Σ(y − X a)², and what is known of them.
+/// Weights a that minimise Σ(y − X a)², with their accuracy.
 pub(super) struct Solution {
     pub(super) weights: Vec<f64>,
-    /// What each column took off the sum of squares when it was added.
+    /// Reduction of the sum of squares by each column when it was added.
     pub(super) reductions: Vec<f64>,
-    /// Σ(y − X a)², every residual formed.
+    /// Σ(y − X a)², computed from the residuals.
     pub(super) residual_sum_of_squares: f64,
     /// Condition number of X with its columns scaled to unit norm.
     pub(super) condition: f64,
-    /// How far rounding may move the weights, relative to their size, columns scaled to unit norm: u·(κ +
-    /// κ²·‖residual‖/(‖X‖·‖a‖)), the first-order bound of a backward stable method (Golub and Van Loan, Matrix
-    /// Computations, 4th ed., eq. 5.3.8), with u ten units in the last place for the reflections of some twenty
-    /// columns.
+    /// Bound on the relative error of the weights by rounding, with columns scaled to unit norm:
+    /// u·(κ + κ²·‖residual‖/(‖X‖·‖a‖)), the first-order bound of a backward stable method (Golub and Van Loan, Matrix
+    /// Computations, 4th ed., eq. 5.3.8), with u ten units in the last place for the reflections of some twenty columns.
     pub(super) rounding: f64,
     pub(super) rows: usize,
     factor: DMatrix<f64>,
 }
 
 impl Solution {
-    /// √(σ²(XᵀX)⁻¹) of each weight, σ² the residual sum of squares over the degrees of freedom. Valid for white
-    /// residuals.
+    /// Standard error √(σ²(XᵀX)⁻¹) of each weight, with σ² the residual sum of squares over the degrees of freedom.
+    /// Valid for white residuals.
     pub(super) fn standard_errors(&self) -> Vec<f64> {
         let parameters = self.weights.len();
         let mut inverse = DMatrix::<f64>::identity(parameters, parameters);
@@ -63,10 +62,10 @@ impl Solution {
     }
 }
 
-/// Solves all `systems`, which have the same number of columns and more rows than that together, as one.
+/// Solves all `systems`, which have the same number of columns and together more rows than that, as one.
 ///
 /// # Errors
-/// The index of a column that is a sum of those before it.
+/// Index of a column that is a sum of those before it.
 pub(super) fn solve(systems: &[System<'_>]) -> Result<Solution, usize> {
     let parameters = systems[0].columns.len() - 1;
     let factor = triangular_factor(systems);
@@ -96,7 +95,7 @@ pub(super) fn solve(systems: &[System<'_>]) -> Result<Solution, usize> {
     })
 }
 
-/// The triangular factor of [X y] over all rows.
+/// Returns the triangular factor of [X y] over all rows.
 fn triangular_factor(systems: &[System<'_>]) -> Triangle {
     let width = systems[0].columns.len();
     let mut triangle = Triangle::new(width);
@@ -108,17 +107,17 @@ fn triangular_factor(systems: &[System<'_>]) -> Triangle {
     triangle
 }
 
-/// Σ (y − X a)² with every residual formed.
+/// Returns Σ (y − X a)², computed from the residuals.
 pub(super) fn residual_sum_of_squares(systems: &[System<'_>], weights: &[f64]) -> f64 {
     let mut block = Block::new(BLOCK_ROWS, weights.len() + 1);
-    let of_rows = |(system, rows): (&System<'_>, Range<usize>)| {
+    let block_sum = |(system, rows): (&System<'_>, Range<usize>)| {
         block.fill(rows.len(), |j, column| system.columns[j].fill(system.signals, rows.clone(), column));
         block.residual_sum_of_squares(weights)
     };
-    blocks(systems, BLOCK_ROWS).map(of_rows).sum()
+    blocks(systems, BLOCK_ROWS).map(block_sum).sum()
 }
 
-/// The rows in pieces of at most `most`.
+/// Splits the rows into pieces of at most `most`.
 fn blocks<'a>(
     systems: &'a [System<'a>],
     most: usize,
@@ -131,7 +130,7 @@ fn blocks<'a>(
         .flat_map(move |system| system.ranges.iter().flat_map(pieces).map(move |rows| (system, rows)))
 }
 
-/// Bytes held besides the data for so many columns: one block of rows, and the factor.
+/// Memory besides the data for this number of columns, bytes: one block of rows, and the factor.
 pub(super) fn working_bytes(width: usize) -> usize {
     (BLOCK_ROWS * width + 4 * width * width) * size_of::<f64>()
 }

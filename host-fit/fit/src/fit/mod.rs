@@ -1,4 +1,4 @@
-//! Fitting: choosing terms and finding their coefficients.
+//! Fitting: selection of terms and estimation of their coefficients.
 
 pub mod autoregression;
 pub mod axis;
@@ -39,27 +39,26 @@ pub use poses::FittedPose;
 pub use refit::{Refit, RefitError};
 pub use stop::{NoiseRule, StopRule, Stopped};
 
-/// A model chosen and fitted: what was selected, and its least-squares coefficients.
+/// A fitted model: the selected terms, and their least-squares coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// The terms, in the order chosen, the constant apart.
+    /// Terms in the order chosen, without the constant.
     pub terms: Vec<Monomial>,
-    /// The search: order, error after each step, why it stopped.
+    /// Record of the search: order, error after each step, reason why it stopped.
     pub selection: Selection,
-    /// Coefficients, their errors, and the mean square error, of the terms in the same order.
+    /// Coefficients, their errors and the mean square error, for the terms in the same order.
     pub refit: Refit,
-    /// Models of the same size that the data cannot tell from this one, best first; none are looked for by a greedy
-    /// search.
+    /// Models of the same size that are indistinguishable from this one, best first; empty after a greedy search.
     pub ties: Vec<Tie>,
 }
 
-/// How terms are searched for.
+/// Search strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Search {
-    /// The best next term, and never back: the paper's.
+    /// Forward selection without removal, as in the paper.
     Greedy,
-    /// The same, then terms are exchanged until nothing improves.
+    /// Forward selection, then exchange of terms until nothing improves.
     Exchange,
 }
 
@@ -79,7 +78,7 @@ pub enum FitError {
     /// The signals do not fit the pool.
     #[error(transparent)]
     Signals(#[from] SignalsError),
-    /// No rows to average over.
+    /// There are no rows to average over.
     #[error(transparent)]
     Gram(#[from] GramError),
     /// The chosen terms cannot be solved for.

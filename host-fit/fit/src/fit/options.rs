@@ -1,4 +1,4 @@
-//! How to fit: documented defaults, nothing hidden.
+//! Options of a fit, with their defaults.
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,39 +13,39 @@ use fos_data::stored_as_text;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitOptions {
-    /// How the stochastic part is found. Default: Fast Orthogonal Search.
+    /// Method for the stochastic part. Default: Fast Orthogonal Search.
     pub method: FitMethod,
-    /// What is done to the training data before an autoregression is estimated, as in the paper; FOS needs none.
+    /// Pre-processing of the training data before an autoregression is estimated, as in the paper; FOS needs none.
     pub denoising: Option<Denoising>,
-    /// How FOS searches. Default: with exchanges.
+    /// Search strategy of FOS. Default: with exchanges.
     pub search: Search,
-    /// L: output lags 1 … L are candidates; the order of an autoregression. Default 10, as in the paper.
+    /// L: output lags 1 … L are candidates; for an autoregression, its order. Default 10, as in the paper.
     pub max_lag: u16,
     /// Cross-product degree (CP), 1 … 3. Default 2.
     pub degree: usize,
-    /// Time constants of the low-passes of the remainder offered beside its lags, s. Those longer than a fifth of the
-    /// training data are left out. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and it is the long memory
-    /// that carries a bias through a motion.
+    /// Time constants of low-passes of the remainder that are candidates in addition to its lags, s. Those longer than
+    /// a fifth of the training data are excluded. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and only the
+    /// long memory carries a bias through a motion.
     pub memory_s: Vec<f64>,
-    /// Inputs offered to the stochastic part, beside the output and in products with it.
+    /// Inputs of the stochastic part, alone and in products with the output.
     pub inputs: Vec<InputSpec>,
     /// K: lags 0 … K of these inputs are candidates. Default 0.
     pub input_lags: u16,
     /// Inputs of the physical part: always in the model, estimated first, with coloured errors.
     pub physical: Vec<InputSpec>,
-    /// Most terms that the search may take. Default 20.
+    /// Largest number of terms of the search. Default 20.
     pub max_terms: usize,
-    /// When to stop before that.
+    /// Stop rule of the search.
     pub stop: Stop,
-    /// What the model is trained on, from the start of the log. Default: half of it.
+    /// Training part, from the start of the log. Default: half of it.
     pub train: Train,
-    /// Taken off the measured error before scaling, in the axis' unit; by default its mean.
+    /// Offset subtracted from the measured error before scaling, in the axis' unit; by default its mean.
     pub offset: Option<f64>,
-    /// The axis' unit per scaled unit; by default the standard deviation of the measured error.
+    /// Scale: the axis' unit per scaled unit; by default the standard deviation of the measured error.
     pub scale: Option<f64>,
-    /// Magnitude at which a measured value counts as saturated, in the axis' unit; 0 if not known.
+    /// Full scale of the sensor, in the axis' unit; 0 if unknown.
     pub full_scale: f64,
-    /// What the measured values are.
+    /// Kind of the measured values: raw or corrected.
     pub fitted_on: FittedOn,
 }
 
@@ -72,7 +72,7 @@ impl Default for FitOptions {
     }
 }
 
-/// How the stochastic part is found.
+/// Method for the stochastic part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitMethod {
     /// Fast Orthogonal Search among lags, their products, inputs and low-passes.
@@ -82,7 +82,7 @@ pub enum FitMethod {
 }
 
 impl FitMethod {
-    /// The four autoregressions, then FOS.
+    /// All methods: the four autoregressions, then FOS.
     pub const ALL: [Self; 5] = [
         Self::Linear(autoregression::Method::YuleWalker),
         Self::Linear(autoregression::Method::Covariance),
@@ -113,11 +113,11 @@ impl FromStr for FitMethod {
 
 stored_as_text!(FitMethod);
 
-/// When the search stops before it has reached the most terms.
+/// Stop rule of the search before the largest number of terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
-    /// When the best term left is no better than the best of so many candidates is on white noise (the default).
+    /// Stops when the best remaining term is no better than the best of all candidates on white noise (the default).
     Multiplicity,
     /// Korenberg's test, made for a single candidate: it admits a spurious term in nearly every record.
     Korenberg,
@@ -125,7 +125,7 @@ pub enum Stop {
 }
 
 impl Stop {
-    /// The rule of the search that it stands for.
+    /// Returns the corresponding rule of the search.
     pub(super) fn rule(self) -> NoiseRule {
         match self {
             Self::Multiplicity => NoiseRule::ExtendedBic,
@@ -147,13 +147,13 @@ impl FromStr for Stop {
     }
 }
 
-/// The part of the log, from its start, that a model is trained on.
+/// Training part of a log, from its start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Train {
-    /// This share of the rows.
+    /// Share of the rows.
     Share(f64),
-    /// The rows of so long a time, at rest or not, s.
+    /// Time, at rest or not, s.
     Seconds(f64),
 }
 
@@ -178,10 +178,10 @@ impl FromStr for Train {
     }
 }
 
-/// An input as written on the command line: `temp_c`, `temp_c:lowpass(60)`, `clock:decay(200)`.
+/// An input as on the command line: `temp_c`, `temp_c:lowpass(60)`, `clock:decay(200)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputSpec {
-    /// The column, or `None` for the clock.
+    /// Column, or `None` for the clock.
     pub column: Option<String>,
     pub transform: Transform<f64>,
 }
@@ -236,7 +236,7 @@ impl fmt::Display for InputSpec {
     }
 }
 
-/// An input in words: `temp_c:lowpass(60)`.
+/// Formats an input: `temp_c:lowpass(60)`.
 pub(crate) fn input_text<R: fmt::Display>(column: &str, transform: Transform<R>) -> String {
     match transform {
         Transform::Identity => column.to_owned(),
@@ -259,7 +259,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_input_reads_back_as_it_is_written() {
+    fn input_text_round_trips() {
         for text in
             ["temp_c", "temp_c:lowpass(61.5)", "ax_mps2:variance(2)", "clock:time", "clock:sine(16.37)"]
         {
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_training_part_is_a_share_or_a_time() {
+    fn parses_training_part_as_share_or_time() {
         assert_eq!("50%".parse(), Ok(Train::Share(0.5)));
         assert_eq!("0.25".parse(), Ok(Train::Share(0.25)));
         assert_eq!("180s".parse(), Ok(Train::Seconds(180.0)));

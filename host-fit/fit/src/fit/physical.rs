@@ -1,4 +1,4 @@
-//! The physical part of an axis: terms over inputs only, estimated with coloured errors.
+//! Physical part of an axis: terms over inputs only, estimated with coloured errors.
 
 use std::ops::Range;
 
@@ -14,41 +14,41 @@ use crate::model::FittedTerm;
 use crate::model::UnitModel;
 use crate::moments::Rows;
 
-/// Orders of the autoregression that whitens the physical part's errors, and the rounds that it takes.
+/// Order of the autoregression that whitens the physical part's errors, and number of iterations.
 const WHITENING_ORDER: u16 = 10;
 const WHITENING_ROUNDS: usize = 3;
 
-/// The physical part, and what of it the data say nothing of.
+/// Physical part, and the requested terms that are not significant.
 pub struct PhysicalPart {
-    /// Its terms, one input each.
+    /// Terms, one input each.
     pub terms: Vec<FittedTerm>,
-    /// Terms that were asked for and are left out.
+    /// Requested terms that were excluded.
     pub left_out: Vec<UnknownTerm>,
 }
 
-/// A term whose coefficient is lost in its error.
+/// A term whose coefficient is not significant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnknownTerm {
-    /// Place of its input among those of the model, from 0.
+    /// Index of its input in the model, from 0.
     pub input: u8,
-    /// Its coefficient when it was left out.
+    /// Coefficient at the time of its exclusion.
     pub coefficient: f64,
-    /// The standard error of that.
+    /// Standard error of the coefficient.
     pub standard_error: f64,
 }
 
-/// The physical part over `inputs`, beside `levels`: columns of constants that hold for part of the rows. A term whose
-/// coefficient noise alone would have given is left out, the least sure first, and the others are estimated anew: it
-/// would be followed where the input goes, and do nothing but harm.
+/// Fits the physical part over `inputs` and `levels`, columns of constants that hold for part of the rows. A term whose
+/// coefficient noise alone might have produced is excluded, the least significant first, and the others are estimated
+/// again: in the model it would follow its input and only do harm.
 ///
 /// # Errors
 ///
-/// Too few rows, or inputs that the data cannot tell apart.
+/// Too few rows, or inputs that are indistinguishable in the data.
 pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Result<PhysicalPart, FitError> {
     let (mut inputs, mut left_out) = (inputs.to_vec(), Vec::new());
     loop {
         let (terms, rows) = coefficients(regressors, &inputs, levels)?;
-        // as for a term of the search (`stop`), of a pool of those that were asked for
+        // as for a term of the search (`stop`), with the requested terms as the pool
         let least = NoiseRule::ExtendedBic.threshold(rows, inputs.len() + left_out.len()) * rows as f64;
         let sureness = |term: &FittedTerm| {
             term.standard_error.map_or(f64::INFINITY, |error| (term.coefficient / error).powi(2))
@@ -65,9 +65,9 @@ pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Resul
     }
 }
 
-/// The coefficients of the physical part, by least squares with coloured errors (Cochrane and Orcutt 1949): output and
-/// inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin and not what is left
-/// of it after ten lags. Also gives the rows that count.
+/// Estimates the coefficients of the physical part by least squares with coloured errors (Cochrane and Orcutt 1949):
+/// output and inputs are whitened by an autoregression of the residual, so that a coefficient is per kelvin rather than
+/// its remainder after ten lags. Also returns the rows used.
 fn coefficients(
     regressors: &Regressors,
     inputs: &[u8],
@@ -79,14 +79,14 @@ fn coefficients(
     let n_rows = regressors.remainder.len();
     let levels = levels.iter().map(|level| &level[..n_rows]);
     let all: Vec<&[f64]> = regressors.columns().into_iter().chain(levels).collect();
-    // a level is an input like any other, but no term of the model
-    let of_levels = (regressors.inputs.len()..all.len() - 1).filter_map(|input| u8::try_from(input).ok());
-    let estimated: Vec<u8> = inputs.iter().copied().chain(of_levels).collect();
+    // a level is an input like any other, but not a term of the model
+    let level_inputs = (regressors.inputs.len()..all.len() - 1).filter_map(|input| u8::try_from(input).ok());
+    let estimated: Vec<u8> = inputs.iter().copied().chain(level_inputs).collect();
     let monomials: Vec<Monomial> = estimated.iter().map(|input| vec![u(*input, 0)]).collect();
     let lags: Vec<Monomial> = (1..=WHITENING_ORDER).map(|lag| vec![y(lag)]).collect();
     let mut whitened: Vec<Vec<f64>> = all.iter().map(|column| column.to_vec()).collect();
     let mut round = 0;
-    // ends after WHITENING_ROUNDS: that it settles is not presumed
+    // terminates after WHITENING_ROUNDS, converged or not
     loop {
         let columns: Vec<&[f64]> = whitened.iter().map(Vec::as_slice).collect();
         let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
@@ -110,7 +110,7 @@ fn coefficients(
     }
 }
 
-/// x(n) − Σ a_k·x(n−k); NaN where that would reach back before its stretch.
+/// Returns x(n) − Σ a_k·x(n−k); NaN if that reaches back beyond its stretch.
 fn whiten(column: &[f64], stretches: &[Range<usize>], colour: &[f64]) -> Vec<f64> {
     let mut whitened = vec![f64::NAN; column.len()];
     for stretch in stretches {
@@ -123,7 +123,7 @@ fn whiten(column: &[f64], stretches: &[Range<usize>], colour: &[f64]) -> Vec<f64
 }
 
 impl UnknownTerm {
-    /// As a study keeps it, with the name of its input.
+    /// Converts to the form stored in a study, with the name of its input.
     pub(super) fn left_out_of(self, model: &UnitModel) -> LeftOut {
         let Self { input, coefficient, standard_error } = self;
         let input = model.inputs.get(usize::from(input)).map_or_else(String::new, |named| named.name.clone());

@@ -1,34 +1,34 @@
-//! How far the sum p of the physical terms may go: what it was while fitting, and what one part of it may do by itself.
+//! Range of the sum p of the physical terms: its range in the fitted rows, widened for each part of it.
 
 use fos_core::{Channel, Range};
 
 use crate::model::{FittedTerm, NamedInput};
 
-/// Room for the rounding of p in f32, as a share of the sum of its terms' magnitudes: 2⁻²³ each for a product, a sum
-/// and the limits themselves, of at most ten terms.
+/// Allowance for the rounding of p in f32, as a share of the sum of its terms' magnitudes: 2⁻²³ each for a product, a
+/// sum and the limits themselves, with at most ten terms.
 const ROUNDING: f64 = 1.0 / (1 << 18) as f64;
 
-/// Places on the range of an input that powers are taken of; others are at one end of theirs.
+/// Number of points tried in the range of an input that occurs as a power; for others the two ends suffice.
 const PLACES: u32 = 8;
 
-/// Combinations of places that are tried; where there are more, nothing is taken to cancel.
-const MOST: u32 = 1 << 16;
+/// Largest number of combinations tried; beyond it, no cancellation is assumed.
+const MAX_COMBINATIONS: u32 = 1 << 16;
 
-/// Terms of p that belong together: one term of a fit, one effect that was added.
+/// Terms of p that belong together: one term of a fit, or one added effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Part<'a> {
-    /// Its terms; they look back at no sample.
+    /// Terms, without delayed factors.
     pub terms: &'a [FittedTerm],
-    /// It is kept within these by a guard of its own.
+    /// Range to which the part is limited by a guard of its own.
     pub within: Range<f64>,
 }
 
-/// The range of p that an axis stores, over `rows` of the columns of `inputs`; scaled.
+/// Returns the range of p that an axis stores, over `rows` of the columns of `inputs`; scaled.
 ///
-/// It is that of p. Where a part by itself may go further than one width beyond it, which is what a predictor grants
-/// ([`fos_core::AxisParameters::physical_limits`]), it is as much wider as that part needs: an effect alone is
-/// limited by the ranges of its inputs and by nothing else. A part that is wider than the sum is cancelled by others,
-/// and goes as many of the sum's widths as it may go of its own: p is what was seen, not its parts.
+/// It is the range of p. If a part by itself may exceed it by more than the one width that a predictor allows
+/// ([`fos_core::AxisParameters::physical_limits`]), the range is widened as far as that part needs: an effect alone is
+/// limited only by the ranges of its inputs. A part that is wider than the sum is cancelled by others, and may exceed
+/// by as many widths of the sum as of its own: the sum was observed, not its parts.
 pub fn physical_range(
     inputs: &[NamedInput],
     columns: &[Vec<f64>],
@@ -57,7 +57,8 @@ pub fn physical_range(
     Range::new(sum.low - more_below - rounding, sum.high + more_above + rounding)
 }
 
-/// By how much a range must grow on either side so that, one of its widths further, it ends at least so much further.
+/// Returns the widening of a range on either side so that, with one of its widths added, it covers at least these
+/// distances.
 fn widening(below: f64, above: f64) -> (f64, f64) {
     let (low, high) = ((2.0 * below - above) / 3.0, (2.0 * above - below) / 3.0);
     if low < 0.0 {
@@ -66,13 +67,13 @@ fn widening(below: f64, above: f64) -> (f64, f64) {
     if high < 0.0 { (below / 2.0, 0.0) } else { (low, high) }
 }
 
-/// From the least to the largest finite value; none if there is none.
+/// Range of the finite values; `None` if there are none.
 fn seen(values: impl Iterator<Item = f64>) -> Option<Range<f64>> {
     let finite = values.filter(|value| value.is_finite()).map(|value| Range::new(value, value));
     finite.reduce(|all, one| Range::new(all.low.min(one.low), all.high.max(one.high)))
 }
 
-/// The sum of `terms` where an input is what `at` says.
+/// Value of the sum of `terms` with the inputs from `at`.
 fn value(terms: &[FittedTerm], at: impl Fn(usize) -> f64) -> f64 {
     let product = |term: &FittedTerm| inputs_of(term).fold(term.coefficient, |product, i| product * at(i));
     terms.iter().map(product).sum()
@@ -85,7 +86,7 @@ fn inputs_of(term: &FittedTerm) -> impl Iterator<Item = usize> + '_ {
     })
 }
 
-/// What `terms` can come to with their inputs anywhere in the limits of these.
+/// Range of `terms` with their inputs anywhere within their limits.
 fn reach(terms: &[FittedTerm], inputs: &[NamedInput]) -> Option<Range<f64>> {
     let mut used: Vec<usize> = terms.iter().flat_map(inputs_of).collect();
     used.sort_unstable();
@@ -94,7 +95,7 @@ fn reach(terms: &[FittedTerm], inputs: &[NamedInput]) -> Option<Range<f64>> {
         |input: usize| terms.iter().any(|term| inputs_of(term).filter(|other| *other == input).count() > 1);
     let places: Vec<u32> = used.iter().map(|input| if is_power(*input) { PLACES } else { 1 }).collect();
     let combinations = places.iter().try_fold(1_u32, |all, places| all.checked_mul(places + 1));
-    let Some(combinations) = combinations.filter(|combinations| *combinations <= MOST) else {
+    let Some(combinations) = combinations.filter(|combinations| *combinations <= MAX_COMBINATIONS) else {
         let magnitude: f64 = terms.iter().map(|term| magnitude(term, inputs)).sum();
         return Some(Range::new(-magnitude, magnitude));
     };
@@ -114,7 +115,7 @@ fn reach(terms: &[FittedTerm], inputs: &[NamedInput]) -> Option<Range<f64>> {
     }))
 }
 
-/// The largest that a term can come to.
+/// Largest magnitude of a term.
 fn magnitude(term: &FittedTerm, inputs: &[NamedInput]) -> f64 {
     inputs_of(term).fold(term.coefficient.abs(), |product, input| {
         let limits = inputs[input].input.limits();
@@ -140,7 +141,7 @@ mod tests {
         vec![FittedTerm { coefficient, standard_error: None, factors }]
     }
 
-    /// What is stored, and what p is kept within then.
+    /// Stored range, and the resulting limits of p.
     fn of(inputs: &[NamedInput], columns: &[Vec<f64>], parts: &[&[FittedTerm]]) -> [Range<f64>; 2] {
         let parts: Vec<Part<'_>> =
             parts.iter().map(|terms| Part { terms, within: Range::unlimited() }).collect();
@@ -161,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_that_of_p_where_the_inputs_keep_to_what_was_seen() {
+    fn range_of_p_holds_within_fitted_inputs() {
         let (up, down) = (ramp(), ramp().into_iter().map(|value| 1.0 - value).collect());
         let inputs = [input(0.0, 1.0), input(0.0, 1.0)];
         let [stored, _] = of(&inputs, &[up, down], &[&term(3.0, &[0]), &term(1.0, &[1])]);
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn terms_that_cancel_may_come_apart_by_one_width_of_what_they_left() {
+    fn cancelling_terms_may_exceed_by_one_width() {
         let noise = |n: usize| 0.001 * f64::from((n * 7 % 10) as u32);
         let other: Vec<f64> = ramp().iter().enumerate().map(|(n, value)| value + noise(n)).collect();
         let inputs = [input(0.0, 1.0), input(0.0, 1.009)];
@@ -179,33 +180,33 @@ mod tests {
     }
 
     #[test]
-    fn one_effect_alone_is_limited_by_its_inputs_first() {
-        // one width outside what was seen, and the square of that
+    fn single_effect_is_limited_by_its_inputs() {
+        // one width outside the fitted range, and its square
         for (terms, reach) in [(term(2.0, &[0]), 2.0 * 2.15), (term(2.0, &[0, 0]), 2.0 * 2.15 * 2.15)] {
             let [_, limits] = of(&[input(-1.0, 2.0)], &[ramp()], &[&terms]);
             assert!(limits.high >= reach && limits.high < reach + 1.0, "{limits:?}, {reach}");
             assert!(limits.low <= -1.15 * 2.0 || terms[0].factors.len() == 2, "{limits:?}");
         }
-        // seen from one end to the middle: the decay goes on to 0
+        // fitted from one end to the middle: the decay continues to 0
         let seen: Vec<f64> = ramp().iter().map(|value| 1.0 - 0.1 * value).collect();
         let [_, limits] = of(&[input(0.0, 1.0)], &[seen], &[&term(5.0, &[0])]);
         assert!(limits.low <= -0.25 && limits.high >= 5.25, "{limits:?}");
     }
 
     #[test]
-    fn one_that_is_not_cancelled_goes_as_far_beside_another_as_alone() {
-        // a decay that was hardly seen, beside what was seen ten times as wide
+    fn uncancelled_part_keeps_its_own_range() {
+        // a decay that was hardly excited, beside a quantity with ten times the range
         let decay: Vec<f64> = ramp().iter().map(|value| 1.0 - 0.01 * value).collect();
         let other: Vec<f64> = ramp().iter().map(|value| (40.0 * value).sin()).collect();
         let inputs = [input(0.0, 1.0), input(-1.0, 1.0)];
         let [_, limits] = of(&inputs, &[decay, other], &[&term(9.0, &[0]), &term(0.45, &[1])]);
         assert!(limits.low <= -0.45, "{limits:?}");
-        // the width that the predictor grants is that of both sides
+        // the width that the predictor allows is that of both sides
         assert!(limits.high < 15.0, "{limits:?}");
     }
 
     #[test]
-    fn many_inputs_are_taken_at_their_worst() {
+    fn many_inputs_use_the_worst_case() {
         let inputs: Vec<NamedInput> = (0..32).map(|_| input(0.0, 1.0)).collect();
         let terms: Vec<FittedTerm> = (0..32).flat_map(|input| term(1.0, &[input])).collect();
         let [_, limits] = of(&inputs, &vec![ramp(); 32], &[&terms]);
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_a_part_within_bounds_of_its_own_counts() {
+    fn bounds_of_a_part_are_respected() {
         let within = Range::new(-0.5, 1.5);
         let terms = term(1.0, &[0]);
         let parts = [Part { terms: &terms, within }];
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_has_room_for_its_rounding() {
+    fn constant_range_allows_for_rounding() {
         let terms: Vec<FittedTerm> = [term(0.1, &[0]), term(1e4, &[1]), term(-1e4, &[1])].concat();
         let columns = [vec![1.0; 3], vec![0.3; 3]];
         let [stored, _] = of(&[input(1.0, 1.0), input(0.3, 0.3)], &columns, &[&terms]);
@@ -231,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn without_terms_it_is_0_and_without_rows_unlimited() {
+    fn range_is_zero_without_terms_and_unlimited_without_rows() {
         assert_eq!(of(&[], &[vec![]], &[])[0], Range::new(0.0, 0.0));
         assert_eq!(of(&[input(0.0, 1.0)], &[vec![]], &[&term(1.0, &[0])])[0], Range::unlimited());
     }

@@ -1,4 +1,4 @@
-//! The candidates of an axis: which they are, and whether the rows are enough for so many.
+//! Candidates of an axis, and the check that the rows suffice for their number.
 
 use fos_core::u;
 
@@ -6,11 +6,12 @@ use super::axis_error::AxisError;
 use super::options::{FitMethod, FitOptions};
 use crate::candidates::{Candidates, CandidatesError, MAX_CANDIDATES};
 
-/// Fewest rows per candidate: below that a coefficient is mostly noise.
+/// Least number of rows per candidate: below it a coefficient is mostly noise.
 const ROWS_PER_CANDIDATE: usize = 5;
 
-/// The pool (eq. 14): products of output lags and, where inputs are offered, of their lags too, up to the cross-product
-/// degree; the long memory as it is. `n_inputs`: those of the physical part, those offered, the long memory.
+/// Returns the pool (eq. 14): products of output lags and of the lags of offered inputs, up to the cross-product
+/// degree, and the long memory. `n_inputs` counts the inputs of the physical part, the offered ones and the long
+/// memory.
 pub(super) fn pool(n_inputs: usize, options: &FitOptions) -> Result<Candidates, CandidatesError> {
     let mut pool = Candidates::builder().output(1..=options.max_lag, options.degree);
     let inputs = options.physical.len()..options.physical.len() + options.inputs.len();
@@ -26,7 +27,7 @@ pub(super) fn pool(n_inputs: usize, options: &FitOptions) -> Result<Candidates, 
     pool.build()
 }
 
-/// Whether so many rows are enough, and the memory; without making the candidates.
+/// Checks that the rows and the memory suffice, without making the candidates.
 pub(super) fn check(
     column: &str,
     rows: usize,
@@ -36,7 +37,7 @@ pub(super) fn check(
     let column = column.to_owned();
     let candidates = size(n_inputs, options);
     let needed = candidates.saturating_add(1).saturating_mul(ROWS_PER_CANDIDATE);
-    let fits = || what_fits(rows, n_inputs, options);
+    let fits = || suggestion(rows, n_inputs, options);
     if rows < needed {
         Err(AxisError::TooShort { column, rows, needed, candidates, fits: fits() })
     } else if options.method == FitMethod::Fos && candidates > MAX_CANDIDATES {
@@ -46,8 +47,8 @@ pub(super) fn check(
     }
 }
 
-/// How many candidates there are: C(F + CP, CP) − 1 products of up to CP of F factors, and the long memory; the lags of
-/// an autoregression.
+/// Number of candidates: C(F + CP, CP) − 1 products of up to CP of F factors, and the long memory; for an
+/// autoregression, its lags.
 fn size(n_inputs: usize, options: &FitOptions) -> usize {
     let lags = usize::from(options.max_lag);
     if options.method != FitMethod::Fos {
@@ -61,8 +62,8 @@ fn size(n_inputs: usize, options: &FitOptions) -> usize {
     usize::try_from(products - 1).unwrap_or(usize::MAX).saturating_add(memory)
 }
 
-/// The largest order for so many rows, at each degree, as options; empty if there is none.
-fn what_fits(rows: usize, n_inputs: usize, options: &FitOptions) -> String {
+/// Returns the largest order for this number of rows, at each degree, as options; empty if there is none.
+fn suggestion(rows: usize, n_inputs: usize, options: &FitOptions) -> String {
     let most = (rows / ROWS_PER_CANDIDATE).saturating_sub(1);
     let of = |max_lag, degree| FitOptions { max_lag, degree, ..options.clone() };
     let largest = |most: usize, degree: usize| {
@@ -95,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_are_counted_as_there_are() {
+    fn size_matches_the_built_pool() {
         for (max_lag, degree, inputs) in
             [(1, 1, 0), (10, 1, 0), (10, 2, 0), (7, 3, 0), (10, 1, 1), (5, 2, 1), (4, 2, 2), (3, 3, 2)]
         {
@@ -108,9 +109,10 @@ mod tests {
         }
     }
 
-    /// 3000 lags spent half a minute and gigabytes on 4.5 million candidates before it said that the rows are too few.
+    /// Regression: 3000 lags took half a minute and gigabytes for 4.5 million candidates before they were rejected for
+    /// lack of rows.
     #[test]
-    fn refuses_too_many_before_they_are_made_and_says_what_fits() {
+    fn rejects_too_many_candidates_with_suggestion() {
         let refused = |rows, options: &FitOptions| {
             let n_inputs = 1 + options.inputs.len() + 4;
             check("gx_rads", rows, n_inputs, options).unwrap_err().to_string()
@@ -118,11 +120,11 @@ mod tests {
         let text = refused(29_990, &options(3000, 2, 0));
         assert!(text.contains("29990 rows at rest") && text.contains("4504504 candidates"), "{text}");
         assert!(text.ends_with("or `max_lag` 107 `degree` 2 or `max_lag` 3000 `degree` 1"), "{text}");
-        // what is named is enough, and one more is not
+        // the suggestion suffices, and one more does not
         assert!(check("gx_rads", 29_990, 5, &options(107, 2, 0)).is_ok());
         assert!(check("gx_rads", 29_990, 5, &options(108, 2, 0)).is_err());
 
-        // rows enough, but not memory; and beyond what can be counted
+        // enough rows, but not enough memory; and a number beyond counting
         let text = refused(100_000_000, &options(200, 2, 0));
         assert!(text.contains("20304 candidates") && text.contains("`max_lag` 108 `degree` 2"), "{text}");
         assert!(refused(1000, &options(u16::MAX, 3, 0)).contains("`max_lag` 8 `degree` 3"));

@@ -1,7 +1,8 @@
-//! The poses that an accelerometer without a reference is fitted in.
+//! Orientations in which an accelerometer without a reference is fitted.
 //!
-//! At rest it shows gravity beside its bias, and gravity is one value in one pose only. So each pose has a constant of
-//! its own, and what is learnt is what happens within a pose: with temperature, with time, from sample to sample.
+//! At rest it shows gravity in addition to its bias, and gravity is constant only within one orientation. So each
+//! orientation has its own constant, and the model learns only changes within an orientation: with temperature, with
+//! time, from sample to sample.
 
 use std::ops::Range;
 
@@ -12,28 +13,28 @@ use serde::{Deserialize, Serialize};
 
 use super::axis_error::AxisError;
 
-/// A pose that an axis was fitted in.
+/// Orientation in which an axis was fitted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FittedPose {
-    /// From when on, s as stamped.
+    /// Begin as timestamp, s.
     pub from_s: f64,
-    /// What the accelerometers of the log show in it, m/s².
+    /// Specific force measured by the accelerometers of the log in it, m/s².
     pub force: Vec<f64>,
 }
 
-/// The poses of the training part; of an axis that gravity does not bear on one without a turn.
+/// Orientations of the training part; a single one for an axis on which gravity does not act.
 pub(super) struct Poses<'a> {
     column: &'a str,
     /// Rows that are fitted.
     used: Vec<bool>,
     turns: Vec<usize>,
-    told: Vec<FittedPose>,
+    fitted: Vec<FittedPose>,
 }
 
 impl<'a> Poses<'a> {
     /// # Errors
     ///
-    /// Gravity turns where the log claims rest.
+    /// Gravity changes its direction in rows that are marked as rest.
     pub(super) fn of(
         recording: &Recording,
         stillness: &Stillness,
@@ -42,7 +43,7 @@ impl<'a> Poses<'a> {
     ) -> Result<Self, AxisError> {
         let mut used = stillness.still.clone();
         used[training.end..].fill(false);
-        let mut poses = Self { column, used, turns: Vec::new(), told: Vec::new() };
+        let mut poses = Self { column, used, turns: Vec::new(), fitted: Vec::new() };
         if !pose::has_unknown_level(column, reference) {
             return Ok(poses);
         }
@@ -53,12 +54,12 @@ impl<'a> Poses<'a> {
             in_level[rows.clone()].copy_from_slice(&poses.used[rows]);
             match &pose::first_two(recording, &columns, &in_level)[..] {
                 [] => {}
-                [only] => poses.told.push(told(recording, only)),
+                [only] => poses.fitted.push(fitted_pose(recording, only)),
                 [first, second, ..] => return Err(poses.two(recording, first, second)),
             }
         }
         if poses.turns.is_empty() {
-            poses.told.clear();
+            poses.fitted.clear();
         }
         Ok(poses)
     }
@@ -74,8 +75,8 @@ impl<'a> Poses<'a> {
         }
     }
 
-    /// The recording as if it had lain in the first pose throughout, by what `explained` leaves of each row; `None` if
-    /// it did.
+    /// Returns the recording converted to the first orientation throughout, from the residual of `explained` in each
+    /// row; `None` if there is only one.
     pub(super) fn in_first(
         &self,
         recording: &Recording,
@@ -92,7 +93,7 @@ impl<'a> Poses<'a> {
         Some(recording.with_values(self.column, moved))
     }
 
-    /// A column for each pose but the first, 1 in its rows.
+    /// Returns an indicator column for each orientation except the first.
     pub(super) fn columns(&self) -> Vec<Vec<f64>> {
         let levels = pose::levels_between(&self.turns, 0..self.used.len());
         let column = |rows: &Range<usize>| {
@@ -104,12 +105,12 @@ impl<'a> Poses<'a> {
         levels.iter().filter(is_fitted).skip(1).map(column).collect()
     }
 
-    /// As a study keeps them: none where there is one.
-    pub(super) fn told(self) -> Vec<FittedPose> {
-        self.told
+    /// Converts to the form stored in a study: empty if there is only one.
+    pub(super) fn fitted(self) -> Vec<FittedPose> {
+        self.fitted
     }
 }
 
-fn told(recording: &Recording, pose: &Pose) -> FittedPose {
+fn fitted_pose(recording: &Recording, pose: &Pose) -> FittedPose {
     FittedPose { from_s: recording.time_s[pose.rows.start], force: pose.force.clone() }
 }

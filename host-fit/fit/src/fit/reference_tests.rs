@@ -1,5 +1,5 @@
-//! The search, the refit and the autoregressions against answers computed by another road: our own fixtures, and what
-//! others computed or published, where that is at hand.
+//! The search, the refit and the autoregressions compared with independently computed answers: our own fixtures, and
+//! published or external ones if they are installed.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{Channel, Factor, u, y};
@@ -23,8 +23,8 @@ fn assert_close(what: &str, value: f64, expected: f64, relative: f64) {
     assert!(error <= relative, "{what}: {value} for {expected}, relative error {error:e}");
 }
 
-/// 1e-9: what three independent formulations of the reference agree to on terms that lower the error by 10⁻⁸
-/// of the variance.
+/// 1e-9: agreement of three independent formulations of the reference on terms that reduce the error by 10⁻⁸ of the
+/// variance.
 const FOS_TOLERANCE: f64 = 1e-9;
 
 #[test]
@@ -88,7 +88,7 @@ fn assert_fit_across_gaps(reference: &Reference) {
     }
 }
 
-/// The monomials of a `narx_*` or `bench_*` system: output lags and input lags of each term.
+/// Monomials of a `narx_*` or `bench_*` system: output lags and input lags of each term.
 fn narx_monomial(term: &Value) -> Monomial {
     let lags =
         |key: &str| term[key].as_array().unwrap().iter().map(|lag| lag.as_u64().unwrap() as u16).collect();
@@ -99,7 +99,7 @@ fn narx_monomial(term: &Value) -> Monomial {
     factors
 }
 
-/// y of a `narx_*` or `bench_*` system for a given input, simulated from its true terms.
+/// Output of a `narx_*` or `bench_*` system for a given input, simulated from its true terms.
 fn simulate_narx(answers: &Value, input: &[f64], noise: &[f64]) -> Vec<f64> {
     let terms: Vec<(Monomial, f64)> = answers["true_terms"]
         .as_array()
@@ -119,7 +119,7 @@ fn simulate_narx(answers: &Value, input: &[f64], noise: &[f64]) -> Vec<f64> {
     output
 }
 
-/// The pool that the file describes in words.
+/// Pool that the file describes in words.
 fn narx_pool(answers: &Value) -> Candidates {
     let text = answers["candidates"].as_str().unwrap();
     let degree = if text.contains("degree 3") { 3 } else { 2 };
@@ -130,14 +130,14 @@ fn narx_pool(answers: &Value) -> Candidates {
 }
 
 #[test]
-fn recovers_systems_exactly_whatever_the_seed() {
+fn recovers_systems_exactly_for_any_seed() {
     for name in ["narx_cubic", "narx_products", "narx_bilinear", "narx_exact"] {
         assert_recovered(&reference::own(name));
     }
 }
 
 #[test]
-fn recovers_the_published_systems_exactly_whatever_the_seed() {
+fn recovers_published_systems_exactly_for_any_seed() {
     for name in ["bench_S2_book", "bench_S3_book", "bench_elec841_1", "bench_siso_doc"] {
         let Some(reference) = reference::outside(name) else { continue };
         assert_recovered(&reference);
@@ -184,7 +184,7 @@ fn assert_recovered(reference: &Reference) {
             false => (0..3000).map(|_| random.random_range(-1.0..1.0)).collect(),
         };
         let output = simulate_narx(answers, &input, &noise);
-        // systems with products of the output run away for some inputs
+        // systems with products of the output diverge for some inputs
         if bounded < 20 && output.iter().all(|y| y.abs() < 10.0) {
             bounded += 1;
             recover(&input, &output, &format!("seed {seed}"));
@@ -193,7 +193,7 @@ fn assert_recovered(reference: &Reference) {
     assert_eq!(bounded, 20, "{name}");
 }
 
-/// Of 14 products every subset was tried: exchanges end at the best of each size, which the greedy search misses.
+/// Every subset of 14 products was tried: exchanges end at the best of each size, which the greedy search misses.
 #[test]
 fn exchanges_find_the_best_of_all_subsets() {
     let Reference { answers, channels, .. } = reference::own("selection");
@@ -219,7 +219,7 @@ fn exchanges_find_the_best_of_all_subsets() {
 }
 
 #[test]
-fn exchanges_find_the_true_products_that_the_greedy_search_misses() {
+fn exchanges_find_products_that_greedy_search_misses() {
     let Some(Reference { answers, channels, .. }) = reference::outside("fos_S1_train36000") else { return };
     let signal = &channels[0][..];
     let pool = Candidates::builder().output(1..=10, 2).build().unwrap();
@@ -239,7 +239,7 @@ fn exchanges_find_the_true_products_that_the_greedy_search_misses() {
     assert!(tie.deviance > 0.0 && tie.deviance < 1.0, "{tie:?}");
 }
 
-/// What a file's `full_precision` or `real_part` says of one method.
+/// Compares with the entry of one method in a file's `full_precision` or `real_part`.
 fn assert_autoregression(
     what: &str,
     series: &[f64],
@@ -289,13 +289,13 @@ fn autoregressions_agree_with_matlabs_documentation() {
 }
 
 #[test]
-fn autoregressions_agree_with_another_road() {
+fn autoregressions_agree_with_independent_computation() {
     let reference = reference::own("autoregression");
     assert_every_order(reference.series(), &reference.answers);
 }
 
 #[test]
-fn complex_autoregressions_agree_with_another_road() {
+fn complex_autoregressions_agree_with_independent_computation() {
     let Reference { answers, channels, .. } = reference::own("autoregression_complex");
     assert_complex(&channels[0], &channels[1], &answers);
 }
@@ -376,7 +376,7 @@ fn assert_series_with_mean(reference: &Reference) {
     for case in answers["published"].as_array().unwrap() {
         let tolerance = number(&case["tolerance"]);
         let order = case["order"].as_u64().unwrap() as usize;
-        // the absolute tolerance of printed digits; coefficients are of size 1
+        // absolute tolerance of printed digits; coefficients are of size 1
         assert_autoregression(what, &centred, order, case["method"].as_str().unwrap(), case, tolerance);
         let fit = |method| autoregression::estimate(method, &[&centred], order).unwrap();
         if let Some(sigma) = case.get("sigma") {
@@ -384,7 +384,7 @@ fn assert_series_with_mean(reference: &Reference) {
             assert_close("sigma", variance.sqrt(), number(sigma), tolerance);
         }
         if let Some(variance) = case.get("sigma2") {
-            // theirs is the mean square of the last stage's errors, ours that of (9e)
+            // the reference has the mean square of the last stage's errors, we that of (9e)
             let a = fit(autoregression::Method::Burg).coefficients;
             let predicted = |past: Vec<f64>| past.iter().zip(&a).map(|(y, a)| y * a).sum::<f64>();
             let errors = (order..centred.len()).flat_map(|n| {
@@ -394,7 +394,7 @@ fn assert_series_with_mean(reference: &Reference) {
                 [forward, backward]
             });
             let mean_square = errors.map(|e| e * e).sum::<f64>() / (2 * (centred.len() - order)) as f64;
-            // the tolerance of the coefficients, which enter squared
+            // tolerance of the coefficients, which enter squared
             assert_close("sigma2", mean_square, number(variance), tolerance);
         }
     }
@@ -406,7 +406,7 @@ fn assert_series_with_mean(reference: &Reference) {
     assert_all_close(what, &found, &numbers(&expected["const_then_ar"]), 1e-10);
     assert_close(what, fit.mse, number(&expected["sigma2_mle"]), 1e-10);
     let errors: Vec<f64> = std::iter::once(fit.constant_error).chain(fit.coefficient_errors).collect();
-    // theirs divide by n, ours by the degrees of freedom
+    // the reference divides by n, we by the degrees of freedom
     let equations = rows.count() as f64;
     let theirs = ((equations - 10.0) / equations).sqrt();
     let errors: Vec<f64> = errors.iter().map(|error| error * theirs).collect();

@@ -1,7 +1,7 @@
 //! Coefficients of a chosen set of terms, from an orthogonal factorisation of the data.
 //!
-//! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen
-//! columns themselves, X = [1 p_1 … p_K] with the target y beside them, are solved for (`least_squares`).
+//! The search works on the Gram matrix, whose condition number is the square of the data's. Here the chosen columns
+//! themselves, X = [1 p_1 … p_K] with the target y beside them, are solved for (`least_squares`).
 
 use fos_core::{Factor, y};
 use thiserror::Error;
@@ -23,18 +23,18 @@ pub struct Refit {
     pub constant_error: f64,
     /// Standard error of each coefficient, likewise.
     pub coefficient_errors: Vec<f64>,
-    /// Q of each term in the given order: how much it lowered the mean square error when it was added.
+    /// Q of each term in the given order: the reduction of the mean square error when it was added.
     pub mse_reductions: Vec<f64>,
     /// Mean of e², summed over the actual residuals.
     pub mse: f64,
     /// Condition number of X with its columns scaled to unit norm.
     pub condition: f64,
-    /// Rows used, n.
+    /// Number of rows used, n.
     pub rows: usize,
 }
 
 impl Refit {
-    /// The terms that were fitted, `monomials`, with their coefficients and standard errors.
+    /// Returns the fitted terms `monomials` with their coefficients and standard errors.
     pub fn terms(&self, monomials: &[Monomial]) -> Vec<FittedTerm> {
         let solved = self.coefficients.iter().zip(&self.coefficient_errors);
         let term = |(factors, (coefficient, error)): (&Monomial, (&f64, &f64))| FittedTerm {
@@ -46,34 +46,34 @@ impl Refit {
     }
 }
 
-/// Why terms could not be fitted.
+/// Reason why terms could not be fitted.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RefitError {
     /// The signals do not fit the terms.
     #[error(transparent)]
     Signals(#[from] SignalsError),
-    /// A term that no pool could offer.
+    /// A term that no pool can contain.
     #[error(
         "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
     )]
     Term {
         term: usize,
-        /// The term as people write it.
+        /// The term in words.
         text: String,
     },
-    /// As many parameters as rows, or more.
+    /// At least as many parameters as rows.
     #[error("{parameters} parameters cannot be fitted to {rows} rows")]
     TooFewRows {
-        /// Rows with target and lagged values present.
+        /// Number of rows with target and lagged values present.
         rows: usize,
-        /// Terms and the constant.
+        /// Number of terms and the constant.
         parameters: usize,
     },
     /// A term is a sum of the constant and the terms before it.
     #[error("term {term}, {text}, is a sum of the constant and the terms before it: leave it out")]
     Collinear {
         term: usize,
-        /// The term as people write it.
+        /// The term in words.
         text: String,
     },
 }
@@ -114,12 +114,12 @@ pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refi
     })
 }
 
-/// Bytes a refit of so many terms holds besides the data: one block of rows, and the factor.
+/// Memory of a refit besides the data, bytes: one block of rows, and the factor.
 pub fn working_bytes(terms: usize) -> usize {
     least_squares::working_bytes(terms + 2)
 }
 
-/// Mean of e² with given weights, every residual formed; NaN where there are no rows. Unit of y².
+/// Returns the mean of e² for given weights, from the residuals; NaN without rows. Unit of y².
 ///
 /// # Errors
 /// Signals that do not fit the terms.
@@ -136,7 +136,7 @@ pub fn mean_square_error(
     Ok(least_squares::residual_sum_of_squares(&[system], &weights) / rows.count() as f64)
 }
 
-/// The columns of [X y]: the constant, the terms, the target.
+/// Returns the columns of [X y]: the constant, the terms, the target.
 fn columns(terms: &[Monomial]) -> Vec<Product> {
     let target = [y(0)];
     let monomials =

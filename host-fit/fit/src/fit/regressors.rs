@@ -1,5 +1,5 @@
-//! The remainder and the inputs of an axis as the device computes them: by running fos-core, not by a second copy of
-//! its transforms.
+//! Remainder and inputs of an axis as the device computes them: by running fos-core rather than a copy of its
+//! transforms.
 
 use std::ops::Range;
 
@@ -9,14 +9,14 @@ use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::Playback;
 use fos_data::recording::runs;
 
-/// Remainder and inputs over some rows, scaled; NaN where the remainder is not known.
+/// Remainder and inputs over some rows, scaled; NaN if the remainder is unknown.
 #[derive(Debug, Clone)]
 pub struct Regressors {
-    /// r(n) = y(n) − p(n), one value per row.
+    /// Remainder r(n) = y(n) − p(n), one value per row.
     pub remainder: Vec<f64>,
-    /// u_i(n), one column per input.
+    /// Inputs u_i(n), one column per input.
     pub inputs: Vec<Vec<f64>>,
-    /// Stretches of rows whose remainder is known, without gaps.
+    /// Gap-free stretches of rows with a known remainder.
     pub stretches: Vec<Range<usize>>,
 }
 
@@ -25,7 +25,7 @@ impl Regressors {
     ///
     /// # Errors
     ///
-    /// What fos-core finds wrong with the model.
+    /// Error of fos-core in the model.
     pub fn of(model: &UnitModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
         match model.with(SmallPredictor::<f64>::new) {
             Ok(small) => Ok(Self::by(small, model, playback, n_rows)),
@@ -44,7 +44,7 @@ impl Regressors {
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
         let mut feed = playback.feed();
         for row in 0..n_rows {
-            // without a stochastic part the innovation is the remainder; it is not known before the inputs are
+            // without a stochastic part the innovation is the remainder; it is unknown until the inputs are known
             let innovation =
                 feed.step(&mut predictor, row)[0].innovation.filter(|_| playback.knows_inputs(row));
             remainder.push(innovation.map_or(f64::NAN, |innovation| innovation / scale));
@@ -57,17 +57,17 @@ impl Regressors {
         Self { remainder, inputs, stretches }
     }
 
-    /// All columns, the remainder first.
+    /// Returns all columns, the remainder first.
     pub fn columns(&self) -> Vec<&[f64]> {
         std::iter::once(&self.remainder).chain(&self.inputs).map(Vec::as_slice).collect()
     }
 
-    /// The known values of a column.
+    /// Returns the known values of a column.
     pub fn known<'s>(&'s self, column: &'s [f64]) -> impl Iterator<Item = f64> + 's {
         self.stretches.iter().flat_map(|stretch| column[stretch.clone()].iter().copied())
     }
 
-    /// The known remainder, stretch by stretch.
+    /// Returns the known remainder, stretch by stretch.
     pub fn known_remainder(&self) -> Vec<&[f64]> {
         self.stretches.iter().map(|stretch| &self.remainder[stretch.clone()]).collect()
     }

@@ -1,4 +1,4 @@
-//! The stochastic part of an axis: which terms of the remainder predict it, by any of the methods.
+//! Stochastic part of an axis: terms of the remainder that predict it, by any of the methods.
 
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ pub(super) struct StochasticPart {
     pub(super) report: AxisReport,
 }
 
-/// Fits the stochastic part of the only axis of `model`, whose inputs after those of the physical part are offered.
+/// Fits the stochastic part of the only axis of `model`; the inputs after those of the physical part are candidates.
 pub(super) fn fit(
     model: &UnitModel,
     regressors: &Regressors,
@@ -92,7 +92,7 @@ fn search(
     })
 }
 
-/// All lags up to L, by a classical method, from the remainder as it is or de-noised.
+/// Fits all lags up to L by a classical method, from the remainder as measured or de-noised.
 fn autoregress(
     model: &UnitModel,
     regressors: &Regressors,
@@ -121,7 +121,7 @@ fn autoregress(
     let prepared: Vec<&[f64]> = prepared.iter().map(Vec::as_slice).collect();
     let estimate = autoregression::estimate(method, &prepared, order).map_err(failed)?;
 
-    // judged on the samples as measured, like every other model
+    // evaluated on the samples as measured, like every other model
     let monomials: Vec<Monomial> = (1..=options.max_lag).map(|lag| vec![y(lag)]).collect();
     let constant = mean * (1.0 - estimate.coefficients.iter().sum::<f64>());
     let remainder: &[f64] = &regressors.remainder;
@@ -134,7 +134,7 @@ fn autoregress(
     let terms = monomials.iter().zip(&estimate.coefficients).zip(&raw.coefficient_errors);
     let terms = terms.map(|((factors, coefficient), error)| FittedTerm {
         coefficient: *coefficient,
-        // all four have the same errors in long records; those of de-noised samples are not known
+        // all four methods have the same errors in long records; those of de-noised samples are unknown
         standard_error: options.denoising.is_none().then_some(*error),
         factors: factors.clone(),
     });
@@ -145,7 +145,7 @@ fn autoregress(
     })
 }
 
-/// What every method reports; `refit` is the least-squares solution for the same terms.
+/// Common part of the report of every method; `refit` is the least-squares solution for the same terms.
 fn about(
     model: &UnitModel,
     regressors: &Regressors,
@@ -172,7 +172,7 @@ fn about(
         mse: refit.mse,
         mean_square: power / signal::sample_count(&known) as f64,
         lag_1: match (&axis.plain, axis.physical.is_empty()) {
-            // nothing was taken off since then
+            // nothing has been subtracted since
             (Some(plain), true) => plain.lag_1,
             _ => autocorrelation(&known, 1).map_or(0.0, |result| result.lag_1()),
         },

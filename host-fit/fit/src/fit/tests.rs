@@ -1,4 +1,4 @@
-//! Defining properties, the slow twin, units, stop rules and their calibration.
+//! Defining properties, the textbook twin, units, stop rules and their calibration.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
@@ -14,8 +14,8 @@ fn gaussian(samples: usize, seed: u64) -> Vec<f64> {
     (0..samples).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
-/// y(n) = Σ ar[k]·y(n−k−1) + `quadratic`·(y(n−1)·y(n−2) − y(n−3)²) + 0.2·e(n): the difference of two squares
-/// has no mean to drive the record away.
+/// y(n) = Σ ar[k]·y(n−k−1) + `quadratic`·(y(n−1)·y(n−2) − y(n−3)²) + 0.2·e(n): the difference of two squares has zero
+/// mean, so the record does not diverge.
 fn autoregressive(samples: usize, seed: u64, ar: &[f64], quadratic: f64) -> Vec<f64> {
     let mut series: Vec<f64> = gaussian(samples, seed).iter().map(|e| 0.2 * e).collect();
     for n in ar.len().max(3)..samples {
@@ -57,7 +57,7 @@ fn value(signals: &[&[f64]], term: &Monomial, n: usize) -> f64 {
 }
 
 #[test]
-fn residuals_are_orthogonal_to_every_term_and_no_other_weights_do_better() {
+fn residuals_are_orthogonal_and_minimal() {
     let output = autoregressive(3000, 1, &AR4, 0.02);
     let input = gaussian(3000, 2);
     let signals = [&output[..], &input];
@@ -75,7 +75,7 @@ fn residuals_are_orthogonal_to_every_term_and_no_other_weights_do_better() {
         let column: Vec<f64> = all_rows.iter().map(|&n| value(&signals, term, n)).collect();
         let product: f64 = column.iter().zip(&e).map(|(p, e)| p * e).sum();
         let scale = column.iter().map(|p| p * p).sum::<f64>().sqrt() * norm;
-        // cosine between residual and column: rounding of n products, √n·ε with room for the condition number
+        // cosine between residual and column: rounding of n products, √n·ε with a margin for the condition number
         assert!(product.abs() < 1e-12 * scale, "{term:?}: {}", product / scale);
     }
     for m in 0..fit.terms.len() {
@@ -114,7 +114,7 @@ fn mse_reductions_are_those_of_a_cholesky_factor() {
 }
 
 #[test]
-fn the_textbook_recursion_chooses_the_same() {
+fn agrees_with_the_textbook_recursion() {
     for seed in 0..4 {
         let output = autoregressive(1500, 40 + seed, &AR4, 0.02);
         let input = gaussian(1500, 50 + seed);
@@ -144,7 +144,7 @@ fn the_textbook_recursion_chooses_the_same() {
 }
 
 #[test]
-fn the_unit_of_the_data_does_not_matter() {
+fn result_is_independent_of_unit() {
     let output = autoregressive(20_000, 9, &AR4, 0.02);
     let segments = &[0..20_000];
     let pool = pool_65();
@@ -156,7 +156,7 @@ fn the_unit_of_the_data_does_not_matter() {
         assert_eq!(fit.selection.collinear, unit.selection.collinear);
         for (m, term) in fit.terms.iter().enumerate() {
             let expected = unit.refit.coefficients[m] * scale.powi(1 - term.len() as i32);
-            // inputs rounded anew by the scaling: ε times the condition number
+            // inputs are rounded again by the scaling: ε times the condition number
             let error = fit.refit.coefficients[m] / expected - 1.0;
             assert!(error.abs() < 1e-9, "{term:?}: {error:e}");
         }
@@ -165,7 +165,7 @@ fn the_unit_of_the_data_does_not_matter() {
 }
 
 #[test]
-fn names_collinear_candidates_and_goes_on() {
+fn lists_collinear_candidates_and_continues() {
     let output = autoregressive(2000, 3, &AR4, 0.0);
     let input = gaussian(2000, 4);
     let copy: Vec<f64> = input.iter().map(|x| 1e-6 * x).collect();
@@ -188,8 +188,8 @@ fn names_collinear_candidates_and_goes_on() {
     assert_eq!(refused, RefitError::Collinear { term: 0, text: "u2(n)".into() });
 }
 
-/// A slow input does not move within the first thousands of rows: there it is collinear with the constant,
-/// over the record it is not.
+/// A slow input is constant within the first thousands of rows: there it is collinear with the constant, over the whole
+/// record it is not.
 #[test]
 fn refits_an_input_that_is_constant_for_the_first_blocks() {
     let output = gaussian(4000, 6);
@@ -246,7 +246,7 @@ fn stops_at_each_rule() {
 }
 
 #[test]
-fn says_when_nothing_can_be_fitted() {
+fn reports_unfittable_data() {
     let short = vec![1.0; 8];
     let none = fit(&[&short], &[0..8], &pool_65(), &StopRule::default(), Search::Greedy);
     assert_eq!(none.unwrap_err(), FitError::Gram(GramError::NoRows));
@@ -293,7 +293,7 @@ fn the_default_rule_never_misses_a_true_ar4() {
 }
 
 #[test]
-fn a_refinement_that_may_not_go_on_says_so() {
+fn refinement_reports_its_move_limit() {
     let output = autoregressive(5000, 12, &AR4, 0.05);
     let gram = gram(&[&output], &pool_65());
     let rule = StopRule { noise: NoiseRule::Korenberg, ..StopRule::default() };

@@ -1,8 +1,8 @@
-//! Fast orthogonal search as printed: the slow twin of [`super::fos`].
+//! Fast orthogonal search as published: the slow twin of [`super::fos`].
 //!
-//! The candidates p_m(n) are written out for every row, and every average of the recursion (equations 1 to 7 there) is
-//! a sum over the rows, taken anew for every candidate at every step. Kept because it is plainly the published method:
-//! tests hold the fast search against it, and the benchmark says what the rearrangement is worth.
+//! The candidates p_m(n) are evaluated for every row, and every average of the recursion (equations 1 to 7 there) is a
+//! sum over the rows, computed again for every candidate at every step. It follows the published method literally:
+//! tests compare the fast search with it, and the benchmark measures the speed-up.
 
 use fos_core::Factor;
 
@@ -11,7 +11,7 @@ use super::stop::StopRule;
 use crate::candidates::Candidates;
 use crate::moments::{Rows, SignalsError, column};
 
-/// Terms in the order chosen, with Q of each: (index in the pool, drop in mean square error).
+/// Returns terms in the order chosen, with Q of each: (index in the pool, reduction of the mean square error).
 ///
 /// Stops by the same rules as [`super::fos::search`].
 ///
@@ -42,7 +42,7 @@ pub fn search(
     let mut c = vec![average(&target, &constant)];
     let initial_mse = average(&target, &target) - c[0] * c[0];
     let mut mse = initial_mse;
-    // ends: a term more each time
+    // terminates: each iteration adds a term
     while chosen.len() < rule.max_terms && rule.mse_ratio.is_none_or(|ratio| mse > ratio * initial_mse) {
         let m = p.len();
         let mut best: Option<(usize, f64, Vec<f64>, f64)> = None;

@@ -17,19 +17,19 @@ pub struct Gram {
     target_mean_square: f64,
 }
 
-/// Why there is no Gram matrix.
+/// Error of forming a Gram matrix.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum GramError {
-    /// Nothing to average over.
+    /// There are no rows to average over.
     #[error("no row has its target and every lagged value: the segments are too short or hold no data")]
     NoRows,
-    /// A candidate that is not in the pool the moments were made for.
+    /// A candidate is not in the pool of the moments.
     #[error("the moments do not cover {0}: accumulate them for a pool that holds it")]
     NotCovered(String),
 }
 
 impl Gram {
-    /// From the sums over so many `rows` of the products in `layout`.
+    /// Forms the averages from the sums over `rows` of the products in `layout`.
     pub(super) fn new(
         rows: usize,
         layout: &Layout,

@@ -1,5 +1,5 @@
-//! The pass over the data: half-products of a few hundred rows at a time, then small matrix products that keep
-//! their sums in vector registers.
+//! Pass over the data: half-products of a few hundred rows at a time, then small matrix products with their sums in
+//! vector registers.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use super::layout::{Layout, Tile, TileShape};
 /// 48 kB first-level cache while every tile passes over them.
 const BLOCK_ROWS: usize = 384;
 
-/// Cache blocks between two looks for a wish to stop: of two thousand candidates they take a third of a second.
+/// Cache blocks between two checks for cancellation: with two thousand candidates they take a third of a second.
 const BLOCKS_AT_ONCE: usize = 8;
 
 /// f64 lanes of the widest vector `pulp` knows (AVX-512), and f64 per cache line.
 const MAX_LANES: usize = 8;
 
-/// The tile that fits this machine's vector registers: its sums, one left value each, and a right value.
+/// Returns the tile that fits this machine's vector registers: its sums, one left value each, and a right value.
 pub(super) fn tile_shape() -> TileShape {
     struct Registers;
     impl WithSimd for Registers {
@@ -34,7 +34,7 @@ pub(super) fn tile_shape() -> TileShape {
     }
 }
 
-/// Buffers of a pass, from the start of a cache line: the half-products of one block of rows, and the running sums.
+/// Buffers of a pass, aligned to cache lines: the half-products of one block of rows, and the running sums.
 pub(super) struct Workspace {
     /// Half-products, one after the other, `stride` apart. Within each, `head` values lie before the block's
     /// first row.
@@ -49,7 +49,7 @@ pub(super) struct Workspace {
 impl Workspace {
     pub(super) fn new(layout: &Layout) -> Self {
         let head = layout.max_lag.next_multiple_of(MAX_LANES);
-        // the rows before a block are formed once more for it: keep them a small part
+        // the rows before a block are computed again for it: keep them a small part
         let block_rows = BLOCK_ROWS.max(4 * head);
         // one cache line more than needed, or columns a multiple of 4096 bytes apart would share cache sets
         let stride = head + block_rows + MAX_LANES;
@@ -58,7 +58,7 @@ impl Workspace {
         Self { half_products, head, block_rows, stride, lane_sums }
     }
 
-    /// Bytes held.
+    /// Returns the size in bytes.
     pub(super) fn bytes(&self) -> usize {
         (self.half_products.len() + self.lane_sums.len()) * size_of::<f64>()
     }
@@ -73,7 +73,7 @@ impl Workspace {
         }
     }
 
-    /// The sums so far, in the order of the tiles.
+    /// Returns the sums so far, in the order of the tiles.
     pub(super) fn sums(&self) -> Vec<f64> {
         self.lane_sums.chunks_exact(MAX_LANES).map(|lanes| lanes.iter().sum()).collect()
     }
@@ -107,7 +107,7 @@ impl WithSimd for Pass<'_> {
                 S::as_simd_f64s(&half_products[first..first + padded]).0
             };
             for tile in &layout.tiles {
-                // lanes of one sum lie together whatever the vector length: a sum owns MAX_LANES places
+                // the lanes of one sum are adjacent for any vector length: a sum owns MAX_LANES places
                 let sums = &mut lane_sums[tile.first_sum * MAX_LANES..][..tile.len() * MAX_LANES];
                 add_tile(simd, tile, column, sums);
             }
@@ -115,7 +115,7 @@ impl WithSimd for Pass<'_> {
     }
 }
 
-/// Adds one block's sums of a tile, by the kernel made for its size.
+/// Adds one block's sums of a tile, with the kernel for its size.
 #[inline(always)]
 fn add_tile<'a, S: Simd>(
     simd: S,

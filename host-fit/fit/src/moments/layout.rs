@@ -1,28 +1,28 @@
-//! Which sums a pool needs, and how they are shared out as small matrix products.
+//! Sums that a pool needs, and their division into small matrix products.
 //!
 //! 1. Every Gram entry is the average of a product of two candidates (or of a candidate and the target).
 //!    As a (shape, shift) pair, many entries share one shape: with ten output lags and degree 2, 2,279
 //!    products have 297 shapes.
-//! 2. Each shape is left(n)·right(n − c), a product of two half-products. For one shift c, the shapes with that
-//!    shift are entries of a matrix product LᵀR over the rows, L holding left halves, R right halves c samples
-//!    late. It is cut into tiles that keep their sums in registers; tiles nobody needs are left out.
+//! 2. Each shape is left(n)·right(n − c), a product of two half-products. For one shift c, the shapes with that shift
+//!    are entries of a matrix product LᵀR over the rows, L holding left halves, R right halves c samples late. It is cut
+//!    into tiles that keep their sums in registers; unneeded tiles are omitted.
 
 use ahash::AHashMap;
 
 use super::product::Product;
 use crate::candidates::Candidates;
 
-/// The sums kept for a pool and the order in which a pass over the data forms them.
+/// Sums of a pool, and the order in which a pass over the data forms them.
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) pool: Candidates,
-    /// The distinct products, as (shape, shift): all shifts of one shape stand together, ascending.
+    /// Distinct products, as (shape, shift): all shifts of one shape are adjacent, ascending.
     pub(super) products: Vec<(Product, usize)>,
     /// Index into `products` of every average a Gram matrix holds; see [`product`](Self::product).
     places: Vec<usize>,
-    /// The distinct shapes, each with its run of `products` and the place of its sum among the tiles' sums.
+    /// Distinct shapes, each with its run of `products` and the index of its sum.
     pub(super) shapes: Vec<Shape>,
-    /// The distinct half-products.
+    /// Distinct half-products.
     pub(super) halves: Vec<Product>,
     pub(super) tiles: Vec<Tile>,
     /// Largest lag in any product: N₀.
@@ -44,11 +44,11 @@ pub(super) enum Average {
     Pair(usize, usize),
 }
 
-/// All the products that are shifted copies of one.
+/// All products that are shifted copies of one.
 #[derive(Debug)]
 pub(super) struct Shape {
     pub(super) product: Product,
-    /// Its copies: `products[first..end]`, shifts ascending.
+    /// Copies: `products[first..end]`, shifts ascending.
     pub(super) first: usize,
     pub(super) end: usize,
     /// Index of its sum among the sums of all tiles.
@@ -62,7 +62,7 @@ pub(super) struct Tile {
     /// Indices into the half-products.
     pub(super) left: Vec<usize>,
     pub(super) right: Vec<usize>,
-    /// Place of the tile's first sum; sums are stored left half after left half.
+    /// Index of the tile's first sum; sums are stored left half by left half.
     pub(super) first_sum: usize,
 }
 
@@ -72,7 +72,7 @@ impl Tile {
     }
 }
 
-/// The most left and right halves in a tile.
+/// Largest number of left and right halves in a tile.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileShape {
     pub(super) left: usize,
@@ -80,11 +80,11 @@ pub(super) struct TileShape {
 }
 
 impl Layout {
-    /// The products of every pair of candidates, of every candidate with the target and the constant.
+    /// Forms the products of every pair of candidates, of every candidate with the target and the constant.
     pub(super) fn new(pool: &Candidates, tile_shape: TileShape) -> Self {
         let monomials = pool.monomials();
         let target = [fos_core::y(0)];
-        // in the order `place_of` knows
+        // in the order of `place_of`
         let mut averages = vec![Product::of(&target, &[]), Product::of(&target, &target)];
         for (i, p) in monomials.iter().enumerate() {
             averages.push(Product::of(p, &[]));
@@ -123,28 +123,28 @@ impl Layout {
         Self { pool: pool.clone(), products, places, shapes, halves, tiles, max_lag: pool.max_lag() }
     }
 
-    /// Which of the products is the one averaged.
+    /// Returns the index of the product of an average.
     pub(super) fn product(&self, average: Average) -> usize {
-        let of_candidate = |i: usize| 2 + 2 * i + i * (i + 1) / 2;
+        let candidate_offset = |i: usize| 2 + 2 * i + i * (i + 1) / 2;
         self.places[match average {
             Average::Target => 0,
             Average::TargetSquare => 1,
-            Average::Mean(i) => of_candidate(i),
-            Average::WithTarget(i) => of_candidate(i) + 1,
-            Average::Pair(i, j) => of_candidate(i.max(j)) + 2 + i.min(j),
+            Average::Mean(i) => candidate_offset(i),
+            Average::WithTarget(i) => candidate_offset(i) + 1,
+            Average::Pair(i, j) => candidate_offset(i.max(j)) + 2 + i.min(j),
         }]
     }
 
-    /// How many sums the tiles form; at least one per shape.
+    /// Returns the number of sums that the tiles form; at least one per shape.
     pub(super) fn tile_sums(&self) -> usize {
         self.tiles.last().map_or(0, |tile| tile.first_sum + tile.len())
     }
 }
 
-/// The shifts that a product can have: the lags of the pool's factors, and none.
+/// Possible shifts of a product: the lags of the pool's factors, and none.
 struct Shifts {
     ascending: Vec<usize>,
-    /// Place of a shift among them.
+    /// Index of each shift.
     rank: Vec<usize>,
 }
 
@@ -164,9 +164,9 @@ impl Shifts {
     }
 }
 
-/// Groups the shapes into tiles and tells each shape where its sum will be.
+/// Groups the shapes into tiles and stores in each shape the index of its sum.
 ///
-/// Left halves that need the same right halves are put side by side, so that tiles come out full.
+/// Left halves that need the same right halves are adjacent, so that tiles are full.
 fn tile(shapes: &mut [Shape], most: TileShape) -> (Vec<Product>, Vec<Tile>) {
     let split: Vec<_> = shapes.iter().map(|shape| shape.product.halves()).collect();
     let mut halves: Vec<Product> = split.iter().flat_map(|(left, right, _)| [*left, *right]).collect();
@@ -174,7 +174,7 @@ fn tile(shapes: &mut [Shape], most: TileShape) -> (Vec<Product>, Vec<Tile>) {
     halves.dedup();
     let index = |half: &Product| halves.binary_search(half).expect("every half was listed");
 
-    /// One entry of LᵀR that is needed.
+    /// A needed entry of LᵀR.
     #[derive(PartialEq, Eq, PartialOrd, Ord)]
     struct Entry {
         shift: usize,
@@ -216,7 +216,7 @@ fn tile(shapes: &mut [Shape], most: TileShape) -> (Vec<Product>, Vec<Tile>) {
     (halves, tiles)
 }
 
-/// Cuts a list into the fewest pieces of at most `most`, as equal as can be.
+/// Cuts a list into the fewest pieces of at most `most`, of nearly equal length.
 fn balanced_chunks<T>(list: &[T], most: usize) -> impl Iterator<Item = &[T]> {
     let pieces = list.len().div_ceil(most);
     list.chunks(list.len().div_ceil(pieces.max(1)).max(1))
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn every_shape_is_the_product_its_tile_forms() {
+    fn tiles_form_the_products_of_their_shapes() {
         let pool = Candidates::builder()
             .output(1..=3, 3)
             .input(0, 0..=4, 2)

@@ -1,8 +1,8 @@
 //! Time averages of products of candidates: the Gram matrix, from one pass over the data.
 //!
-//! [`Moments`] are sums over rows, so they add: over segments, recordings and blocks, and a block left out is a
-//! subtraction. Everything a search needs is then in the [`Gram`] matrix, whose size is that of the pool and
-//! not of the record.
+//! [`Moments`] are sums over rows, so they add over segments, recordings and blocks, and a block is excluded by a
+//! subtraction. The [`Gram`] matrix then holds everything that a search needs; its size is that of the pool and not of
+//! the record.
 //!
 //! Two products of delayed samples that differ only by a common delay a, p(n) and p(n − a), have sums that
 //! differ only in a few rows at either end (Korenberg, Annals of Biomedical Engineering 16 (1988) 123). For
@@ -13,8 +13,8 @@
 //!                                 head                  the same for all a            tail
 //! ```
 //!
-//! so that ten output lags to degree 2 take 297 long sums instead of 2,279. Each part is added and none taken
-//! away: a transient near an end cannot cancel digits.
+//! so that ten output lags to degree 2 take 297 long sums instead of 2,279. All parts are added and none is subtracted,
+//! so a transient near an end cannot cancel digits.
 
 mod gram;
 mod kernel;
@@ -36,8 +36,8 @@ use layout::Layout;
 
 /// Sums over rows of every product of two candidates, of candidates and the target, and of each alone.
 ///
-/// Summed in cache blocks, then over blocks: the rounding error is some 10⁻¹⁵ of the sum of magnitudes,
-/// whatever the length or the unit of the signals. Moments of the same pool add and subtract.
+/// They are summed in cache blocks, then over blocks: the rounding error is some 10⁻¹⁵ of the sum of magnitudes, for
+/// any length and unit of the signals. Moments of the same pool add and subtract.
 ///
 /// ```
 /// use fos_fit::candidates::Candidates;
@@ -55,7 +55,7 @@ use layout::Layout;
 pub struct Moments {
     layout: Arc<Layout>,
     rows: usize,
-    /// One per product of the layout.
+    /// Sums, one per product of the layout.
     sums: Vec<f64>,
 }
 
@@ -70,11 +70,10 @@ impl Moments {
         Ok(Self::over(layout, signals, rows))
     }
 
-    /// The same, separately for the rows whose target lies in each of `blocks`, for validation with blocks left
-    /// out: `all -= &blocks[i]`.
+    /// Sums separately over the rows whose target lies in each of `blocks`, for cross-validation: `all -= &blocks[i]`.
     ///
     /// # Errors
-    /// As [`accumulate`](Self::accumulate).
+    /// As for [`accumulate`](Self::accumulate).
     pub fn accumulate_blocks(
         signals: &[&[f64]],
         rows: &Rows,
@@ -117,7 +116,7 @@ impl Moments {
         self.layout.shapes.len()
     }
 
-    /// Bytes held besides the data while the sums were formed: sums, buffers of the pass, and their layout.
+    /// Memory besides the data while the sums were formed, bytes: sums, buffers of the pass, and their layout.
     pub fn bytes(&self) -> usize {
         let layout = &self.layout;
         size_of_val(&*layout.products)
@@ -126,10 +125,10 @@ impl Moments {
             + Workspace::new(layout).bytes()
     }
 
-    /// The Gram matrix of a pool: the one the moments were made for, or any part of it.
+    /// Returns the Gram matrix of a pool: the one of the moments, or any part of it.
     ///
     /// # Errors
-    /// No rows, or a candidate the moments were not made for.
+    /// There are no rows, or a candidate is not in the pool of the moments.
     pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
         Gram::new(self.rows, &self.layout, &self.sums, pool)
     }
@@ -153,7 +152,7 @@ impl AddAssign<&Moments> for Moments {
 }
 
 impl SubAssign<&Moments> for Moments {
-    /// Leaves out rows that are part of these moments.
+    /// Excludes rows that are part of these moments.
     ///
     /// # Panics
     /// If the moments were made for different pools, or `other` has more rows.
@@ -164,7 +163,7 @@ impl SubAssign<&Moments> for Moments {
     }
 }
 
-/// Sums a range shorter than N₀ product by product: there is nothing to share.
+/// Sums a range shorter than N₀ product by product, since nothing can be shared.
 fn add_directly(layout: &Layout, signals: &[&[f64]], range: &Range<usize>, sums: &mut [f64]) {
     for ((shape, shift), sum) in layout.products.iter().zip(sums) {
         *sum += range.clone().map(|n| shape.at(signals, n - shift)).sum::<f64>();

@@ -6,10 +6,10 @@ use fos_core::{Channel, Factor};
 
 use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG};
 
-/// The most factors a product of two candidates has.
+/// Largest number of factors of a product of two candidates.
 const MAX_FACTORS: usize = 2 * MAX_DEGREE;
 
-/// Bits of a factor's channel: 1 the output, i + 2 input i. Never 0, which marks an unused place.
+/// Bits of a factor's channel: 1 is the output, i + 2 input i; 0 marks an unused place.
 const CHANNEL_BITS: u32 = 7;
 /// Bits of a factor: its lag, then its channel.
 const FACTOR_BITS: u32 = 21;
@@ -30,8 +30,7 @@ const _: () = assert!((MAX_INPUT as u32) + 2 < 1 << CHANNEL_BITS);
 
 /// A product of delayed samples, sorted by lag, then channel, packed from the lowest bits up.
 ///
-/// One number rather than a list: ten lags to degree 2 make 2,279 products, and finding the equal ones is
-/// part of every fit.
+/// One number rather than a list: ten lags to degree 2 make 2,279 products, and every fit must find the equal ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Product(u128);
 
@@ -55,7 +54,7 @@ impl Product {
         (u128::BITS - self.0.leading_zeros()).div_ceil(FACTOR_BITS)
     }
 
-    /// (column of the signals, lag) of each factor, lags ascending. Column 0 is the output.
+    /// Returns (column of the signals, lag) of each factor, lags ascending. Column 0 is the output.
     pub(super) fn factors(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.degree()).map(move |i| {
             let factor = (self.0 >> (i * FACTOR_BITS) & FACTOR_MASK) as usize;
@@ -68,7 +67,7 @@ impl Product {
         self.factors().last().map_or(0, |(_, lag)| lag)
     }
 
-    /// The shape whose smallest lag is 0 and the shift a that makes p(n) = shape(n − a).
+    /// Returns the shape whose smallest lag is 0, and the shift a with p(n) = shape(n − a).
     pub(super) fn normalised(self) -> (Self, usize) {
         let shift = (self.0 & FACTOR_MASK) >> CHANNEL_BITS;
         let one_per_factor = ONE_LAG_EACH & ((1 << (self.degree() * FACTOR_BITS)) - 1);
@@ -84,12 +83,12 @@ impl Product {
         (Self(self.0 & ((1 << middle) - 1)), right, shift)
     }
 
-    /// The product's value at row `n`: Π signals[c][n − lag].
+    /// Returns the product's value at row `n`: Π signals[c][n − lag].
     pub(super) fn at(self, signals: &[&[f64]], n: usize) -> f64 {
         self.factors().map(|(column, lag)| signals[column][n - lag]).product()
     }
 
-    /// The product's values at `rows`, one after the other, into `out` of the same length.
+    /// Writes the product's values at `rows` into `out` of the same length.
     ///
     /// Inlined, so that inside the moment kernel it is compiled for the instruction set chosen there.
     #[inline(always)]
@@ -134,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn tells_short_products_from_long_ones() {
+    fn distinguishes_products_by_length() {
         assert_ne!(Product::of(&[y(0)], &[]), Product::of(&[y(0)], &[y(0)]));
         assert_eq!(Product::of(&[], &[]).degree(), 0);
         assert_eq!(Product::of(&[], &[]).normalised(), (Product::of(&[], &[]), 0));

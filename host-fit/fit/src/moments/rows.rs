@@ -1,25 +1,24 @@
-//! Which rows of a recording a model may be fitted to.
+//! Rows of a recording that a model may be fitted to.
 
 use std::ops::Range;
 
 use fos_core::{Channel, Factor};
 use thiserror::Error;
 
-/// The rows n at which the target y(n) and every lagged value back to n − N₀ are present, without a gap
-/// between them.
+/// Rows n at which the target y(n) and every lagged value back to n − N₀ are present without a gap between them.
 ///
-/// Nothing is interpolated and nothing is joined across a hole. Models to be compared are fitted to the same
-/// `Rows`, made for the largest lag among them.
+/// Nothing is interpolated, and nothing is joined across a gap. Models to be compared are fitted to the same `Rows`,
+/// made for the largest lag among them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rows {
     ranges: Vec<Range<usize>>,
     max_lag: usize,
 }
 
-/// Why signals cannot be used.
+/// Reason why signals cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SignalsError {
-    /// The pool or model names an input that was not given.
+    /// The pool or model uses an input that was not given.
     #[error("input {input} is used, but only {given} inputs were given")]
     MissingInput {
         input: usize,
@@ -28,29 +27,29 @@ pub enum SignalsError {
     },
     #[error("no signals were given: the first one is the output")]
     NoOutput,
-    /// A column is not as long as the output.
+    /// A column has another length than the output.
     #[error("signal {column} has {length} samples, the output has {expected}")]
     Length {
         /// Index of the column; 0 is the output.
         column: usize,
-        /// Its samples.
+        /// Number of its samples.
         length: usize,
-        /// The output's samples.
+        /// Number of samples of the output.
         expected: usize,
     },
-    /// A segment reaches beyond the data.
+    /// A segment extends beyond the data.
     #[error("segment {index} ends at sample {end}, the signals have {samples}")]
     Segment {
         /// Index of the segment.
         index: usize,
         end: usize,
-        /// Samples of each signal.
+        /// Number of samples of each signal.
         samples: usize,
     },
-    /// Rows made for shorter lags than are needed.
+    /// The rows were made for shorter lags.
     #[error("the rows allow lags up to {allowed}, but lag {needed} is used")]
     Lag {
-        /// Largest lag the rows were made for.
+        /// Largest lag of the rows.
         allowed: usize,
         needed: usize,
     },
@@ -59,11 +58,11 @@ pub enum SignalsError {
 impl Rows {
     /// Finds the rows of gap-free `segments` at which every one of `factors` and the target are present.
     ///
-    /// `signals`: column 0 is the output, column i + 1 is input i, all equally long, one sample per row. A
-    /// sample that is not finite, in any channel that `factors` name or in the output, ends its segment.
+    /// `signals`: column 0 is the output, column i + 1 is input i, all of equal length, one sample per row. A sample
+    /// that is not finite, in the output or in a channel of `factors`, ends its segment.
     ///
     /// # Errors
-    /// Signals of unequal length, an input not given, or a segment beyond the data.
+    /// Signals of unequal length, a missing input, or a segment beyond the data.
     pub fn usable<'f>(
         signals: &[&[f64]],
         segments: &[Range<usize>],
@@ -103,7 +102,7 @@ impl Rows {
         &self.ranges
     }
 
-    /// N₀: the largest lag these rows allow, in samples.
+    /// N₀: the largest lag that these rows allow, in samples.
     pub fn max_lag(&self) -> usize {
         self.max_lag
     }
@@ -113,7 +112,7 @@ impl Rows {
         self.ranges.iter().map(ExactSizeIterator::len).sum()
     }
 
-    /// The rows whose target lies in `block`; their lagged values may lie before it.
+    /// Returns the rows whose target lies in `block`; their lagged values may lie before it.
     pub fn within(&self, block: &Range<usize>) -> Self {
         let cut = |r: &Range<usize>| r.start.max(block.start)..r.end.min(block.end);
         let ranges = self.ranges.iter().map(cut).filter(|r| r.start < r.end).collect();
@@ -143,7 +142,7 @@ impl Rows {
     }
 }
 
-/// The column of the signals that holds a factor's channel.
+/// Returns the column of the signals that holds a factor's channel.
 pub(crate) fn column(factor: &Factor) -> usize {
     match factor.channel {
         Channel::Output => 0,
@@ -163,7 +162,7 @@ fn check_lengths(signals: &[&[f64]]) -> Result<(), SignalsError> {
     }
 }
 
-/// How many samples are finite before the first that is not.
+/// Number of finite samples before the first that is not.
 fn leading_finite(signal: &[f64]) -> usize {
     // x·0 is 0 for a finite x and NaN otherwise, and NaN survives adding: one test per chunk vectorises,
     // one per sample does not.
@@ -191,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_a_segment_at_a_missing_value_of_a_channel_in_use() {
+    fn missing_value_of_a_used_channel_ends_its_segment() {
         let mut output = vec![1.0; 300];
         let mut input = vec![1.0; 300];
         output[100] = f64::NAN;
@@ -203,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_signals_that_do_not_fit() {
+    fn rejects_signals_that_do_not_fit() {
         let (output, short) = (vec![0.0; 10], vec![0.0; 9]);
         let refused = |signals: &[&[f64]], segment: Range<usize>, factor: Factor| {
             Rows::usable(signals, &[segment], &[factor]).unwrap_err()

@@ -1,4 +1,4 @@
-//! Moments against sums written out row by row.
+//! Moments compared with sums computed row by row.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_core::{u, y};
@@ -13,8 +13,8 @@ fn noise(samples: usize, seed: u64, scale: f64) -> Vec<f64> {
     (0..samples).map(|_| scale * (random.random::<f64>() - 0.3)).collect()
 }
 
-/// Compares every Gram entry with its definition. The bound is relative to the average magnitude of what is
-/// summed: that is what rounding is proportional to.
+/// Compares every Gram entry with its definition. The bound is relative to the average magnitude of the summands, to
+/// which rounding is proportional.
 fn assert_matches_definition(signals: &[&[f64]], rows: &Rows, pool: &Candidates) {
     let gram = Moments::accumulate(signals, rows, pool).unwrap().gram(pool).unwrap();
     assert_eq!(gram.rows(), rows.count());
@@ -53,7 +53,7 @@ fn pools() -> Vec<Candidates> {
 }
 
 #[test]
-fn match_their_definition_over_awkward_sizes() {
+fn match_their_definition_over_uneven_sizes() {
     let lengths = [45, 50, 63, 90, 391, 392, 393, 400, 801, 1500];
     for (seed, samples) in lengths.into_iter().enumerate() {
         let columns: Vec<_> = (0..3).map(|c| noise(samples, 10 * seed as u64 + c, 3.0)).collect();
@@ -87,7 +87,7 @@ fn do_not_depend_on_the_unit() {
         let rows = Rows::usable(&[signal], &[0..2000], pool.factors()).unwrap();
         Moments::accumulate(&[signal], &rows, &pool).unwrap().gram(&pool).unwrap()
     };
-    // powers of two: scaling is then exact, and so must be the result
+    // powers of two scale exactly, so the result must be exact
     for exponent in [-20, 20] {
         let scale = 2f64.powi(exponent);
         let scaled: Vec<f64> = unit.iter().map(|x| x * scale).collect();
@@ -102,7 +102,7 @@ fn do_not_depend_on_the_unit() {
 }
 
 #[test]
-fn add_up_over_blocks_and_subtract_when_one_is_left_out() {
+fn block_moments_add_and_subtract() {
     let columns: Vec<_> = (0..2).map(|c| noise(900, 31 + c, 2.0)).collect();
     let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let pool = Candidates::builder().output(1..=5, 2).input(0, 0..=8, 1).cross_products(2).build().unwrap();
@@ -145,7 +145,7 @@ fn serve_any_pool_they_cover() {
 
 #[test]
 #[should_panic(expected = "same pool")]
-fn of_different_pools_do_not_add() {
+fn moments_of_different_pools_do_not_add() {
     let signal = noise(50, 3, 1.0);
     let of = |lags| {
         let pool = Candidates::builder().output(1..=lags, 1).build().unwrap();

@@ -1,4 +1,4 @@
-//! The noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
+//! Noise of an axis of a log at rest: its Allan deviation, and N, B and K with their intervals.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -17,42 +17,42 @@ use super::thermal_drift::{Temperature, ThermalDrift};
 use crate::signal::allan::{AllanPoint, TAUS_PER_DECADE, allan_deviation, averaging_times};
 use crate::signal::quantisation::{Quantisation, quantisation};
 
-/// Blocks are so many times shorter than those that slow effects are looked for in: white noise shows in the short ones.
+/// Ratio of the block length for slow effects to the one used here: white noise shows in short blocks.
 const FINER: f64 = 10.0;
 
-/// Shortest block, s: what is faster is part of the white noise.
+/// Shortest block, s; faster noise is part of the white noise.
 const SHORTEST_S: f64 = 0.5;
 
-/// The noise of one axis.
+/// Noise of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisNoise {
-    /// As in the log format, as `gx_rads`.
+    /// Name in the log format, as `gx_rads`.
     pub column: String,
     pub unit: String,
-    /// Time at rest that it is of, s.
+    /// Time at rest, s.
     pub seconds: f64,
     /// Time from the first to the last sample at rest, s.
     pub span_s: f64,
-    /// Samples that are no measurements, left out.
+    /// Number of excluded outliers.
     pub left_out: usize,
-    /// N, B, K.
+    /// N, B and K.
     #[serde(flatten)]
     pub levels: NoiseEstimate,
-    /// Drift with temperature, which is part of neither the levels nor the Allan deviation; none where the temperature is
+    /// Drift with temperature, which is part of neither the levels nor the Allan deviation; none if the temperature is
     /// constant or not logged.
     pub thermal_drift: Option<ThermalDrift>,
-    /// Step of the converter, unit of the column, where it hides the noise: N, B and K are then limits.
+    /// Step of the converter, unit of the column, if it hides the noise: N, B and K are then limits.
     pub step: Option<f64>,
-    /// How long a log would have to be to tell more of a random walk that was not seen, s.
+    /// Length of a log that would show more about an undetected random walk, s.
     pub walk_needs_s: Option<f64>,
-    /// Overlapping Allan deviation; none of its differences reaches over a gap or a motion.
+    /// Overlapping Allan deviation; no difference spans a gap or a motion.
     pub allan: Vec<AllanPoint>,
 }
 
-/// Why the noise of an axis cannot be told.
+/// Reason why the noise of an axis cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum AxisNoiseError {
-    /// A column is not there.
+    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(
@@ -67,22 +67,22 @@ pub enum AxisNoiseError {
         /// Time needed, s.
         needed: f64,
     },
-    /// It does not change, or is stuck for half of the time and more.
+    /// The axis does not change, or is stuck for at least half of the time.
     #[error(
         "{column} repeats one value, {value}, at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
     Constant { column: String, value: f64 },
 }
 
-/// The noise of an axis (`gx`, or a column) where `stillness` says that the unit lies still.
+/// Estimates the noise of an axis (`gx`, or a column) in the rows that `stillness` marks as at rest.
 ///
-/// An accelerometer has a constant of its own in each pose, as gravity is in each. A drift with the logged temperature is
-/// estimated together with the levels (restricted likelihood) and removed. Any other drift counts as noise: mostly as random
-/// walk.
+/// An accelerometer has a separate constant in each orientation, because of gravity. A drift with the logged
+/// temperature is estimated together with the levels (restricted likelihood) and removed. Any other drift counts as
+/// noise, mostly as random walk.
 ///
 /// # Errors
 ///
-/// The column is missing, too short or constant; or the device moves all along.
+/// The column is missing, too short or constant, or the device moves all along.
 pub fn axis_noise(
     recording: &Recording,
     stillness: &Stillness,
@@ -111,7 +111,7 @@ pub fn axis_noise(
     }
     let y = blocks.means(&series.values);
     let constant = vec![1.0; blocks.len()];
-    // what is far from zero would leave fewer digits to the noise
+    // a large offset would cost digits of the noise
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     let centred: Vec<f64> = y.iter().map(|value| value - mean).collect();
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0) + blocks.length_s;
@@ -147,7 +147,7 @@ pub fn axis_noise(
         Err(UnknownLevels) => match recording.hidden_step(&column, &stillness.still) {
             Some(step) => {
                 let samples = measured.iter().map(|stretch| stretch.len()).sum();
-                (Rounded::of_constant(step, samples, period_s, span_s), Some(step))
+                (Rounded::limits_of_constant(step, samples, period_s, span_s), Some(step))
             }
             None => return Err(AxisNoiseError::Constant { column, value: mean }),
         },
@@ -160,7 +160,7 @@ pub fn axis_noise(
         span_s,
         left_out,
         levels,
-        // a longer log does not show what a step hides
+        // a longer log does not reveal what a step hides
         walk_needs_s: if step.is_some() { None } else { levels.seconds_for_walk(span_s) },
         step,
         thermal_drift,

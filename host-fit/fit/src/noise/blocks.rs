@@ -1,4 +1,4 @@
-//! A recording reduced to means over blocks of equal length: what slow effects are looked for in.
+//! A recording reduced to means over blocks of equal length, in which slow effects are searched for.
 
 use std::ops::Range;
 
@@ -7,61 +7,61 @@ use fos_data::recording::Recording;
 
 use crate::signal::centred;
 
-/// Blocks that a recording is cut into, about.
+/// Approximate number of blocks of a recording.
 const WANTED: f64 = 600.0;
 
 /// Shortest block, s.
 const SHORTEST_S: f64 = 0.5;
 
-/// A block of which less than this share of the samples is known is left out.
+/// Least share of known samples in a block.
 const KNOWN_SHARE: f64 = 0.25;
 
-/// A log of which less than this share of the time was recorded is one of bursts: blocks lie within them.
+/// Share of recorded time below which a log counts as bursts: blocks then lie within bursts.
 const RECORDED_SHARE: f64 = 0.5;
 
-/// Most blocks of a log of bursts that are one a burst, for those wanted.
-const MOST: f64 = 2.0;
+/// Largest number of single-burst blocks, as a multiple of the wanted number.
+const MAX_SINGLE_BURSTS: f64 = 2.0;
 
-/// Fewest blocks of a rest with a level of its own: one alone determines its level and nothing else.
+/// Least number of blocks in a rest with its own level: a single block determines its level and nothing else.
 const LEAST_A_REST: f64 = 2.0;
 
-/// Least noise of a block over the mean of all.
+/// Least noise of a block, relative to the mean of all.
 const LEAST_NOISE: f64 = 1e-3;
 
-/// The blocks of a recording in which enough is known. Blocks lie on the grid of ticks, so that gaps keep their length.
-/// Of a log of bursts (5 s of every 300 s) they are bursts, or equal parts of them, as far from each other as the ticks
-/// say; where there are too many of those, several bursts are one.
+/// Blocks of a recording with enough known samples. They lie on the grid of ticks, so that gaps keep their length. In a
+/// log of bursts (5 s of every 300 s) they are bursts or equal parts of them, at their true distances; if there are too
+/// many bursts, several form one block.
 #[derive(Debug, Clone)]
 pub struct Blocks {
     /// Length of a block, s.
     pub length_s: f64,
     /// Sample period, s.
     pub period_s: f64,
-    /// Shortest time constant of flicker noise, s; what is faster counts as white. The same for all blocks up to 9 s
-    /// long, so that noise levels learnt with some hold with others.
+    /// Shortest time constant of flicker noise, s; faster noise counts as white. It is the same for all blocks up to
+    /// 9 s long, so that noise levels can be transferred between block lengths.
     pub flicker_from_s: f64,
-    /// The blocks, in order of time.
+    /// Blocks, in order of time.
     pub blocks: Vec<Block>,
-    /// Blocks, from the second on, from which on the level is another and unknown: where gravity may have turned under an
+    /// Blocks, from the second on, at which an unknown new level begins: gravity may have turned under an
     /// accelerometer. Whitening eliminates these levels.
     restarts: Vec<usize>,
-    /// Whether a row counts; one flag per row of the recording.
+    /// Rows that are used; one flag per row of the recording.
     known: Vec<bool>,
 }
 
-/// Means of blocks, under way.
+/// Running computation of block means.
 #[derive(Debug)]
 pub struct Averaging<'b> {
     blocks: &'b Blocks,
     row: usize,
-    /// Of the values that count, of the block that comes next.
+    /// Sum over the used values of the current block.
     sum: f64,
-    /// Of the blocks that are complete.
+    /// Means of the completed blocks.
     pub means: Vec<f64>,
 }
 
 impl Averaging<'_> {
-    /// The value of the next row.
+    /// Adds the value of the next row.
     #[inline]
     pub fn push(&mut self, value: f64) {
         let row = self.row;
@@ -82,17 +82,17 @@ impl Averaging<'_> {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// Place on the grid: its middle is (index + ½)·length after the first sample.
+    /// Position on the grid: its middle is (index + ½)·length after the first sample.
     pub index: u64,
-    /// Rows in it.
+    /// Rows of the block.
     pub rows: Range<usize>,
-    /// Rows in it that count.
+    /// Number of used rows in it.
     pub count: usize,
-    /// Variance of its fast noise over that of the log: 1 unless the log was shaken.
+    /// Variance of its fast noise relative to that of the log; 1 unless the log was shaken.
     pub noise: f64,
 }
 
-/// Block length that suits a recording, s: about 600 blocks.
+/// Returns the block length that suits a recording, s: about 600 blocks.
 pub fn length_for(recording: &Recording) -> f64 {
     let (ticks, period_s) = (ticks(recording), recording.rate.period_s);
     let Some(burst) = burst_rows(recording) else {
@@ -100,13 +100,13 @@ pub fn length_for(recording: &Recording) -> f64 {
     };
     let length_s = (recording.n_rows() as f64 * period_s / WANTED).max(SHORTEST_S);
     let burst_s = burst as f64 * period_s;
-    match length_s < MOST * burst_s {
+    match length_s < MAX_SINGLE_BURSTS * burst_s {
         true => burst_s / (burst_s / length_s).round().max(1.0),
         false => (ticks as f64 * period_s / WANTED).max(SHORTEST_S),
     }
 }
 
-/// The same where each burst may have a level of its own.
+/// Returns the block length for a recording in which each burst may have its own level, s.
 pub fn length_with_levels_for(recording: &Recording) -> f64 {
     let length_s = length_for(recording);
     match burst_rows(recording) {
@@ -115,17 +115,17 @@ pub fn length_with_levels_for(recording: &Recording) -> f64 {
     }
 }
 
-/// Samples from the first to the last on the grid.
+/// Number of samples on the grid, from the first to the last.
 fn ticks(recording: &Recording) -> u64 {
     recording.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64)
 }
 
-/// The rows of a usual burst, if the recording is one of bursts: half of all rows lie in shorter ones.
+/// Returns the rows of a usual burst if the recording consists of bursts: half of all rows lie in shorter ones.
 fn burst_rows(recording: &Recording) -> Option<usize> {
     if recording.n_rows() as f64 >= RECORDED_SHARE * ticks(recording) as f64 {
         return None;
     }
-    // what is lost within a burst, less than a segment, does not end it
+    // samples lost within a burst, fewer than a segment, do not end it
     let longest_loss = (recording.n_rows() / recording.segments.len().max(1)) as u64;
     let mut bursts: Vec<usize> = Vec::new();
     for segment in &recording.segments {
@@ -142,25 +142,25 @@ fn burst_rows(recording: &Recording) -> Option<usize> {
     })
 }
 
-/// The power of three below a third of a block, at least 1.
+/// Power of three below a third of a block, at least 1.
 fn flicker_from_s(length_s: f64) -> f64 {
     3.0_f64.powf((length_s / 3.0).max(1.0).log(3.0).floor())
 }
 
 impl Blocks {
-    /// Blocks of `length_s` over the rows that `known` marks, one flag per row.
+    /// Forms blocks of `length_s` from the rows that `known` marks, one flag per row.
     pub fn new(recording: &Recording, length_s: f64, known: Vec<bool>) -> Self {
         let period_s = recording.rate.period_s;
         let ticks = (length_s / period_s).round().max(1.0) as u64;
         let burst = burst_rows(recording);
-        let within_bursts = burst.is_some_and(|rows| ticks as f64 <= MOST * rows as f64);
+        let within_bursts = burst.is_some_and(|rows| ticks as f64 <= MAX_SINGLE_BURSTS * rows as f64);
         let full = match burst {
             Some(rows) if within_bursts => rows.min(ticks as usize) as f64,
             Some(_) => ticks as f64 * recording.n_rows() as f64 / self::ticks(recording) as f64,
             None => ticks as f64,
         };
         let mut blocks: Vec<Block> = Vec::new();
-        // the tick that blocks are counted from, and the first of them
+        // tick at which the count of blocks starts, and the first block
         let (mut origin, mut first) = (0, 0);
         for segment in &recording.segments {
             if within_bursts && segment.missing_before >= ticks {
@@ -191,8 +191,8 @@ impl Blocks {
         }
     }
 
-    /// The same where the level is another, and unknown, from each of the rows `turns` on. A block is of one level: of
-    /// that after the turn.
+    /// Forms blocks with an unknown new level from each of the rows `turns` on. A block has one level: the one after
+    /// the turn.
     pub fn with_levels(recording: &Recording, length_s: f64, mut known: Vec<bool>, turns: &[usize]) -> Self {
         let blocks = Self::new(recording, length_s, known.clone());
         let mut later = turns;
@@ -212,24 +212,24 @@ impl Blocks {
         blocks
     }
 
-    /// Blocks, from the second on, from which on the level is another and unknown.
+    /// Returns the blocks, from the second on, at which an unknown new level begins.
     pub fn restarts(&self) -> &[usize] {
         &self.restarts
     }
 
-    /// Blocks beyond those that only determine a level.
+    /// Number of blocks beyond those that only determine a level.
     pub fn beyond_levels(&self) -> usize {
         self.len() - self.restarts.len()
     }
 
-    /// `values`, one per block, of the blocks in `within`, each about the mean of its level.
+    /// Returns `values`, one per block, for the blocks in `within`, each about the mean of its level.
     pub fn about_levels(&self, values: &[f64], within: Range<usize>) -> Vec<f64> {
         let levels = pose::levels_between(&self.restarts, within);
         levels.into_iter().flat_map(|level| centred(values[level].to_vec())).collect()
     }
 
-    /// The noise of each block by the changes of `error`, one value per row, from one sample to the next: shaking comes
-    /// and goes, and takes the noise of the means with it.
+    /// Sets the noise of each block from the changes of `error`, one value per row, between adjacent samples:
+    /// intermittent shaking changes the noise of the means.
     pub fn with_noise_of(mut self, error: &[f64]) -> Self {
         let variance = |block: &Block| {
             let known = block.rows.clone().filter(|row| self.known[*row]);
@@ -245,27 +245,27 @@ impl Blocks {
         self
     }
 
-    /// Blocks with enough data.
+    /// Number of blocks with enough data.
     pub fn len(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there is no block.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
 
-    /// Whether a row counts.
+    /// Returns the used rows, one flag per row.
     pub fn known(&self) -> &[bool] {
         &self.known
     }
 
-    /// Means of `column`, one value per row of the recording, over the rows that count.
+    /// Returns the means of `column`, one value per row of the recording, over the used rows.
     pub fn means(&self, column: &[f64]) -> Vec<f64> {
         self.means_of(|row| [column[row]]).into_iter().map(|[mean]| mean).collect()
     }
 
-    /// The same of several columns at once, whose values `of` tells of each row that counts, in their order.
+    /// Returns the means of several columns at once; `of` returns their values for each used row, in order.
     pub fn means_of<const N: usize>(&self, mut of: impl FnMut(usize) -> [f64; N]) -> Vec<[f64; N]> {
         let mean = |block: &Block| {
             let mut sums = [0.0; N];
@@ -279,17 +279,17 @@ impl Blocks {
         self.blocks.iter().map(mean).collect()
     }
 
-    /// The same of values that come one by one, of each row of the recording.
+    /// Starts a computation of means from values given row by row.
     pub fn averaging(&self) -> Averaging<'_> {
         Averaging { blocks: self, row: 0, sum: 0.0, means: Vec::with_capacity(self.blocks.len()) }
     }
 
-    /// Middle of a block, s after the first sample.
+    /// Returns the middle of a block, s after the first sample.
     pub fn middle_s(&self, block: usize) -> f64 {
         (self.blocks[block].index as f64 + 0.5) * self.length_s
     }
 
-    /// Samples of all blocks that count.
+    /// Number of used samples in all blocks.
     pub fn samples(&self) -> usize {
         self.blocks.iter().map(|block| block.count).sum()
     }

@@ -1,8 +1,9 @@
 //! White noise N, bias instability B and random walk K of an axis at rest, each with its 90 % interval.
 //!
-//! Values are those of the greatest restricted likelihood of the block means (of what the constants leave), intervals
-//! those of its profile: every value at which −2 ln L, best over the other two, lies at most 2.71 above its least (χ² of one degree of freedom,
-//! 90 %). Where that holds down to nothing, a process has not been seen, and only its upper limit is known (95 %).
+//! Values maximise the restricted likelihood of the block means (of their part orthogonal to the constants). Intervals
+//! are those of its profile: every value at which −2 ln L, minimised over the other two, is at most 2.71 above its
+//! minimum (χ² with one degree of freedom, 90 %). If that holds down to zero, the process was not detected and only its
+//! upper limit is known (95 %).
 
 use serde::Serialize;
 
@@ -10,44 +11,45 @@ use super::blocks::Blocks;
 use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels, minimise};
 use super::model::NoiseLevels;
 
-/// Rise of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
+/// Increase of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
 const RISE: f64 = 2.705_543;
 
-/// Fewer blocks than this tell hardly anything of three levels.
+/// Least number of blocks for an estimate of three levels.
 pub(super) const FEWEST_BLOCKS: usize = 40;
 
-/// A process of which e^(−this) times the value found is as likely as none has not been seen.
-const NOTHING: f64 = 12.0;
+/// Distance below the estimate, in logarithms, at which a process counts as absent: if the profile is within [`RISE`]
+/// there, the process was not detected.
+const ABSENT_BELOW: f64 = 12.0;
 
-/// An end of an interval is looked for up to so far from the value, in logarithms.
-const FURTHEST: f64 = 16.0;
+/// Largest distance of an interval's end from the value, in logarithms.
+const MAX_DISTANCE: f64 = 16.0;
 
-/// How exactly an end of an interval is found, in its logarithm.
+/// Accuracy of an interval's end, in its logarithm.
 const EXACT: f64 = 0.005;
 
 /// Second derivative of −2 ln L that the search expects, of a level known to 20 %; and the longest unit of its steps.
 const USUAL_CURVATURE: f64 = 50.0;
 const LONGEST_UNIT: f64 = 6.0;
 
-/// Standard deviation of a prior that says nothing, in logarithms.
-const NOTHING_KNOWN: f64 = 100.0;
+/// Standard deviation of an uninformative prior, in logarithms.
+const UNINFORMATIVE: f64 = 100.0;
 
 /// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
 pub const FLICKER_FLOOR: f64 = 0.664_282_9;
 
-/// What a log tells of one level.
+/// Estimate of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Level {
-    /// The likeliest value; none where none at all is as likely.
+    /// Most likely value; none if the interval includes zero.
     pub value: Option<f64>,
-    /// Lower end of the 90 % interval; none where there may be none of it.
+    /// Lower end of the 90 % interval; none if it includes zero.
     pub low: Option<f64>,
-    /// Upper end of the 90 % interval, which is also the 95 % limit where there is no lower end.
+    /// Upper end of the 90 % interval, which is also the 95 % limit if there is no lower end.
     pub high: f64,
 }
 
 impl Level {
-    /// The value, or the limit that is known instead.
+    /// Returns the value, or its upper limit if there is none.
     pub fn at_most(&self) -> f64 {
         self.value.unwrap_or(self.high)
     }
@@ -63,11 +65,11 @@ pub struct NoiseEstimate {
     pub walk: Level,
 }
 
-/// The levels that `y`, block means of an axis at rest, show beside `regressors`, a constant at least.
+/// Estimates the levels from `y`, block means of an axis at rest, and `regressors`, which include a constant.
 ///
 /// # Errors
 ///
-/// There are fewer than 40, or the means do not change.
+/// There are fewer than 40 blocks, or the means do not change.
 pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<NoiseEstimate, UnknownLevels> {
     if blocks.beyond_levels() < FEWEST_BLOCKS
         || super::gls::dot(y, y).is_nan()
@@ -76,7 +78,7 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
         return Err(UnknownLevels);
     }
     let start = LevelPrior::of_log(blocks, y).mean;
-    let flat = LevelPrior::independent(start, [NOTHING_KNOWN; 3]);
+    let flat = LevelPrior::independent(start, [UNINFORMATIVE; 3]);
     let likelihood = Likelihood { regression: Regression { blocks, y, regressors, prior: &flat } };
     let best = likelihood.best(start);
     Ok(NoiseEstimate {
@@ -90,12 +92,12 @@ fn is_constant(y: &[f64]) -> bool {
     y.iter().all(|value| *value == y[0])
 }
 
-/// −2 ln L of ln N, ln B, ln K.
+/// −2 ln L as a function of ln N, ln B, ln K.
 struct Likelihood<'a> {
     regression: Regression<'a>,
 }
 
-/// Where it is least, and in which steps to look there.
+/// Position of the minimum, and step sizes for the search around it.
 struct Best {
     logs: LogLevels,
     deviance: f64,
@@ -105,8 +107,8 @@ struct Best {
 impl Likelihood<'_> {
     fn at(&self, logs: &LogLevels) -> f64 {
         let [white, flicker, walk] = logs.map(f64::exp);
-        // flicker noise goes on to shorter times than the shortest of the ladder: Σ 3^(−k) of processes of variance
-        // B²·ln 3/π and density 2·variance·τ, which is white in the blocks and none of N
+        // flicker noise below the shortest time constant of the ladder: Σ 3^(−k) of processes of variance B²·ln 3/π and
+        // density 2·variance·τ, which is white in the blocks but not part of N
         let faster =
             3.0_f64.ln() / std::f64::consts::PI * flicker * flicker * self.regression.blocks.flicker_from_s;
         let white = (white * white + faster).sqrt();
@@ -116,7 +118,7 @@ impl Likelihood<'_> {
     }
 
     fn best(&self, start: LogLevels) -> Best {
-        // flicker and walk may each pass for the other: from more of the one and from more of the other
+        // flicker and walk may be mistaken for each other: start with more of either
         let starts = [start, [start[0], start[1] - 3.0, start[2] + 2.0]];
         let found = starts.map(|start| minimise(start, |logs| self.at(logs)));
         let (logs, _) = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are two");
@@ -125,7 +127,7 @@ impl Likelihood<'_> {
         Best { logs, deviance, units: self.units(&logs) }
     }
 
-    /// Steps in which the levels are looked for: a level that is hardly known needs long ones.
+    /// Step sizes of the search: a poorly determined level needs long steps.
     fn units(&self, logs: &LogLevels) -> LogLevels {
         const STEP: f64 = 0.1;
         let middle = self.at(logs);
@@ -140,7 +142,7 @@ impl Likelihood<'_> {
         })
     }
 
-    /// −2 ln L at a value of one level, best over the other two, which are looked for from `others`.
+    /// Returns −2 ln L at a value of one level, minimised over the other two, starting from `others`.
     fn profile(&self, level: usize, log: f64, others: &mut [f64; 2], units: &LogLevels) -> f64 {
         let with = |others: &[f64; 2]| {
             let mut logs = [log; 3];
@@ -165,10 +167,10 @@ impl Likelihood<'_> {
             let mut others = others;
             let (mut inside, mut step) = (centre, 0.05);
             let mut below = -RISE;
-            // ends: the step doubles
+            // terminates: the step doubles
             let (mut outside, mut above) = loop {
                 let log = inside + direction * step;
-                if (log - centre).abs() > FURTHEST {
+                if (log - centre).abs() > MAX_DISTANCE {
                     return None;
                 }
                 let there = rise(log, &mut others);
@@ -178,7 +180,7 @@ impl Likelihood<'_> {
                 (inside, below) = (log, there);
                 step *= 2.0;
             };
-            // ends: the bracket shrinks by a tenth at least
+            // terminates: the bracket shrinks by at least a tenth
             while (outside - inside).abs() > EXACT {
                 let share = (-below / (above - below)).clamp(0.1, 0.9);
                 let log = inside + share * (outside - inside);
@@ -189,9 +191,10 @@ impl Likelihood<'_> {
             }
             Some(0.5 * (inside + outside))
         };
-        let high = end(1.0).unwrap_or(centre + FURTHEST).exp();
-        let may_be_none =
-            self.profile(level, centre - NOTHING, &mut others.clone(), &best.units) - best.deviance <= RISE;
+        let high = end(1.0).unwrap_or(centre + MAX_DISTANCE).exp();
+        let may_be_none = self.profile(level, centre - ABSENT_BELOW, &mut others.clone(), &best.units)
+            - best.deviance
+            <= RISE;
         if may_be_none {
             return Level { value: None, low: None, high };
         }
@@ -207,7 +210,7 @@ fn without(level: usize, levels: &LogLevels) -> [f64; 2] {
     }
 }
 
-/// [`minimise`] in steps of these units.
+/// Runs [`minimise`] in units of these step sizes.
 fn minimise_in<const D: usize>(
     units: &[f64; D],
     start: [f64; D],
@@ -219,25 +222,25 @@ fn minimise_in<const D: usize>(
 }
 
 impl NoiseEstimate {
-    /// Allan deviation of such noise at an averaging time, unit: √(N²/τ + (0.664·B)² + K²·τ/3); what was not seen is
-    /// left out.
+    /// Returns the Allan deviation of such noise at an averaging time, unit: √(N²/τ + (0.664·B)² + K²·τ/3), without
+    /// undetected processes.
     pub fn allan_deviation(&self, tau_s: f64) -> f64 {
         let [white, flicker, walk] =
             [self.white, self.flicker, self.walk].map(|level| level.value.unwrap_or(0.0));
         (white * white / tau_s + (FLICKER_FLOOR * flicker).powi(2) + walk * walk * tau_s / 3.0).sqrt()
     }
 
-    /// How long a log would have to be, s, to show a random walk half as large as the limit that one of `seconds` has
-    /// set, or to halve the limit; none where the walk is known.
+    /// Returns the length of a log, s, that would show a random walk half as large as the limit from a log of
+    /// `seconds`, or halve the limit; none if the walk is known.
     ///
-    /// A walk is seen where its Allan deviation rises above that of the other noise, at averaging times up to some
-    /// share of the log, which the limit itself tells: K²·τ/3 = N²/τ + (0.664·B)², τ = length/share.
+    /// A walk is detected if its Allan deviation exceeds that of the other noise at averaging times up to some share of
+    /// the log. The share follows from the limit itself: K²·τ/3 = N²/τ + (0.664·B)², τ = length/share.
     pub fn seconds_for_walk(&self, seconds: f64) -> Option<f64> {
         if self.walk.value.is_some() {
             return None;
         }
         let (white, floor) = (self.white.at_most(), FLICKER_FLOOR * self.flicker.at_most());
-        // τ at which a walk meets the rest: of the quadratic K²·τ²/3 − floor²·τ − N² = 0
+        // τ at which a walk equals the other noise: from the quadratic K²·τ²/3 − floor²·τ − N² = 0
         let meets = |walk: f64| {
             let third = walk * walk / 3.0;
             let half = 0.5 * floor * floor;

@@ -1,4 +1,5 @@
-//! N, B and K of simulated noise: the intervals hold the truth as often as they say, and what cannot be seen is not named.
+//! N, B and K of simulated noise: the intervals have their stated coverage, and undetectable processes are not
+//! reported.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -21,7 +22,7 @@ fn holds(level: &Level, truth: f64) -> bool {
 }
 
 #[test]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn intervals_have_their_stated_coverage() {
     // an hour in blocks of 0.8 s, some missing
     let counts: Vec<usize> = (0..1500).map(|block| if (700..760).contains(&block) { 0 } else { 8 }).collect();
     let blocks = blocks_of(&counts);
@@ -40,12 +41,12 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         }
     }
     println!("{held:?} of 100, too low {below:?}");
-    // 90 ± 3 are binomial: three of them
+    // 90 ± 3 by the binomial distribution; three of them
     assert!(held.iter().all(|held| (81..=99).contains(held)), "{held:?} of 100");
 }
 
 #[test]
-fn what_is_too_small_to_be_seen_is_a_limit_and_no_value() {
+fn undetected_process_gives_a_limit() {
     let blocks = blocks_of(&[8; 600]);
     let levels = NoiseLevels { white: 1.0, flicker: 0.0, walk: 0.0, gauss_markov: None };
     let mut named = [0; 3];
@@ -56,13 +57,13 @@ fn what_is_too_small_to_be_seen_is_a_limit_and_no_value() {
         }
     }
     println!("named {named:?} of 60");
-    // one-sided at 5 %: the other half of the samples have none of it as the likeliest; 3 ± 1.7
+    // one-sided at 5 %: for the other half of the samples zero is the most likely value; 3 ± 1.7
     assert_eq!(named[0], 60);
     assert!(named[1] <= 8 && named[2] <= 8, "{named:?}");
 }
 
 #[test]
-fn a_constant_and_a_handful_of_blocks_tell_nothing() {
+fn rejects_constant_series_and_too_few_blocks() {
     let blocks = blocks_of(&[8; 60]);
     let ones = vec![1.0; 60];
     assert_eq!(estimate(&blocks, &ones, &[&ones]), Err(UnknownLevels));
@@ -72,7 +73,7 @@ fn a_constant_and_a_handful_of_blocks_tell_nothing() {
 }
 
 #[test]
-fn a_longer_log_is_asked_for_where_no_walk_is_seen() {
+fn undetected_walk_requires_a_longer_log() {
     let blocks = blocks_of(&[8; 600]);
     let levels = NoiseLevels { white: 1.0, flicker: 0.3, walk: 0.0, gauss_markov: None };
     let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(3));
@@ -80,6 +81,6 @@ fn a_longer_log_is_asked_for_where_no_walk_is_seen() {
     let found = estimate(&blocks, &y, &[&ones]).unwrap();
     assert_eq!(found.walk.value, None);
     let factor = found.seconds_for_walk(480.0).unwrap() / 480.0;
-    // half the walk meets white noise after twice the time, flicker after four times
+    // half the walk equals white noise after twice the time, flicker after four times
     assert!((2.0..=4.0).contains(&factor), "{factor}");
 }

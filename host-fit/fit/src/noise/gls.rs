@@ -1,4 +1,4 @@
-//! Generalised least squares: a regression whose errors are sensor noise, on whitened columns.
+//! Generalised least squares: a regression with sensor noise as error, on whitened columns.
 
 use std::sync::Arc;
 
@@ -7,21 +7,21 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::Blocks;
 use super::model::{NoiseLevels, Whitening};
 
-/// A column of which less than this share of its squares is left after the columns before it are projected out is a
+/// Share of a column's squares that must remain after the columns before it are projected out; below it the column is a
 /// combination of them.
 const COLLINEAR: f64 = 1e-7;
 
-/// Whitened regressors made orthonormal (modified Gram-Schmidt, twice), and a whitened output beside them. The unknown
-/// levels of [`Blocks::restarts`] are eliminated while whitening: each costs nothing here.
+/// Whitened regressors orthonormalised by modified Gram-Schmidt (twice), and a whitened output. The unknown levels of
+/// [`Blocks::restarts`] are eliminated during whitening, without a regressor each.
 #[derive(Debug, Clone)]
 pub struct Gls {
     basis: Vec<Vec<f64>>,
     /// Column j of the whitened regressors is Σ_i basis_i·triangle\[j\]\[i\].
     triangle: Vec<Vec<f64>>,
-    /// Which of the given regressors were kept; the others are combinations of those before them.
+    /// Indices of the given regressors that are used; the others are combinations of those before them.
     pub kept: Vec<usize>,
     n_regressors: usize,
-    /// What the regressors leave of the whitened output.
+    /// Residual of the whitened output.
     pub residual: Vec<f64>,
     projections: Vec<f64>,
     /// ln det of the noise covariance.
@@ -63,8 +63,8 @@ impl Gls {
         gls
     }
 
-    /// A whitened column made orthonormal to the basis, with its coordinates; `None` if nothing of it is left beside the
-    /// basis and the levels, which have `taken` some of its squares.
+    /// Orthonormalises a whitened column against the basis and returns it with its coordinates; `None` if nothing
+    /// remains beside the basis and the levels, which account for `taken` of its squares.
     fn orthonormal(&self, (mut column, taken): (Vec<f64>, f64)) -> Option<(Vec<f64>, Vec<f64>)> {
         let before = dot(&column, &column) + taken;
         let mut coordinates = vec![0.0; self.basis.len()];
@@ -85,19 +85,19 @@ impl Gls {
         Some((column, coordinates))
     }
 
-    /// −2 ln L up to a constant: ln det C + χ²; restricted to what unknown levels leave, since with one for every rest
-    /// the greatest likelihood would take the noise for too small (Neyman and Scott 1948).
+    /// Returns −2 ln L up to a constant: ln det C + χ². It is restricted to the part orthogonal to unknown levels,
+    /// since with one level per rest the maximum likelihood would underestimate the noise (Neyman and Scott 1948).
     pub fn deviance(&self) -> f64 {
         self.log_determinant + dot(&self.residual, &self.residual)
     }
 
-    /// ln det of the inverse of [`Gls::covariance`]: what the coefficients take of the likelihood of the levels
-    /// (restricted likelihood; Patterson and Thompson 1971).
+    /// Returns ln det of the inverse of [`Gls::covariance`], the term by which coefficients reduce the likelihood of
+    /// the levels (restricted likelihood; Patterson and Thompson 1971).
     pub fn log_determinant_of_information(&self) -> f64 {
         self.triangle.iter().enumerate().map(|(j, column)| 2.0 * column[j].ln()).sum()
     }
 
-    /// By how much further regressors, together, would lower χ², and how many of them are no combination of others.
+    /// Returns the decrease of χ² by further regressors together, and the number of them that are linearly independent.
     pub fn gain(&self, regressors: &[&[f64]]) -> (f64, usize) {
         let whitened = self.whitening.whiten(regressors);
         let mut wider = Self { residual: self.residual.clone(), ..self.without_output() };
@@ -119,7 +119,7 @@ impl Gls {
         Self { residual: Vec::new(), ..self.clone() }
     }
 
-    /// Coefficients of all given regressors; 0 for those that were not kept.
+    /// Returns the coefficients of all given regressors; 0 for those that are not used.
     pub fn coefficients(&self) -> Vec<f64> {
         let mut kept = vec![0.0; self.basis.len()];
         for i in (0..kept.len()).rev() {
@@ -131,7 +131,7 @@ impl Gls {
         all
     }
 
-    /// Covariance of the coefficients of the kept regressors, in their order: (RᵀR)⁻¹.
+    /// Returns the covariance of the coefficients of the used regressors, in order: (RᵀR)⁻¹.
     pub fn covariance(&self) -> DMatrix<f64> {
         let k = self.basis.len();
         let upper = DMatrix::from_fn(k, k, |i, j| if i <= j { self.triangle[j][i] } else { 0.0 });
@@ -143,13 +143,13 @@ impl Gls {
                 upper.solve_upper_triangular(&column).unwrap_or_else(|| DVector::zeros(k))
             })
             .collect();
-        // `from_columns` panics where no regressor was kept
+        // `from_columns` panics without a regressor
         let inverse = DMatrix::from_fn(k, k, |i, j| columns[j][i]);
         &inverse * inverse.transpose()
     }
 }
 
-/// Σ weight·column, of columns with this number of rows; a column without weight may hold NaN.
+/// Returns Σ weight·column, of columns with this number of rows; a column with weight 0 may hold NaN.
 pub fn combination(columns: &[Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, weight) in columns.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {

@@ -1,4 +1,4 @@
-//! The regression against the explicit formula with the dense covariance.
+//! The regression compared with the explicit formula with the dense covariance.
 
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
@@ -18,7 +18,7 @@ fn levels() -> NoiseLevels {
     NoiseLevels { flicker: 0.8, walk: 0.2, gauss_markov: Some(process), ..UNIT_WHITE }
 }
 
-/// A constant, a ramp that is nearly one over a short log, and what `seed` draws; then an output.
+/// A constant, a ramp that is nearly constant over a short log, and random columns from `seed`; and an output.
 fn problem(blocks: &Blocks, seed: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
     let mut columns = vec![vec![1.0; blocks.len()]];
     columns.push((0..blocks.len()).map(|block| 300.0 + blocks.middle_s(block)).collect());
@@ -36,7 +36,7 @@ fn chi_squared(gls: &Gls) -> f64 {
 }
 
 #[test]
-fn coefficients_covariance_and_deviance_are_those_of_the_explicit_formula() {
+fn matches_the_explicit_formula() {
     for seed in 0..SEEDS {
         let blocks = if seed % 2 == 0 { awkward() } else { blocks_of(&[8; 9]) };
         let (columns, y) = problem(&blocks, seed);
@@ -70,7 +70,7 @@ fn the_residual_is_orthogonal_to_every_regressor() {
     let blocks = awkward();
     for seed in 0..SEEDS {
         let (mut columns, y) = problem(&blocks, seed);
-        // nearly the constant: 1e-3 of it is its own, a million times the squares that count as collinear
+        // nearly the constant: 1e-3 of it is independent, a million times the squares that count as collinear
         columns.push(columns[2].iter().map(|value| 1.0 + 1e-3 * value * value).collect());
         let gls = Gls::new(&blocks, &levels(), &y, &slices(&columns));
         assert_eq!(gls.kept.len(), columns.len());
@@ -83,7 +83,7 @@ fn the_residual_is_orthogonal_to_every_regressor() {
 }
 
 #[test]
-fn combinations_of_earlier_regressors_are_left_out() {
+fn collinear_regressors_are_excluded() {
     let blocks = awkward();
     for seed in 0..SEEDS {
         let (mut columns, y) = problem(&blocks, seed);
@@ -102,13 +102,13 @@ fn combinations_of_earlier_regressors_are_left_out() {
 }
 
 #[test]
-fn the_gain_is_the_fall_of_chi_squared_when_refitted() {
+fn gain_equals_decrease_of_chi_squared() {
     let blocks = awkward();
     for seed in 0..SEEDS {
         let (mut columns, y) = problem(&blocks, seed);
         let narrow = Gls::new(&blocks, &levels(), &y, &slices(&columns));
         let mut more = white_columns(&mut ChaCha8Rng::seed_from_u64(1000 + seed), 2, blocks.len());
-        // one that is a combination of what is there, one of what is added
+        // one is a combination of present columns, one of added columns
         more.insert(1, columns[1].iter().map(|value| 3.0 * value - 1.0).collect());
         more.push(more[0].iter().zip(&more[2]).map(|(a, b)| a - b).collect());
         let (gain, added) = narrow.gain(&slices(&more));
@@ -128,12 +128,12 @@ fn level_columns(n: usize, starts: &[usize]) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn eliminated_levels_give_the_answer_of_a_column_for_each() {
+fn eliminated_levels_match_one_column_per_level() {
     for seed in 0..SEEDS {
         let mut counts = vec![8; 60];
         counts[10..14].fill(0);
         counts[33] = 3;
-        // two blocks in a row each with a level of its own, and one after a gap
+        // two adjacent blocks with their own levels, and one after a gap
         let starts = [7, 14, 30, 31, 32, 50];
         let blocks = in_levels(&counts, &starts);
         let plain = blocks_of(&counts);
@@ -151,7 +151,7 @@ fn eliminated_levels_give_the_answer_of_a_column_for_each() {
 
         let chi = (chi_squared(&eliminated) - chi_squared(&dense)).abs();
         assert!(chi < 1e-8 * chi_squared(&dense), "seed {seed}: {chi:e}");
-        // the likelihood of what the levels leave
+        // restricted likelihood
         let restricted = |gls: &Gls| gls.deviance() + gls.log_determinant_of_information();
         let off = restricted(&eliminated) - restricted(&dense);
         assert!(off.abs() < 1e-7, "seed {seed}: {off:e}");
@@ -171,15 +171,15 @@ fn eliminated_levels_give_the_answer_of_a_column_for_each() {
     }
 }
 
-/// Products that a regression sums: each column is projected twice on all before it, block by block.
+/// Number of products in a regression: each column is projected twice on all before it, block by block.
 fn products(gls: &Gls) -> usize {
     let k = gls.kept.len();
     gls.residual.len() * (1 + k + 2 * k * k)
 }
 
 #[test]
-fn a_regression_takes_time_in_proportion_to_rests() {
-    // four blocks a rest
+fn regression_cost_is_linear_in_rests() {
+    // four blocks per rest
     let rests = |count: usize| -> Vec<usize> { (1..count).map(|rest| 4 * rest).collect() };
     let work = |count: usize, as_columns: bool| {
         let counts = vec![8; 4 * count];
@@ -193,7 +193,7 @@ fn a_regression_takes_time_in_proportion_to_rests() {
     };
     let ratio = |as_columns: bool| work(100, as_columns) as f64 / work(50, as_columns) as f64;
     assert_eq!(ratio(false), 2.0);
-    // negative control: a column for each rest
+    // negative control: one column per rest
     assert!(ratio(true) > 6.0);
     println!(
         "attack: rests | a regression over 100 rests, each with a level of its own, takes {:.1} times the products of one over 50, and comes to the same as with a column for each | negative control: with a column for each it takes {:.1} times",

@@ -1,4 +1,4 @@
-//! Noise levels from data: the most probable ones, given what was known before.
+//! Estimation of noise levels: the most probable ones under a prior.
 
 use std::cmp::Ordering;
 
@@ -14,46 +14,46 @@ use super::model::{GaussMarkov, NoiseLevels};
 /// Natural logarithms of white, flicker and walk.
 pub type LogLevels = [f64; 3];
 
-/// What is known of noise levels before the data: a normal distribution of their logarithms, but for the random walk.
+/// Prior of noise levels: a normal distribution of their logarithms, except for the random walk.
 ///
-/// A quiet log says hardly anything of a random walk too small to be seen in it, and almost everything of one too
-/// large: the logarithm of its likelihood is flat below and a wall above, and no normal distribution.
+/// A reference log hardly constrains a random walk too small to be detected in it, and excludes one too large: the
+/// logarithm of its likelihood is flat below and steep above, unlike a normal distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LevelPrior {
     /// Means of the logarithms.
     pub mean: LogLevels,
-    /// Inverse of their covariance.
+    /// Inverse of the covariance of the logarithms.
     pub precision: [[f64; 3]; 3],
-    /// −2 ln of the quiet log's likelihood, best over the other levels, where the walk is e^(k/2) times its mean,
-    /// k = 1, 2, …; none where no quiet log was seen.
-    pub wall: Option<[f64; WALL]>,
+    /// −2 ln of the reference log's likelihood, minimised over the other levels, for walks of e^(k/2) times the mean, k
+    /// = 1, 2, …; none without a reference log.
+    pub random_walk_likelihood: Option<[f64; WALK_VALUES]>,
 }
 
-/// Values that a wall is known at, and their distance in the logarithm of the walk.
-const WALL: usize = 8;
-const WALL_STEP: f64 = 0.5;
+/// Number of values of the random-walk likelihood, and their distance in the logarithm of the walk.
+const WALK_VALUES: usize = 8;
+const WALK_STEP: f64 = 0.5;
 
 /// Noise levels fitted to data together with a regression.
 #[derive(Debug, Clone)]
 pub struct Fitted {
     pub levels: NoiseLevels,
-    /// The regression under them.
+    /// Regression under these levels.
     pub gls: Gls,
     /// −2 ln of likelihood times prior density, up to a constant that depends on neither regressors nor levels.
     pub deviance: f64,
 }
 
-/// How far an optimum is looked for, in logarithms: a factor of 150.
+/// Largest distance of an optimum, in logarithms: a factor of 150.
 const REACH: f64 = 5.0;
 
-/// Step of the numerical derivatives, in logarithms: the deviance is smooth, and a change of 1 % in a level moves it by
-/// less than 1 and far more than rounding.
+/// Step of the numerical derivatives, in logarithms: the deviance is smooth, and a change of 1 % in a level changes it
+/// by less than 1 and by far more than rounding.
 const STEP: f64 = 0.02;
 
-/// Draws are proposed from a distribution so many times as wide as the one about the optimum.
+/// Ratio of the width of the proposal distribution to that of the posterior.
 const WIDER: f64 = 1.3;
 
-/// The search begins anew where it ended as long as that helps by more than this.
+/// Largest number of restarts of the search at its end point, and the least improvement that justifies one.
 const MAX_RESTARTS: usize = 4;
 const RESTARTED: f64 = 0.1;
 
@@ -61,19 +61,23 @@ const MAX_ROUNDS: usize = 20;
 const DONE: f64 = 0.005;
 
 impl LevelPrior {
-    /// Independent logarithms with these standard deviations.
+    /// Returns a prior of independent logarithms with these standard deviations.
     pub fn independent(mean: LogLevels, deviations: [f64; 3]) -> Self {
-        Self { mean, precision: diagonal(deviations.map(|deviation| deviation.powi(-2))), wall: None }
+        Self {
+            mean,
+            precision: diagonal(deviations.map(|deviation| deviation.powi(-2))),
+            random_walk_likelihood: None,
+        }
     }
 
-    /// −2 ln of the density, up to a constant.
+    /// Returns −2 ln of the density, up to a constant.
     pub fn deviance(&self, levels: &LogLevels) -> f64 {
         let mut off: Vec<f64> = levels.iter().zip(&self.mean).map(|(level, mean)| level - mean).collect();
         let mut walled = 0.0;
-        if let Some(wall) = &self.wall
+        if let Some(random_walk_likelihood) = &self.random_walk_likelihood
             && off[2] > 0.0
         {
-            walled = at_wall(wall, off[2]);
+            walled = at_walk(random_walk_likelihood, off[2]);
             off[2] = 0.0;
         }
         let quadratic: f64 = (0..3)
@@ -83,7 +87,7 @@ impl LevelPrior {
         quadratic + walled
     }
 
-    /// The same with the covariance widened by these variances: levels are not quite the same in another log.
+    /// Returns the prior with the covariance widened by these variances, since levels differ slightly between logs.
     ///
     /// # Errors
     ///
@@ -93,7 +97,7 @@ impl LevelPrior {
         Ok(Self { precision: rows_of(&inverse(wider)?), ..*self })
     }
 
-    /// The prior without what it says of the random walk, but for a very wide scale about `walk`.
+    /// Returns the prior without its information on the random walk, except for a wide scale of `deviation`.
     ///
     /// # Errors
     ///
@@ -105,7 +109,7 @@ impl LevelPrior {
             freed[(2, i)] = 0.0;
         }
         freed[(2, 2)] = deviation * deviation;
-        Ok(Self { precision: rows_of(&inverse(freed)?), wall: None, ..*self })
+        Ok(Self { precision: rows_of(&inverse(freed)?), random_walk_likelihood: None, ..*self })
     }
 
     /// Covariance of the logarithms.
@@ -114,14 +118,15 @@ impl LevelPrior {
     }
 }
 
-/// The levels cannot be told: what is known of their logarithms is no covariance, as of data that are not finite.
+/// The levels are not identifiable: the precision of their logarithms is not positive definite, for example because
+/// data are not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the noise levels are not identifiable from this log: the precision of their logarithms is not positive definite\nhelp: use a longer log at rest, without outliers"
 )]
 pub struct UnknownLevels;
 
-/// Of a positive definite matrix, by its Cholesky factor.
+/// Inverse of a positive definite matrix, by its Cholesky factor.
 fn inverse(matrix: Matrix3<f64>) -> Result<Matrix3<f64>, UnknownLevels> {
     Ok(matrix.cholesky().ok_or(UnknownLevels)?.inverse())
 }
@@ -131,7 +136,7 @@ fn rows_of(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
 }
 
 impl NoiseLevels {
-    /// From logarithms, without a further process.
+    /// Returns the levels for these logarithms, without a further process.
     pub fn from_logs(logs: &LogLevels) -> Self {
         Self { white: logs[0].exp(), flicker: logs[1].exp(), walk: logs[2].exp(), gauss_markov: None }
     }
@@ -141,14 +146,14 @@ impl NoiseLevels {
     }
 }
 
-/// A regression of block means with everything that does not change from one set of noise levels to the next.
+/// A regression of block means, with everything that does not depend on the noise levels.
 #[derive(Debug, Clone, Copy)]
 pub struct Regression<'a> {
-    /// Equally long stretches of rows; those with too little data are left out.
+    /// Blocks of equal length; those with too few data are excluded.
     pub blocks: &'a Blocks,
     pub y: &'a [f64],
     pub regressors: &'a [&'a [f64]],
-    /// What is known of the levels.
+    /// Prior of the levels.
     pub prior: &'a LevelPrior,
 }
 
@@ -159,14 +164,14 @@ impl Regression<'_> {
         Fitted { levels, gls, deviance }
     }
 
-    /// Under the most probable levels, looked for from `start`; a further Gauss-Markov process stays as it is.
+    /// Fits the most probable levels, starting from `start`; a further Gauss-Markov process is held fixed.
     pub fn fit(&self, start: NoiseLevels) -> Fitted {
         let extra = start.gauss_markov;
         let at = |logs: &LogLevels| {
             self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(logs) }).deviance
         };
         let (mut logs, mut deviance) = minimise(start.logs(), at);
-        // an effect that nothing explains yet may have to pass as noise far from the start
+        // an effect that is not in the model yet may have to be fitted as noise far from the start
         for _ in 0..MAX_RESTARTS {
             let (next, there) = minimise(logs, at);
             let gained = deviance - there;
@@ -178,7 +183,7 @@ impl Regression<'_> {
         self.at(NoiseLevels { gauss_markov: extra, ..NoiseLevels::from_logs(&logs) })
     }
 
-    /// The same with a further Gauss-Markov process of unknown size and correlation time, from `start` of it.
+    /// Fits the levels with a further Gauss-Markov process of unknown size and correlation time, starting from `start`.
     pub fn fit_gauss_markov(&self, levels: NoiseLevels, start: GaussMarkov) -> Fitted {
         let with = |logs: &[f64; 5]| NoiseLevels {
             gauss_markov: Some(GaussMarkov { deviation: logs[3].exp(), tau_s: logs[4].exp() }),
@@ -190,8 +195,7 @@ impl Regression<'_> {
         self.at(with(&logs))
     }
 
-    /// What the data and the prior together say of the levels: normal about the optimum, with the curvature there
-    /// (Laplace).
+    /// Returns the posterior of the levels: normal about the optimum, with the curvature there (Laplace).
     pub fn posterior(&self, fitted: &Fitted) -> LevelPrior {
         let centre = fitted.levels.logs();
         let hessian = hessian(centre, |logs| {
@@ -201,12 +205,11 @@ impl Regression<'_> {
         });
         // −2 ln density = offᵀ·precision·off
         let precision = hessian.map(|row| row.map(|entry| entry / 2.0));
-        Self::made_positive(LevelPrior { mean: centre, precision, wall: None }, self.prior)
+        Self::made_positive(LevelPrior { mean: centre, precision, random_walk_likelihood: None }, self.prior)
     }
 
-    /// Levels drawn from what the data and the prior say of them: from the normal distribution about the optimum, drawn
-    /// again with the weights that the deviance gives them (Rubin 1988). A walk too small to be seen is no normal
-    /// logarithm.
+    /// Draws levels from their posterior: from the normal distribution about the optimum, resampled with weights from
+    /// the deviance (Rubin 1988), because the logarithm of an undetected walk is not normal.
     ///
     /// # Errors
     ///
@@ -234,7 +237,7 @@ impl Regression<'_> {
         if !total.is_finite() || total <= 0.0 {
             return Ok(vec![fitted.levels; count]);
         }
-        // systematic: every proposal as often as its weight says, but for less than one
+        // systematic resampling: every proposal as often as its weight, to within one
         let mut next = random.random_range(0.0..1.0) * total / count as f64;
         let (mut sum, mut drawn) = (0.0, Vec::with_capacity(count));
         for (levels, weight) in proposals {
@@ -248,13 +251,13 @@ impl Regression<'_> {
         Ok(drawn)
     }
 
-    /// −2 ln of likelihood and prior above that of `fitted`, for walks above the fitted one, best over the other
-    /// levels.
-    pub fn wall(&self, fitted: &Fitted) -> [f64; WALL] {
+    /// Returns −2 ln of likelihood and prior, relative to `fitted`, for walks above the fitted one, minimised over the
+    /// other levels.
+    pub fn random_walk_likelihood(&self, fitted: &Fitted) -> [f64; WALK_VALUES] {
         let [white, flicker, walk] = fitted.levels.logs();
         let mut start = [white, flicker];
         std::array::from_fn(|k| {
-            let above = walk + WALL_STEP * (k + 1) as f64;
+            let above = walk + WALK_STEP * (k + 1) as f64;
             let (place, deviance) = minimise(start, |[white, flicker]| {
                 self.at(NoiseLevels::from_logs(&[*white, *flicker, above])).deviance
             });
@@ -263,7 +266,7 @@ impl Regression<'_> {
         })
     }
 
-    /// A level that the data say nothing of has no curvature; the prior's is then the least.
+    /// A level that the data do not determine has no curvature; that of the prior is then the minimum.
     fn made_positive(mut posterior: LevelPrior, prior: &LevelPrior) -> LevelPrior {
         let matrix = Matrix3::from_fn(|i, j| posterior.precision[i][j]);
         if matrix.cholesky().is_none() {
@@ -278,12 +281,12 @@ fn diagonal(entries: [f64; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { entries[i] } else { 0.0 }))
 }
 
-/// A wall between its values, and beyond them as steep as at its end.
-fn at_wall(wall: &[f64; WALL], above: f64) -> f64 {
-    let place = above / WALL_STEP;
-    let next = (place as usize).min(WALL - 1);
-    let before = if next == 0 { 0.0 } else { wall[next - 1] };
-    before + (place - next as f64) * (wall[next] - before)
+/// Interpolates the random-walk likelihood, and continues it beyond its end with the last slope.
+fn at_walk(random_walk_likelihood: &[f64; WALK_VALUES], above: f64) -> f64 {
+    let place = above / WALK_STEP;
+    let next = (place as usize).min(WALK_VALUES - 1);
+    let before = if next == 0 { 0.0 } else { random_walk_likelihood[next - 1] };
+    before + (place - next as f64) * (random_walk_likelihood[next] - before)
 }
 
 fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
@@ -309,8 +312,8 @@ fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[
     std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
 }
 
-/// The least value of a smooth function of a few logarithms, near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17)
-/// with numerical derivatives and steps of at most 1.
+/// Minimises a smooth function of a few logarithms near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with
+/// numerical derivatives and steps of at most 1.
 pub(super) fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
     let gradient = |place: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|i| {
@@ -326,7 +329,7 @@ pub(super) fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) ->
     // a level known to 20 % has curvature 2/0.2²
     let mut inverse: [[f64; D]; D] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
-    // ends after MAX_ROUNDS; in each the value falls (Armijo), or nothing does
+    // terminates after MAX_ROUNDS; in each the value decreases (Armijo), or the search ends
     for _ in 0..MAX_ROUNDS {
         fos_data::interrupt::check();
         let mut step: [f64; D] =
@@ -340,7 +343,7 @@ pub(super) fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) ->
             break;
         }
         let mut share = 1.0;
-        // ends: four shares are tried
+        // terminates: four shares are tried
         let moved = loop {
             let next: [f64; D] = std::array::from_fn(|i| {
                 (place[i] + share * step[i]).clamp(start[i] - REACH, start[i] + REACH)

@@ -1,4 +1,4 @@
-//! Fitted noise levels: that the optimum is one, that its width is right, that true levels lie within it.
+//! Fitted noise levels: the optimum is a minimum, its width is right, and the intervals cover the true levels.
 
 use nalgebra::Matrix3;
 use rand::SeedableRng;
@@ -9,14 +9,14 @@ use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 use super::noise_tests::{awkward, blocks_of};
 
-/// Deviance by which an optimum may be missed: the search ends where a Newton step promises less than 0.005, and a
-/// likelihood ratio of 2·ln below 0.05 is no evidence of anything.
+/// Tolerance of the deviance at an optimum: the search ends when a Newton step promises less than 0.005, and a
+/// likelihood ratio of 2·ln below 0.05 is not significant.
 const NEAR: f64 = 0.05;
 
-/// Scatter of a unit about its data sheet.
+/// Scatter of a device about its data sheet.
 const DEVIATIONS: [f64; 3] = [0.3, 0.45, 0.8];
 
-/// A part like those in phones, in blocks of 0.8 s.
+/// A phone-class part, in blocks of 0.8 s.
 fn part() -> LogLevels {
     [1.0_f64.ln(), 0.4_f64.ln(), 0.02_f64.ln()]
 }
@@ -41,7 +41,7 @@ fn the_deviance_of_a_prior_is_its_quadratic_form() {
     let prior = LevelPrior {
         mean: [0.0, 1.0, 2.0],
         precision: [[2.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 1.0]],
-        wall: None,
+        random_walk_likelihood: None,
     };
     // off (1, 2, −1): 2·1 + 3·4 + 1·1 + 2·(1·1·2) + 2·(−1·2·−1)
     assert!((prior.deviance(&[1.0, 3.0, 1.0]) - 23.0).abs() < 1e-12);
@@ -54,11 +54,11 @@ fn the_deviance_of_a_prior_is_its_quadratic_form() {
 fn without_data_the_optimum_is_the_prior() {
     let blocks = blocks_of(&[0; 4]);
     assert!(blocks.is_empty());
-    // correlation 0.9 of the first two: a valley that runs across the axes
+    // correlation 0.9 of the first two: a narrow valley across the axes
     let covariance = Matrix3::new(0.09, 0.1215, 0.0, 0.1215, 0.2025, 0.1, 0.0, 0.1, 0.64);
     let inverse = covariance.try_inverse().expect("regular");
     let precision = std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]));
-    let prior = LevelPrior { mean: [0.3, -1.0, -4.0], precision, wall: None };
+    let prior = LevelPrior { mean: [0.3, -1.0, -4.0], precision, random_walk_likelihood: None };
     let regression = Regression { blocks: &blocks, y: &[], regressors: &[], prior: &prior };
     for start in [[0.3, -1.0, -4.0], [0.0, -1.3, -4.5], [0.8, -0.7, -3.3], [-1.5, 0.0, -6.0]] {
         let fitted = regression.fit(NoiseLevels::from_logs(&start));
@@ -70,8 +70,8 @@ fn without_data_the_optimum_is_the_prior() {
     }
 }
 
-/// By how much the deviance anywhere on a grid around the optimum is below that of the optimum, at most, over some
-/// seeds; the search starts so far from the prior's mean in every level.
+/// Largest amount by which the deviance on a grid around the optimum is below that of the optimum, over some seeds; the
+/// search starts `off` from the prior's mean in every level.
 fn missed(off: f64) -> f64 {
     const GRID: [f64; 11] = [-0.8, -0.4, -0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2, 0.4, 0.8];
     let blocks = awkward();
@@ -95,19 +95,19 @@ fn missed(off: f64) -> f64 {
 }
 
 #[test]
-fn no_levels_around_the_optimum_are_more_probable() {
+fn optimum_is_the_most_probable_on_a_grid() {
     let missed = missed(0.0);
     assert!(missed < NEAR, "{missed}");
 }
 
 #[test]
-fn the_optimum_is_found_from_afar() {
-    // a factor of 5: without a data sheet or a quiet log the start is a guess
+fn finds_the_optimum_from_afar() {
+    // a factor of 5: without a data sheet or a reference log the start is a guess
     let missed = [missed(-1.6), missed(1.6)];
     assert!(missed.iter().all(|missed| *missed < NEAR), "{missed:?}");
 }
 
-/// Half of the second derivatives of the deviance by differences of fourth order.
+/// Half of the second derivatives of the deviance, by differences of fourth order.
 fn curvature(regression: &Regression<'_>, centre: LogLevels) -> Matrix3<f64> {
     const STEP: f64 = 0.05;
     const WEIGHTS: [(f64, f64); 4] = [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)];
@@ -153,7 +153,7 @@ fn the_posterior_has_the_curvature_of_the_deviance() {
 }
 
 #[test]
-fn true_levels_lie_in_the_interval_as_often_as_it_says() {
+fn posterior_intervals_have_their_stated_coverage() {
     let blocks = blocks_of(&[8; 200]);
     let ones = vec![1.0; blocks.len()];
     let prior = prior();
@@ -172,12 +172,12 @@ fn true_levels_lie_in_the_interval_as_often_as_it_says() {
             inside[level] += usize::from((truth[level] - posterior.mean[level]).abs() < reach);
         }
     }
-    // 90 ± 3 are binomial; the posterior is normal only about its optimum
+    // 90 ± 3 by the binomial distribution; the posterior is normal only near its optimum
     assert!(inside.iter().all(|count| (80..=98).contains(count)), "{inside:?} of 100");
 }
 
 #[test]
-fn levels_that_nothing_is_known_of_are_an_error_and_no_identity() {
+fn singular_precision_is_an_error() {
     let known = prior();
     let widened = known.widened([0.01, 0.02, 0.06]).unwrap();
     let covariance = matrix(&widened.precision).try_inverse().unwrap();

@@ -1,5 +1,4 @@
-//! The noise of an axis at rest: its levels, estimated; the error whitened with them; regression in it (generalised
-//! least squares).
+//! Noise of an axis at rest: estimation of its levels, whitening, and regression in it (generalised least squares).
 //!
 //! | file | subject |
 //! |---|---|
@@ -7,7 +6,7 @@
 //! | `model` | white, flicker, random walk as a state-space model; whitening |
 //! | `gls` | regression on whitened blocks |
 //! | `levels` | the levels, estimated together with a regression |
-//! | `prior` | what is known of them before: data sheet, quiet log |
+//! | `prior` | prior of the levels: data sheet, reference log |
 //! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
 //! | `step` | the noise behind the steps of a coarse converter |
 //! | `thermal_drift` | the drift with temperature, estimated together with the levels |

@@ -1,10 +1,10 @@
-//! The noise of an inertial sensor at rest: white, flicker (bias instability), random walk; and how to whiten with it.
+//! Noise of an inertial sensor at rest: white, flicker (bias instability) and random walk; and whitening.
 //!
-//! Flicker noise is the sum of Gauss-Markov processes whose time constants triple (Barnes and Allan 1966 approximate
-//! 1/f by such ladders): with variance B²·ln 3/π each, the sum has the one-sided spectrum B²/(πf) that IEEE Std 952
-//! calls bias instability B, and the Allan deviation is flat at 0.664 B. Everything is then a state-space model with a
-//! diagonal transition, and a Kalman filter whitens n blocks in O(n): its normalised innovations are the whitened data,
-//! and the product of their variances is the determinant of the covariance, exactly.
+//! Flicker noise is modelled as a sum of Gauss-Markov processes with time constants in powers of three (Barnes and
+//! Allan 1966 approximate 1/f by such ladders). With variance B²·ln 3/π each, the sum has the one-sided spectrum
+//! B²/(πf) that IEEE Std 952 calls bias instability B, and the Allan deviation is flat at 0.664 B. The whole noise is
+//! then a state-space model with a diagonal transition, and a Kalman filter whitens n blocks in O(n): its normalised
+//! innovations are the whitened data, and the product of their variances is exactly the determinant of the covariance.
 
 use pulp::{Arch, Simd, WithSimd};
 use rand::Rng;
@@ -29,7 +29,7 @@ pub struct NoiseLevels {
     pub flicker: f64,
     /// Random walk of the bias (rate random walk coefficient K), unit/√s.
     pub walk: f64,
-    /// A further Gauss-Markov process beyond those that make the flicker.
+    /// A further Gauss-Markov process in addition to those of the flicker noise.
     pub gauss_markov: Option<GaussMarkov>,
 }
 
@@ -43,21 +43,21 @@ pub struct GaussMarkov {
     pub tau_s: f64,
 }
 
-/// Columns after whitening, each of unit variance where it is noise of the stated levels.
+/// Whitened columns; noise of the stated levels has unit variance.
 #[derive(Debug, Clone)]
 pub struct Whitened {
-    /// As many columns as were given, one value per block.
+    /// Columns in the given order, one value per block.
     pub columns: Vec<Vec<f64>>,
-    /// Of each column, the squares that went into the levels of [`Blocks::restarts`], in units of what the noise alone
-    /// would leave there.
+    /// Squares of each column that the levels of [`Blocks::restarts`] account for, in units of the noise's
+    /// contribution.
     pub taken: Vec<f64>,
-    /// ln det of the covariance; where levels are unknown, that of what they leave: ln det C + ln det LᵀC⁻¹L, L their
-    /// columns (restricted likelihood; Patterson and Thompson 1971).
+    /// ln det of the covariance; with unknown levels L the restricted form ln det C + ln det LᵀC⁻¹L (Patterson and
+    /// Thompson 1971).
     pub log_determinant: f64,
 }
 
-/// A Gauss-Markov process seen through block means. Exactly: the means of blocks k ≥ 1 apart have covariance
-/// σ²·((1 − e^(−x))/x)²·e^(−(k−1)x), x = T/τ, as a sampled process of a larger variance has; the variance of one mean,
+/// A Gauss-Markov process in block means. The means of blocks k ≥ 1 apart have exactly the covariance
+/// σ²·((1 − e^(−x))/x)²·e^(−(k−1)x), x = T/τ, as a sampled process of a larger variance has. The variance of one mean,
 /// σ²·2(x − 1 + e^(−x))/x², is smaller, and the difference acts as (negative) white noise.
 struct Rung {
     decay: f64,
@@ -65,8 +65,8 @@ struct Rung {
     white: f64,
 }
 
-/// Means two blocks apart share less than e^(−10) of what neighbours share: beyond, nothing is lost by leaving it
-/// there, and digits are kept.
+/// Limit of T/τ: means two blocks apart then share less than e^(−10) of the covariance of neighbours, so that the limit
+/// costs nothing and preserves digits.
 const LONGEST: f64 = 10.0;
 
 impl Rung {
@@ -83,26 +83,26 @@ impl Rung {
 }
 
 impl NoiseLevels {
-    /// Whitens columns of block means. The bias at the first block is a matter of the constant, so that the random walk
-    /// starts at 0.
+    /// Whitens columns of block means. The bias at the first block belongs to the constant, so the random walk starts
+    /// at 0.
     pub fn whiten(&self, blocks: &Blocks, columns: &[&[f64]]) -> Whitened {
         self.whitening(blocks).whiten(columns)
     }
 
-    /// What whitens any column of these blocks.
+    /// Returns the filter that whitens columns of these blocks.
     pub fn whitening(&self, blocks: &Blocks) -> Whitening {
         Arch::new().dispatch(Filtering { levels: self, blocks, restarts: blocks.restarts() })
     }
 
-    /// A realisation of the noise in block means.
+    /// Returns a realisation of the noise in block means.
     pub fn simulate(&self, blocks: &Blocks, random: &mut impl Rng) -> Vec<f64> {
         let units: Vec<f64> = (0..blocks.len()).map(|_| StandardNormal.sample(random)).collect();
         self.realisation(blocks, &units)
     }
 
-    /// The realisation that independent standard normal values, one for each block, come to.
+    /// Returns the realisation for independent standard normal values, one for each block.
     pub fn realisation(&self, blocks: &Blocks, units: &[f64]) -> Vec<f64> {
-        // what a filter of these levels would whiten: innovations of its variances, run backwards through its gains
+        // inverse of whitening: innovations with the filter's variances, run backwards through its gains
         let filter = Arch::new().dispatch(Filtering { levels: self, blocks, restarts: &[] });
         let mut states = [[0.0]; STATES];
         filter
@@ -118,9 +118,9 @@ impl NoiseLevels {
             .collect()
     }
 
-    /// The gains of the filter, which depend on the levels and the blocks alone. At `restarts` the variance of the random
-    /// walk becomes infinite: in the limit the innovation there tells the level and nothing else, so that an unknown level
-    /// costs one block and no regressor (diffuse initialisation; de Jong 1991).
+    /// Computes the gains of the filter, which depend only on the levels and the blocks. At `restarts` the variance of
+    /// the random walk becomes infinite: in the limit the innovation there determines the level only, so an unknown
+    /// level costs one block and no regressor (diffuse initialisation; de Jong 1991).
     #[inline(always)]
     fn filter(&self, blocks: &Blocks, restarts: &[usize]) -> Whitening {
         let length_s = blocks.length_s;
@@ -143,8 +143,8 @@ impl NoiseLevels {
             }
         }
         let walk_per_block = self.walk * self.walk * length_s;
-        // a mean over a block takes 2/3 of the walk inside it less (van Loan 1978 for the integral): a fraction of a
-        // percent of the white noise in any sensor, and left out
+        // averaging over a block reduces the variance of the walk inside it by 2/3 (van Loan 1978 for the integral): a
+        // fraction of a percent of the white noise in any sensor, and neglected
         let mut covariance = [[0.0; STATES]; STATES];
         for state in 0..STATES {
             covariance[state][state] = stationary[state];
@@ -154,9 +154,9 @@ impl NoiseLevels {
         let mut steps = Vec::with_capacity(blocks.len());
         for (at, block) in blocks.blocks.iter().enumerate() {
             let seconds = block.count as f64 * blocks.period_s;
-            // negative where a short process outweighs the white noise; the variance of the innovation never is
+            // negative if a short process outweighs the white noise; the variance of the innovation is always positive
             let own = self.white * self.white * block.noise / seconds + white;
-            // of each row its sum; it is symmetric, so that all are added up at once
+            // sum of each row; by symmetry all are added up at once
             let mut gain = [0.0; STATES];
             for row in &covariance {
                 for (gain, value) in gain.iter_mut().zip(row) {
@@ -205,7 +205,7 @@ impl NoiseLevels {
     }
 }
 
-/// [`NoiseLevels::filter`] in the widest vectors that the processor has.
+/// Runs [`NoiseLevels::filter`] with the widest vectors of the processor.
 struct Filtering<'a> {
     levels: &'a NoiseLevels,
     blocks: &'a Blocks,
@@ -221,14 +221,14 @@ impl WithSimd for Filtering<'_> {
     }
 }
 
-/// The gains of a Kalman filter for noise of some levels over some blocks.
+/// Gains of a Kalman filter for noise of given levels over given blocks.
 #[derive(Debug)]
 pub struct Whitening {
     steps: Vec<Step>,
     log_determinant: f64,
 }
 
-/// Columns that are whitened side by side.
+/// Number of columns that are whitened at once.
 const LANES: usize = 8;
 
 impl Whitening {
@@ -238,7 +238,7 @@ impl Whitening {
         let mut taken = Vec::with_capacity(columns.len());
         let mut left = columns;
         while !left.is_empty() {
-            // no more lanes than there are columns
+            // no more lanes than columns
             let lanes = match left.len() {
                 LANES.. => self.side_by_side::<LANES>(left, &mut whitened, &mut taken),
                 4.. => self.side_by_side::<4>(left, &mut whitened, &mut taken),
@@ -250,7 +250,7 @@ impl Whitening {
         Whitened { columns: whitened, taken, log_determinant: self.log_determinant }
     }
 
-    /// Whitens the first `N` columns; how many that is.
+    /// Whitens the first `N` columns; returns their number.
     fn side_by_side<const N: usize>(
         &self,
         columns: &[&[f64]],
@@ -266,7 +266,7 @@ impl Whitening {
     }
 }
 
-/// One pass over the blocks of `N` columns.
+/// One pass over the blocks for `N` columns.
 struct SideBySide<'a, const N: usize> {
     steps: &'a [Step],
     columns: &'a [&'a [f64]],
@@ -300,14 +300,14 @@ impl<const N: usize> WithSimd for SideBySide<'_, N> {
 struct Step {
     decay: [f64; STATES],
     gain: [f64; STATES],
-    /// 0 where the innovation tells a level.
+    /// 0 if the innovation determines a level.
     weight: f64,
-    /// Inverse variance of an innovation that tells a level; else 0.
+    /// Inverse variance of an innovation that determines a level; else 0.
     taken: f64,
 }
 
 impl Step {
-    /// The states at the next block, of as many columns as there are innovations, once these are known.
+    /// Advances the states of all columns to the next block, given the innovations.
     #[inline(always)]
     fn advance<const N: usize>(&self, states: &mut [[f64; N]; STATES], innovations: &[f64; N]) {
         for ((state, decay), gain) in states.iter_mut().zip(&self.decay).zip(&self.gain) {
@@ -318,7 +318,7 @@ impl Step {
     }
 }
 
-/// What the states let expect of each column at this block.
+/// Predicts each column at this block from the states.
 #[inline(always)]
 fn predicted<const N: usize>(states: &[[f64; N]; STATES]) -> [f64; N] {
     let mut predicted = [0.0; N];

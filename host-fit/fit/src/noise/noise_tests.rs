@@ -1,4 +1,4 @@
-//! Whitening and simulated noise against the dense covariance of block means, from closed forms.
+//! Whitening and simulated noise compared with the dense covariance of block means in closed form.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::{RngExt, SeedableRng};
@@ -15,20 +15,20 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 /// Rows per block, at 10 Hz.
 const PER_BLOCK: usize = 8;
 
-/// A full block, s.
+/// Length of a full block, s.
 pub(super) const LENGTH_S: f64 = 0.8;
 
 /// White noise of unit variance in a full block.
 pub(super) const UNIT_WHITE: NoiseLevels =
     NoiseLevels { white: 0.894_427_190_999_915_9, flicker: 0.0, walk: 0.0, gauss_markov: None };
 
-/// Blocks of `per_block` rows at 10 Hz of which so many count; a block of which none does is a gap.
+/// Blocks of `per_block` rows at 10 Hz with these numbers of used rows; a block without any is a gap.
 fn blocks_of_length(counts: &[usize], per_block: usize) -> Blocks {
     let (recording, known) = recording_of(counts, per_block);
     Blocks::new(&recording, per_block as f64 * 0.1, known)
 }
 
-/// Rows at 10 Hz, and which of them count: so many of each `per_block`.
+/// Rows at 10 Hz, and the flags of the used ones: the given number of each `per_block`.
 fn recording_of(counts: &[usize], per_block: usize) -> (Recording, Vec<bool>) {
     let columns = vec![("gx_rads".to_owned(), vec![0.0; counts.len() * per_block])];
     let options = LoadOptions { rate_hz: Some(10.0), ..LoadOptions::default() };
@@ -37,7 +37,7 @@ fn recording_of(counts: &[usize], per_block: usize) -> (Recording, Vec<bool>) {
     (recording, known)
 }
 
-/// Blocks of [`LENGTH_S`] of which so many rows count, from some of which on the level is another.
+/// Blocks of [`LENGTH_S`] with these numbers of used rows and new levels at `starts`.
 pub(super) fn in_levels(counts: &[usize], starts: &[usize]) -> Blocks {
     let (recording, known) = recording_of(counts, PER_BLOCK);
     let turns: Vec<usize> = starts.iter().map(|block| block * PER_BLOCK).collect();
@@ -60,11 +60,11 @@ pub(super) fn awkward() -> Blocks {
     blocks
 }
 
-/// Covariance of two means, `lag` blocks apart, of a Gauss-Markov process of unit variance; `x` is block length over
-/// correlation time. The double integral of e^(−|t−s|/τ) over both blocks.
-fn of_means(x: f64, lag: u64) -> f64 {
+/// Covariance of two means, `lag` blocks apart, of a Gauss-Markov process of unit variance: the double integral of
+/// e^(−|t−s|/τ) over both blocks. `x` is block length over correlation time.
+fn covariance_of_means(x: f64, lag: u64) -> f64 {
     match lag {
-        // the series where the difference would cancel
+        // series where the difference would cancel
         0 if x < 0.01 => 1.0 - x / 3.0 + x.powi(2) / 12.0 - x.powi(3) / 60.0 + x.powi(4) / 360.0,
         0 => 2.0 * (x - 1.0 + (-x).exp()) / (x * x),
         apart => (-(-x).exp_m1() / x).powi(2) * (-x * (apart - 1) as f64).exp(),
@@ -84,7 +84,10 @@ pub(super) fn dense(levels: &NoiseLevels, blocks: &Blocks) -> DMatrix<f64> {
         let (a, b) = (&blocks.blocks[i], &blocks.blocks[j]);
         let processes = ladder(levels.flicker).chain(levels.gauss_markov);
         let coloured: f64 = processes
-            .map(|p| p.deviation.powi(2) * of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index)))
+            .map(|p| {
+                p.deviation.powi(2)
+                    * covariance_of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index))
+            })
             .sum();
         let walked_s = (a.index.min(b.index) - first) as f64 * blocks.length_s;
         let white = if i == j { levels.white.powi(2) / (a.count as f64 * blocks.period_s) } else { 0.0 };
@@ -104,7 +107,7 @@ pub(super) fn white_columns(random: &mut ChaCha8Rng, columns: usize, rows: usize
     (0..columns).map(|_| (0..rows).map(|_| StandardNormal.sample(random)).collect()).collect()
 }
 
-/// Largest difference from the dense twin: of ln det, and of quadratic forms over the root of their squares.
+/// Largest difference from the dense computation: of ln det, and of quadratic forms over the root of their squares.
 fn difference(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> f64 {
     let columns = white_columns(&mut ChaCha8Rng::seed_from_u64(seed), 3, blocks.len());
     let whitened = levels.whiten(blocks, &columns.iter().map(Vec::as_slice).collect::<Vec<_>>());
@@ -121,7 +124,7 @@ fn difference(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> f64 {
     if most.is_nan() { f64::INFINITY } else { most }
 }
 
-/// Rounding: some hundred operations on covariances whose condition is below 1e5.
+/// Tolerance: rounding of some hundred operations on covariances with a condition below 1e5.
 const EXACT: f64 = 1e-9;
 
 /// A log of bursts of `rows` rows at 10 Hz, one every 100 s.
@@ -132,9 +135,9 @@ fn bursts(count: usize, rows: usize) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a recording")
 }
 
-/// They were a twentieth of a block of the whole time, and left out as hardly known.
+/// Such bursts filled a twentieth of a block of the whole time, and were excluded as hardly known.
 #[test]
-fn the_blocks_of_bursts_are_equal_parts_of_them_as_far_apart_as_they_are() {
+fn burst_blocks_are_equal_parts_at_true_distances() {
     // bursts, blocks of each, fewest rows of a block
     for (count, parts, rows) in [(150, 4, 11), (300, 2, 25), (600, 1, 50), (1100, 1, 50)] {
         let log = bursts(count, 50);
@@ -149,7 +152,7 @@ fn the_blocks_of_bursts_are_equal_parts_of_them_as_far_apart_as_they_are() {
             assert!((apart - begins_s).abs() < 1.1 * blocks.length_s, "{at}: {apart} for {begins_s}");
         }
     }
-    // of more bursts than are wanted several are one block
+    // with too many bursts several form one block
     let many = bursts(6000, 50);
     let blocks = Blocks::new(&many, length_for(&many), vec![true; many.n_rows()]);
     assert!((590..=601).contains(&blocks.len()), "{}", blocks.len());
@@ -157,9 +160,9 @@ fn the_blocks_of_bursts_are_equal_parts_of_them_as_far_apart_as_they_are() {
     assert!(blocks.samples() + 150 > many.n_rows(), "{}", blocks.samples());
 }
 
-/// The bursts of a noisy log are further apart than any two of its blocks: what is slow between them is no white noise.
+/// The bursts of a noisy log are further apart than its blocks: slow changes between them are not white noise.
 #[test]
-fn white_noise_is_guessed_from_bursts_that_are_one_block_each() {
+fn estimates_white_noise_from_single_block_bursts() {
     let log = bursts(600, 50);
     let blocks = Blocks::new(&log, length_for(&log), vec![true; log.n_rows()]);
     let mut random = ChaCha8Rng::seed_from_u64(8);
@@ -172,7 +175,7 @@ fn white_noise_is_guessed_from_bursts_that_are_one_block_each() {
 }
 
 #[test]
-fn whitening_is_that_of_the_dense_covariance() {
+fn whitening_matches_dense_covariance() {
     let blocks = awkward();
     let with = |flicker, walk, gauss_markov| NoiseLevels { flicker, walk, gauss_markov, ..UNIT_WHITE };
     let mut cases =
@@ -189,7 +192,7 @@ fn whitening_is_that_of_the_dense_covariance() {
 }
 
 #[test]
-fn whitening_is_that_of_the_dense_covariance_for_any_levels_and_gaps() {
+fn whitening_matches_dense_covariance_for_any_levels_and_gaps() {
     for seed in 0..60 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let counts: Vec<usize> =
@@ -214,22 +217,22 @@ fn whitening_is_that_of_the_dense_covariance_for_any_levels_and_gaps() {
 }
 
 #[test]
-fn noise_of_any_strength_against_the_white_noise_is_whitened() {
+fn whitens_noise_of_any_strength() {
     let blocks = blocks_of(&[8; 40]);
     let short = GaussMarkov { deviation: 1.0, tau_s: 0.3 * LENGTH_S };
     let cases = [
-        // a block of 36 s of a part whose flicker meets its white noise after 4 s
+        // a block of 36 s of a part whose flicker equals its white noise after 4 s
         NoiseLevels { flicker: 3.0, ..UNIT_WHITE },
         NoiseLevels { gauss_markov: Some(short), ..UNIT_WHITE },
         NoiseLevels { gauss_markov: Some(GaussMarkov { tau_s: 0.02 * LENGTH_S, ..short }), ..UNIT_WHITE },
     ];
     let off: Vec<f64> = cases.iter().map(|levels| difference(levels, &blocks, 1)).collect();
-    // short processes are the small difference of two large numbers
+    // short processes are a small difference of two large numbers
     assert!(off.iter().all(|off| *off < 1e-6), "{off:?}");
 }
 
 #[test]
-fn the_closed_form_of_block_means_is_the_mean_of_a_sampled_process() {
+fn closed_form_matches_sampled_process() {
     const SAMPLES: usize = 600;
     for x in [1.0 / 3000.0, 0.009, 0.011, 0.3, 1.0, 1.0 / 0.3] {
         for lag in 0..4 {
@@ -242,15 +245,15 @@ fn the_closed_form_of_block_means_is_the_mean_of_a_sampled_process() {
                 sum += pairs as f64 * (-step * distance as f64).exp();
             }
             let sampled = sum / (SAMPLES * SAMPLES) as f64;
-            // the midpoint rule is off by x²/24·n² per block, at the kink by x/6n²
-            let off = (of_means(x, lag) - sampled).abs();
+            // the midpoint rule has an error of x²/24·n² per block, and of x/6n² at the kink
+            let off = (covariance_of_means(x, lag) - sampled).abs();
             assert!(off < x / (SAMPLES * SAMPLES) as f64 + 1e-12, "x {x}, lag {lag}: {off:e}");
         }
     }
 }
 
 #[test]
-fn the_covariance_that_whitening_implies_is_that_of_block_means() {
+fn whitening_implies_covariance_of_block_means() {
     let blocks = blocks_of(&[8, 8, 8, 0, 0, 8]);
     let process = GaussMarkov { deviation: 0.4, tau_s: 1.5 * LENGTH_S };
     let levels = NoiseLevels { gauss_markov: Some(process), ..UNIT_WHITE };
@@ -262,7 +265,8 @@ fn the_covariance_that_whitening_implies_is_that_of_block_means() {
     let implied = &inverse * inverse.transpose();
     for (i, a) in blocks.blocks.iter().enumerate() {
         for (j, b) in blocks.blocks.iter().enumerate() {
-            let wanted = 0.16 * of_means(1.0 / 1.5, a.index.abs_diff(b.index)) + f64::from(u8::from(i == j));
+            let wanted = 0.16 * covariance_of_means(1.0 / 1.5, a.index.abs_diff(b.index))
+                + f64::from(u8::from(i == j));
             assert!((implied[(i, j)] - wanted).abs() < 1e-12, "{i} {j}: {}", implied[(i, j)]);
         }
     }
@@ -283,7 +287,7 @@ fn simulated_noise_has_the_dense_covariance() {
         for j in 0..=i {
             let sampled = draws.iter().map(|draw| draw[i] * draw[j]).sum::<f64>() / DRAWS as f64;
             let variance = covariance[(i, i)] * covariance[(j, j)] + covariance[(i, j)].powi(2);
-            // 4 standard errors: of 55 entries one is beyond them in one of 300 seeds
+            // 4 standard errors: one of 55 entries exceeds them in one of 300 seeds
             let off = (sampled - covariance[(i, j)]).abs() / (variance / DRAWS as f64).sqrt();
             assert!(off < 4.0, "{i} {j}: {sampled} for {}, {off} standard errors", covariance[(i, j)]);
         }
@@ -297,7 +301,10 @@ fn simulated_noise_has_the_dense_covariance() {
 /// Allan variance of means over `m` blocks of the ladder of unit flicker.
 fn allan_variance_of_ladder(m: usize) -> f64 {
     ladder(1.0)
-        .map(|p| p.deviation.powi(2) * (of_means(m as f64 / p.tau_s, 0) - of_means(m as f64 / p.tau_s, 1)))
+        .map(|p| {
+            p.deviation.powi(2)
+                * (covariance_of_means(m as f64 / p.tau_s, 0) - covariance_of_means(m as f64 / p.tau_s, 1))
+        })
         .sum()
 }
 
@@ -306,7 +313,7 @@ fn the_ladder_is_flat_at_0_664_times_the_bias_instability_over_two_decades() {
     let flat = (2.0 * 2.0_f64.ln() / std::f64::consts::PI).sqrt();
     for m in [10, 14, 20, 50, 100, 200, 500, 1000] {
         let off = allan_variance_of_ladder(m).sqrt() / flat - 1.0;
-        // a ladder ends: what is missing of rungs below 1 s and above 2187 s
+        // the ladder is finite: it lacks rungs below 1 s and above 2187 s
         assert!(off.abs() < 0.06, "{m} blocks: {off}");
     }
 }
@@ -314,9 +321,9 @@ fn the_ladder_is_flat_at_0_664_times_the_bias_instability_over_two_decades() {
 #[test]
 fn simulated_flicker_has_the_allan_deviation_of_its_ladder() {
     let mut blocks = blocks_of_length(&[1; 60_000], 1);
-    // a ladder from the block length on
+    // a ladder that starts at the block length
     blocks.flicker_from_s = blocks.length_s;
-    // white noise that is half of the flicker in a block
+    // white noise of half the flicker in a block
     let levels = NoiseLevels { white: 0.5 * 0.1_f64.sqrt(), flicker: 1.0, walk: 0.0, gauss_markov: None };
     let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(2));
     let taus: Vec<f64> = [1, 3, 10, 30, 100, 300, 1000].iter().map(|m| f64::from(*m) * 0.1).collect();

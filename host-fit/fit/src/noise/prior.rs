@@ -1,4 +1,4 @@
-//! What is known of an axis' noise before its log is looked at: the data sheet, and a quiet log of the same unit.
+//! Prior of an axis' noise: the data sheet, and a reference log of the same device.
 
 use fos_data::case::DataSheet;
 use fos_data::statistics::median_of;
@@ -7,21 +7,21 @@ use super::blocks::{Block, Blocks};
 use super::levels::{LevelPrior, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 
-/// Standard deviations of the logarithms of white, flicker and walk about what a data sheet says: units of a part
-/// scatter by a third, flicker by half, and of the random walk data sheets say nothing.
+/// Standard deviations of the logarithms of white, flicker and walk about a data sheet: devices of a part scatter by a
+/// third, flicker by half, and data sheets do not state the random walk.
 const ABOUT_DATA_SHEET: [f64; 3] = [0.3, 0.45, 0.8];
 
-/// The same where there is only the log itself to guess from.
+/// Standard deviations of the logarithms if only the log itself is available.
 const ABOUT_GUESS: [f64; 3] = [0.5, 1.0, 1.3];
 
 /// Random walk whose Allan deviation meets that of the flicker noise after 20 minutes: K·√(t/3) = 0.664·B.
 const WALK_PER_FLICKER: f64 = 0.664 / 20.0;
 
-/// Flicker per white noise where no data sheet says: the Allan deviation of phone-class parts reaches its floor after
-/// about 20 s (the data sheets of `simulate::part` give 8 to 60 s).
+/// Flicker per white noise without a data sheet: the Allan deviation of phone-class parts reaches its floor after about
+/// 20 s (the data sheets of `simulate::part` give 8 to 60 s).
 const FLICKER_PER_WHITE: f64 = 0.35;
 
-/// Variances of the logarithms by which levels differ from one log of a unit to the next.
+/// Variances of the logarithms between logs of one device.
 const NEXT_LOG: [f64; 3] = [0.01, 0.02, 0.06];
 
 impl LevelPrior {
@@ -33,9 +33,9 @@ impl LevelPrior {
         Self::independent([white.ln(), flicker.ln(), walk.ln()], ABOUT_DATA_SHEET)
     }
 
-    /// From the scatter of neighbouring blocks of a log, wide.
+    /// Returns a wide prior from the scatter of neighbouring blocks of a log.
     pub fn of_log(blocks: &Blocks, y: &[f64]) -> Self {
-        // of one level each
+        // blocks of one level
         let is_one_level = |first: usize, last: usize| {
             let after_first = blocks.restarts().partition_point(|start| *start <= first);
             blocks.restarts().get(after_first).is_none_or(|start| *start > last)
@@ -51,7 +51,8 @@ impl LevelPrior {
             })
             .collect();
         if squares.is_empty() {
-            // bursts far apart: off the line between the ones before and after, for what is slow changes in between
+            // for bursts far apart: the deviation from the line between the neighbours, because slow errors change in
+            // between
             let threes = blocks.blocks.windows(3).zip(y.windows(3)).enumerate();
             let threes = threes.filter(|(at, _)| is_one_level(*at, at + 2)).map(|(_, three)| three);
             squares.extend(threes.map(|(three, values)| {
@@ -62,23 +63,23 @@ impl LevelPrior {
                 off * off / weights.iter().zip(three).map(|(w, block)| w * w / seconds(block)).sum::<f64>()
             }));
         }
-        // the median of a square of a normal variable is 0.4549 of its mean; unlike the mean it forgives steps
+        // the median of a squared normal variable is 0.4549 of its mean; unlike the mean it is robust to steps
         let white = (median_of(squares).unwrap_or(1.0) / 0.4549).sqrt().max(f64::MIN_POSITIVE);
         let flicker = FLICKER_PER_WHITE * white;
         Self::independent([white.ln(), flicker.ln(), (WALK_PER_FLICKER * flicker).ln()], ABOUT_GUESS)
     }
 
-    /// What a quiet log adds to it: the levels that it shows, for use with the next log of the unit. `given` are
-    /// regressors that the model already has there.
+    /// Updates the prior with a reference log, for use with the next log of the device. `given` are regressors that the
+    /// model already has.
     ///
     /// # Errors
     ///
-    /// The log does not tell the levels.
+    /// The log does not determine the levels.
     pub fn learnt(&self, blocks: &Blocks, y: &[f64], given: &[Vec<f64>]) -> Result<Self, UnknownLevels> {
         let regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
         let regression = Regression { blocks, y, regressors: &regressors, prior: self };
         let fitted = regression.fit(NoiseLevels::from_logs(&self.mean));
-        let wall = Some(regression.wall(&fitted));
-        Ok(Self { wall, ..regression.posterior(&fitted).widened(NEXT_LOG)? })
+        let random_walk_likelihood = Some(regression.random_walk_likelihood(&fitted));
+        Ok(Self { random_walk_likelihood, ..regression.posterior(&fitted).widened(NEXT_LOG)? })
     }
 }

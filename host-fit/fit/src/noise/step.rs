@@ -1,25 +1,25 @@
-//! The noise behind the steps of a converter.
+//! Noise behind the steps of a converter.
 //!
-//! Rounding to steps of size q adds q²/12 to the variance of noise that spans several steps. Of coarser steps the variance
-//! depends on where the mean lies: least on a code, where the noise hardly ever reaches the next, and at least q²/4
-//! between two, however small the noise. So a variance of the samples agrees with a range of noise, and from about
-//! 2.5 standard deviations a step on with none at all.
+//! Rounding to steps of size q adds q²/12 to the variance of noise that spans several steps. With coarser steps the
+//! variance depends on the position of the mean: smallest on a code, where the noise rarely reaches the next, and at
+//! least q²/4 between two, however small the noise. So a variance of the samples agrees with a range of noise, and from
+//! about 2.5 standard deviations per step on with none at all.
 
 use statrs::function::erf::erfc;
 
 use super::estimate::{Level, NoiseEstimate};
 
-/// Samples that vary by more than this, in steps², show their noise: the step adds less than 0.2 % to it.
+/// Variance of the samples, in steps², from which on they show their noise: the step adds less than 0.2 % to it.
 const FINE: f64 = 25.0;
 
-/// Samples of an axis that were rounded to steps.
+/// Statistics of rounded samples of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rounded {
-    /// The step, the axis' unit.
+    /// Step, the axis' unit.
     pub(super) step: f64,
-    /// Half the mean square of the changes from one sample to the next, steps².
+    /// Half the mean square of the changes between adjacent samples, steps².
     pub(super) variance: f64,
-    /// How many changes that is of.
+    /// Number of changes.
     pub(super) pairs: f64,
     /// Sample period, s.
     pub(super) period_s: f64,
@@ -28,7 +28,7 @@ pub(super) struct Rounded {
 }
 
 impl Rounded {
-    /// From gap-free stretches of values of such a step.
+    /// Computes the statistics from gap-free stretches of values with this step.
     pub(super) fn of(stretches: &[&[f64]], step: f64, period_s: f64, span_s: f64) -> Self {
         let pairs = || stretches.iter().flat_map(|stretch| stretch.windows(2));
         let squares: f64 = pairs().map(|pair| ((pair[1] - pair[0]) / step).powi(2)).sum();
@@ -36,12 +36,12 @@ impl Rounded {
         Self { step, variance: squares / (2.0 * pairs), pairs, period_s, span_s }
     }
 
-    /// `found` of the rounded samples as it is of the noise before rounding: intervals hold that too. The second value
-    /// says whether the step hides the white noise, so that all levels are limits.
+    /// Converts `found`, an estimate from rounded samples, to the noise before rounding, with intervals that include
+    /// it. The second value is true if the step hides the white noise, so that all levels are limits.
     pub(super) fn before_rounding(&self, found: NoiseEstimate) -> (NoiseEstimate, bool) {
         let Some(value) = found.white.value.filter(|_| self.variance < FINE) else { return (found, false) };
         let low = found.white.low.unwrap_or(0.0);
-        // white noise N makes samples of variance N²/period; of filtered samples it is more
+        // white noise N makes samples of variance N²/period; filtered samples have less
         let of_samples = |sigma: f64| sigma * self.step * self.period_s.sqrt();
         let coloured = value / of_samples(self.variance.sqrt());
         let least = least_noise(self.variance * (low / value).powi(2));
@@ -58,20 +58,20 @@ impl Rounded {
         (self.limits(high, found.flicker.high, found.walk.high), true)
     }
 
-    /// The variance that as few excursions to the next code as were seen allow, 95 %: two changes are one excursion, and
-    /// of a Poisson variable of which k were seen about k + 2·√k + 3 may be expected.
+    /// Largest variance that agrees with the observed excursions to the next code, 95 %: two changes are one excursion,
+    /// and the mean of a Poisson variable observed as k is at most about k + 2·√k + 3.
     fn most_variance(&self) -> f64 {
         let seen = self.variance * self.pairs;
         (seen + 2.0 * seen.sqrt() + 3.0) / self.pairs
     }
 
-    /// Limits of an axis with one value in `samples` samples.
-    pub(super) fn of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
+    /// Returns the limits for an axis with one value in `samples` samples.
+    pub(super) fn limits_of_constant(step: f64, samples: usize, period_s: f64, span_s: f64) -> NoiseEstimate {
         let rounded = Self { step, variance: 0.0, pairs: samples.max(1) as f64, period_s, span_s };
         rounded.limits(most_noise(rounded.most_variance()) * step * period_s.sqrt(), 0.0, 0.0)
     }
 
-    /// A bias that moves by less than a step is not seen either.
+    /// Changes of the bias below a step are not visible either.
     fn limits(&self, white: f64, flicker: f64, walk: f64) -> NoiseEstimate {
         let limit = |high: f64| Level { value: None, low: None, high };
         NoiseEstimate {
@@ -82,21 +82,23 @@ impl Rounded {
     }
 }
 
-/// Standard deviation, in steps, below which noise would leave less than `variance`, steps², wherever the mean lies.
+/// Standard deviation, in steps, below which noise has a variance below `variance`, steps², for any position of the
+/// mean.
 fn least_noise(variance: f64) -> f64 {
     inverse(variance, 0.5)
 }
 
-/// Standard deviation, in steps, above which noise would leave more than `variance`, steps², wherever the mean lies.
+/// Standard deviation, in steps, above which noise has a variance above `variance`, steps², for any position of the
+/// mean.
 fn most_noise(variance: f64) -> f64 {
     inverse(variance, 0.0)
 }
 
-/// The standard deviation at which rounding leaves `variance` with the mean so far off a code; 0 where it always leaves
-/// more.
+/// Returns the standard deviation at which rounding gives `variance` with the mean at this offset from a code; 0 if the
+/// variance is always larger.
 fn inverse(variance: f64, offset: f64) -> f64 {
     let (mut below, mut above) = (0.0, variance.sqrt() + 1.0);
-    // ends: halved 50 times
+    // terminates: halved 50 times
     for _ in 0..50 {
         let middle = 0.5 * (below + above);
         match rounded_variance(middle, offset) < variance {
@@ -107,7 +109,7 @@ fn inverse(variance: f64, offset: f64) -> f64 {
     if below < 1e-9 { 0.0 } else { above }
 }
 
-/// Variance of normal noise of `sigma` about `offset` once rounded to whole steps.
+/// Variance of normal noise of `sigma` about `offset` after rounding to whole steps.
 fn rounded_variance(sigma: f64, offset: f64) -> f64 {
     let furthest = (8.0 * sigma).ceil() as i32 + 1;
     let above = |limit: f64| 0.5 * erfc((limit - offset) / (sigma * std::f64::consts::SQRT_2));
@@ -126,8 +128,8 @@ mod tests {
     use super::*;
     use fos_testkit::noise::white_noise;
 
-    /// Steps of a tenth to eight standard deviations, the mean at seven places between two codes: those whose interval of
-    /// N does not hold the truth, and how many are limits.
+    /// Cases whose interval of N misses the truth, and the number of limits, for steps of a tenth to eight standard
+    /// deviations and seven positions of the mean between two codes.
     fn misses(corrected: bool) -> (Vec<(f64, f64)>, usize) {
         let noise = white_noise(11, 40_000);
         let (mut missed, mut limits) = (Vec::new(), 0);
@@ -135,7 +137,9 @@ mod tests {
             for offset in [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5] {
                 let rounded: Vec<f64> = noise.iter().map(|v| (v / step + offset).round() * step).collect();
                 let (level, is_limit) = match Rounded::of(&[&rounded], step, 0.01, 400.0) {
-                    of if of.variance == 0.0 => (Rounded::of_constant(step, 40_000, 0.01, 400.0).white, true),
+                    of if of.variance == 0.0 => {
+                        (Rounded::limits_of_constant(step, 40_000, 0.01, 400.0).white, true)
+                    }
                     of => {
                         // as blocks of white samples show it, known to 2 %
                         let n = of.variance.sqrt() * step * 0.1;
@@ -150,7 +154,7 @@ mod tests {
                 if level.low.is_some_and(|low| low > 0.1) || level.high < 0.1 {
                     missed.push((step, offset));
                 }
-                // a limit that says nothing would hold too
+                // an uninformative limit would cover it too
                 assert!(
                     !corrected || level.high < 0.1 * (2.0_f64).max(0.6 * step),
                     "{step} {offset} {level:?}"
@@ -161,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_noise_before_rounding_at_any_step_and_offset() {
+    fn intervals_cover_noise_before_rounding() {
         let (missed, limits) = misses(true);
         assert_eq!(missed, []);
         assert!((30..=42).contains(&limits), "{limits}");
@@ -175,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn fine_steps_leave_the_estimate_as_it_was() {
+    fn fine_steps_do_not_change_the_estimate() {
         let level = Level { value: Some(1.0), low: Some(0.9), high: 1.1 };
         let found = NoiseEstimate { white: level, flicker: level, walk: level };
         let fine = Rounded { step: 0.1, variance: 100.0, pairs: 1e4, period_s: 1.0, span_s: 1e4 };

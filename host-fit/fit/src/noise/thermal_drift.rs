@@ -9,27 +9,27 @@ use super::model::NoiseLevels;
 use crate::signal::centred;
 use fos_data::recording::Recording;
 
-/// A temperature that changes by less is constant, K: the drift of a usual part is then below its noise.
+/// Least span of a temperature that counts as varying, K: below, the drift of a usual part is below its noise.
 const LEAST_SPAN: f64 = 0.5;
 
-/// Spans from which on the drift is curved, and curved more than once, K.
+/// Spans from which on the drift is quadratic, and cubic, K.
 const CURVED_SPAN: f64 = 5.0;
 const CUBIC_SPAN: f64 = 20.0;
 
-/// Time constant of the second temperature, s: of a sensor that follows the thermometer late. To first order the
-/// difference of the two covers any lag that is short against the changes.
+/// Time constant of the second temperature, s, for a sensor that lags the thermometer. To first order the difference of
+/// the two covers any lag that is short compared with the changes.
 const LAG_S: f64 = 60.0;
 
 /// Drift with temperature that was removed before the noise was estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ThermalDrift {
-    /// Lowest and highest mean of the temperature over a block, °C.
+    /// Range of the block means of the temperature, °C.
     pub range_c: [f64; 2],
     /// RMS of the drift about its mean, unit of the axis.
     pub rms: f64,
 }
 
-/// The temperature of a log in the regressors of a drift.
+/// Temperature of a log as regressors of a drift.
 pub(super) struct Temperature {
     range_c: [f64; 2],
     /// Powers of the temperature and the lagged temperature, one value per block each.
@@ -37,8 +37,8 @@ pub(super) struct Temperature {
 }
 
 impl Temperature {
-    /// `None` if it is not logged, or constant. Cells without a value hold the one before; between two steps of a coarse
-    /// thermometer the temperature follows a smooth curve.
+    /// Returns `None` if the temperature is not logged, or constant. Empty cells hold the value before; between two
+    /// steps of a coarse thermometer the temperature follows a smooth curve.
     pub(super) fn of(recording: &Recording, blocks: &Blocks) -> Option<Self> {
         let channel = recording.channel("temp_c").ok()?;
         let held = recording.held_from_first(channel);
@@ -66,13 +66,13 @@ impl Temperature {
         Some(Self { range_c: [low, high], regressors })
     }
 
-    /// The constant, then the regressors of the drift.
+    /// Returns the constant, then the regressors of the drift.
     pub(super) fn beside<'r>(&'r self, constant: &'r [f64]) -> Vec<&'r [f64]> {
         std::iter::once(constant).chain(self.regressors.iter().map(Vec::as_slice)).collect()
     }
 
-    /// The drift in `y`, block means, under noise levels, in each row of the log: interpolated between blocks, since the
-    /// thermometer's own noise is none of the sensor's.
+    /// Returns the drift in `y`, block means, under noise levels, in each row of the log; interpolated between blocks,
+    /// because the thermometer's own noise is not part of the sensor's.
     pub(super) fn drift(
         &self,
         blocks: &Blocks,
@@ -86,7 +86,7 @@ impl Temperature {
         let rms = (super::dot(&in_blocks, &in_blocks) / in_blocks.len() as f64).sqrt();
         let middles: Vec<f64> =
             blocks.blocks.iter().map(|block| 0.5 * (block.rows.start + block.rows.end) as f64).collect();
-        let of_row = |row: usize| {
+        let drift_at = |row: usize| {
             let (row, after) = (row as f64, middles.partition_point(|middle| *middle <= row as f64));
             match after {
                 0 => in_blocks[0],
@@ -97,7 +97,7 @@ impl Temperature {
                 }
             }
         };
-        ((0..rows).map(of_row).collect(), ThermalDrift { range_c: self.range_c, rms })
+        ((0..rows).map(drift_at).collect(), ThermalDrift { range_c: self.range_c, rms })
     }
 }
 

@@ -1,4 +1,5 @@
-//! Allan deviation of a rate or acceleration at rest: noise, bias instability and drift apart by averaging time.
+//! Allan deviation of a rate or acceleration at rest, which separates noise, bias instability and drift by averaging
+//! time.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -21,7 +22,7 @@ pub struct AllanPoint {
 }
 
 impl AllanPoint {
-    /// Its confidence interval of another share than 95 %: of χ² with the same degrees of freedom.
+    /// Returns the confidence interval at another confidence level, from χ² with the same degrees of freedom.
     pub fn interval(&self, share: f64) -> (f64, f64) {
         interval(self.deviation.powi(2), self.degrees_of_freedom, share)
     }
@@ -31,12 +32,12 @@ impl AllanPoint {
 ///
 /// σ²(τ) = ½ ⟨(ȳ(i+m) − ȳ(i))²⟩, ȳ(i) = mean of samples i … i+m−1, m = τ / sample period
 ///
-/// averaged over every i for which both means lie in one stretch, all stretches pooled. Each τ is rounded to
-/// a whole number of samples; times at which no stretch holds 2 m samples are left out.
+/// averaged over every i for which both means lie in one stretch, with all stretches pooled. Each τ is rounded to a
+/// whole number of samples; times for which no stretch holds 2 m samples are omitted.
 ///
-/// The interval is that of χ² with the equivalent degrees of freedom of NIST SP 1065, table 5, added up over the
-/// stretches. They depend on the kind of noise, which changes with τ: of those for white, flicker and
-/// random-walk noise of the rate the smallest is taken, so the interval is rather too wide than too narrow.
+/// The interval is that of χ² with the equivalent degrees of freedom of NIST SP 1065, table 5, summed over the
+/// stretches. They depend on the kind of noise, which changes with τ: the smallest of those for white, flicker and
+/// random-walk noise of the rate is used, so the interval is conservative.
 ///
 /// ```
 /// use fos_fit::signal::allan::allan_deviation;
@@ -53,14 +54,14 @@ pub fn allan_deviation(stretches: &[&[f64]], sample_period_s: f64, taus_s: &[f64
     in_parallel(averaging, |m| point(&integrals, sample_period_s, m)).into_iter().flatten().collect()
 }
 
-/// Averaging times per decade of every curve that is shown.
+/// Averaging times per decade of every displayed curve.
 pub const TAUS_PER_DECADE: usize = 8;
 
 /// Averaging times evenly spaced on a logarithmic axis, s: from one sample to a fifth of the longest stretch,
 /// beyond which the upper end of the interval is more than four times the value.
 pub fn averaging_times(stretches: &[&[f64]], sample_period_s: f64, per_decade: usize) -> Vec<f64> {
     let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
-    // ends: it grows, at ten to the power of a step
+    // terminates: it grows, at ten to the power of a step
     let mut averaging: Vec<usize> = (0..)
         .map(|step| 10f64.powf(step as f64 / per_decade.max(1) as f64).round() as usize)
         .take_while(|m| *m <= longest / 5)
@@ -69,7 +70,7 @@ pub fn averaging_times(stretches: &[&[f64]], sample_period_s: f64, per_decade: u
     averaging.into_iter().map(|m| m as f64 * sample_period_s).collect()
 }
 
-/// Pools all stretches at an averaging time of `m` samples.
+/// Computes a point from all stretches at an averaging time of `m` samples.
 fn point(integrals: &[Vec<f64>], sample_period_s: f64, m: usize) -> Option<AllanPoint> {
     let mut sum = 0.0;
     let mut count = 0;
@@ -117,7 +118,7 @@ fn equivalent_degrees_of_freedom(points: usize, m: usize) -> f64 {
     };
     let squares = (n - 1.0).powi(2) - 3.0 * m * (n - 1.0) + 4.0 * m * m;
     let random_walk = (n - 2.0) / m * squares / (n - 3.0).max(1.0).powi(2);
-    // one difference of two means has one degree of freedom; the approximations fall short of it at the end
+    // one difference of two means has one degree of freedom; the approximations are below that at the end
     white.min(flicker).min(random_walk).max(1.0)
 }
 
@@ -150,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn agrees_with_another_road_and_with_nist_sp_1065() {
+    fn agrees_with_independent_computation_and_nist_sp_1065() {
         for reference in reference::each("allan", "allan_nbs1000") {
             assert_eq!(reference.series().len(), 1000);
             let tolerance = number(&reference.answers["tolerance_relative"]);
@@ -163,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn equals_the_definition_and_never_looks_across_a_gap() {
+    fn matches_the_definition_and_never_spans_gaps() {
         let series: Vec<f64> = white_noise(4, 300).iter().map(|x| 9.81 + 1e-3 * x).collect();
         let stretches = [&series[..50], &series[50..51], &series[60..]];
         for m in [1, 2, 7, 25, 30, 120] {
@@ -193,10 +194,10 @@ mod tests {
     }
 
     #[test]
-    fn interval_holds_the_truth_at_least_as_often_as_it_says() {
-        // 200 records each of white noise and random walk, one whole and one in two stretches. Where the edf are
-        // those of the other kind of noise the interval is too wide, so only the lower end is tested:
-        // 95 % less three binomial standard deviations of 1.5 %
+    fn interval_has_at_least_its_stated_coverage() {
+        // 200 records each of white noise and random walk, one whole and one in two stretches. If the edf are those of
+        // the other kind of noise the interval is too wide, so only the lower end is tested: 95 % minus three binomial
+        // standard deviations of 1.5 %
         let white = |m: f64| (1.0 / m).sqrt();
         let walk = |m: f64| ((2.0 * m * m + 1.0) / (6.0 * m)).sqrt();
         for m in [1.0, 10.0, 100.0, 300.0] {
@@ -224,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn short_and_constant_records_are_answered() {
+    fn handles_short_and_constant_records() {
         assert!(allan_deviation(&[&[1.0]], 1.0, &[1.0]).is_empty());
         assert!(allan_deviation(&[], 1.0, &[1.0]).is_empty());
         assert_eq!(allan_deviation(&[&[1.0, 3.0]], 1.0, &[1.0])[0].deviation, 2f64.sqrt());

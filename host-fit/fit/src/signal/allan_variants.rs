@@ -1,10 +1,10 @@
-//! The plain and the modified Allan deviation, for comparison with figures that others computed so; the overlapping one
-//! (`allan`) uses the data better than the plain one and is what everything here is judged by.
+//! Plain and modified Allan deviation, for comparison with published figures; evaluations here use the overlapping one
+//! (`allan`), which uses the data better than the plain one.
 
 use super::blocks::{block_means, cumulative_sums};
 
-/// Allan deviation without overlap (NIST SP 1065, eq. 9): of the means of consecutive blocks of `samples`, neighbours
-/// in one stretch. `None` where no stretch holds two blocks, or for no samples.
+/// Allan deviation without overlap (NIST SP 1065, eq. 9): of the means of consecutive blocks of `samples`, with
+/// neighbours in one stretch. `None` if no stretch holds two blocks, or for 0 samples.
 pub fn plain_allan_deviation(stretches: &[&[f64]], samples: usize) -> Option<f64> {
     if samples == 0 {
         return None;
@@ -16,9 +16,9 @@ pub fn plain_allan_deviation(stretches: &[&[f64]], samples: usize) -> Option<f64
     deviation(&squares)
 }
 
-/// Modified Allan deviation (NIST SP 1065, eq. 16): the differences of neighbouring means over `samples`, themselves
-/// averaged over as many starts; it tells white noise of the angle from flicker. `None` where no stretch holds 3 m − 1
-/// samples, or for no samples.
+/// Modified Allan deviation (NIST SP 1065, eq. 16): the differences of neighbouring means over `samples`, averaged over
+/// as many starts. It distinguishes white from flicker noise of the angle. `None` if no stretch holds 3 m − 1 samples,
+/// or for 0 samples.
 pub fn modified_allan_deviation(stretches: &[&[f64]], samples: usize) -> Option<f64> {
     if samples == 0 {
         return None;
@@ -51,7 +51,7 @@ mod tests {
     use fos_testkit::reference::{self, Reference, number};
 
     #[test]
-    fn agree_with_another_road_and_with_nist_sp_1065() {
+    fn agree_with_independent_computation_and_nist_sp_1065() {
         for reference in reference::each("allan", "allan_nbs1000") {
             assert_as_published(&reference);
         }
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn all_three_kinds_are_the_same_over_one_sample() {
+    fn all_three_kinds_agree_at_one_sample() {
         let noise = white_noise(3, 400);
         let stretches: &[&[f64]] = &[&noise[..150], &noise[150..]];
         let overlapping = allan_deviation(stretches, 1.0, &[1.0])[0].deviation;
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_taken_across_a_gap() {
+    fn differences_never_span_gaps() {
         assert_eq!(plain_allan_deviation(&[&[1.0; 4], &[9.0; 4]], 2), Some(0.0));
         assert_eq!(modified_allan_deviation(&[&[1.0; 5], &[9.0; 5]], 2), Some(0.0));
         assert_eq!(plain_allan_deviation(&[&[1.0; 3], &[9.0; 3]], 2), None);

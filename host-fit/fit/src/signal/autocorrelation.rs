@@ -1,4 +1,4 @@
-//! Normalised autocorrelation: does what is left still remember?
+//! Normalised autocorrelation: the memory of a residual.
 
 use super::transforms;
 
@@ -10,24 +10,24 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 pub struct Autocorrelation {
     /// Value at lag 0, 1, 2 … samples; the first is 1.
     pub values: Vec<f64>,
-    /// Number of samples the values come from.
+    /// Number of samples behind the values.
     pub samples: usize,
 }
 
 impl Autocorrelation {
-    /// Value at a lag of one sample; 0 where no two neighbouring samples are known.
+    /// Value at a lag of one sample; 0 if no two neighbouring samples are known.
     pub fn lag_1(&self) -> f64 {
         self.values.get(1).copied().unwrap_or(0.0)
     }
 
     /// Half-width of the band that holds 95 % of the values at lags ≥ 1 if the series is white: 1.96/√N.
     ///
-    /// (Bartlett 1946.) The values are already divided by the variance, so the variance does not appear.
+    /// (Bartlett 1946.) The values are already divided by the variance, so it does not appear.
     pub fn white_noise_bound(&self) -> f64 {
         NORMAL_95 / (self.samples as f64).sqrt()
     }
 
-    /// Fraction of the lags ≥ 1 outside `white_noise_bound`; 0.05 is expected of white noise.
+    /// Fraction of the lags ≥ 1 outside `white_noise_bound`; 0.05 is expected for white noise.
     pub fn fraction_outside(&self) -> f64 {
         let lags = &self.values[1..];
         let outside = lags.iter().filter(|value| value.abs() > self.white_noise_bound()).count();
@@ -39,12 +39,12 @@ impl Autocorrelation {
 ///
 /// ρ(k) = Σ (x(n) − x̄)(x(n−k) − x̄) / Σ (x(n) − x̄)²
 ///
-/// with both samples in the same stretch, x̄ the mean of all samples. This is the biased estimator (Box &
-/// Jenkins, eq. 2.1.11): both sums run over what there is, so that |ρ| ≤ 1 and the sequence stays positive
-/// semidefinite. With stretches not much longer than the lags the values shrink, and the bound errs on the
-/// wide side. Lags stop below the longest stretch, where the last product is found.
+/// with both samples in the same stretch, x̄ the mean of all samples. This is the biased estimator (Box & Jenkins, eq.
+/// 2.1.11): both sums run over the available terms, so that |ρ| ≤ 1 and the sequence is positive semidefinite. With
+/// stretches not much longer than the lags the values shrink, and the bound is conservative. Lags end below the longest
+/// stretch, which gives the last product.
 ///
-/// `None` where the series is empty or constant.
+/// `None` if the series is empty or constant.
 pub fn autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Autocorrelation> {
     if super::is_constant(stretches) {
         return None;
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn equals_the_direct_sums_over_awkward_stretches() {
+    fn matches_direct_sums_over_uneven_stretches() {
         let series: Vec<f64> = white_noise(2, 400).iter().map(|x| 9.81 + 0.01 * x).collect();
         for cuts in [[0, 0], [1, 3], [37, 38], [200, 399]] {
             let stretches = [&series[..cuts[0]], &series[cuts[0]..cuts[1]], &series[cuts[1]..]];
@@ -117,14 +117,14 @@ mod tests {
             for (key, series) in [("acf_0_20", series), ("acf_of_squares_0_10", squares)] {
                 let expected = numbers(&reference.answers[key]);
                 let found = autocorrelation(&[&series], expected.len() - 1).unwrap();
-                // of 1, which comes first: what the reference file states
+                // of 1, which comes first: as the reference file states
                 assert_all_close(key, &found.values, &expected, 1e-8);
             }
         }
     }
 
     #[test]
-    fn five_percent_of_the_lags_of_white_noise_lie_outside_the_bound() {
+    fn white_noise_exceeds_the_bound_in_five_percent_of_lags() {
         // 200 series × 50 lags, nearly independent: standard deviation √(0.05·0.95/10⁴) = 0.22 %; four of them
         let series: Vec<Vec<f64>> = (0..200).map(|seed| white_noise(seed, 4000)).collect();
         let outside: f64 = series
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_does_not_depend_on_the_unit_of_the_series() {
+    fn bound_is_independent_of_unit() {
         let noise = white_noise(9, 2000);
         let scaled: Vec<f64> = noise.iter().map(|x| 1e-4 * x).collect();
         let (left, right) =
@@ -157,14 +157,14 @@ mod tests {
     }
 
     #[test]
-    fn constant_and_empty_series_have_none() {
+    fn constant_and_empty_series_have_no_autocorrelation() {
         assert_eq!(autocorrelation(&[&[9.81; 1000]], 10), None);
         assert_eq!(autocorrelation(&[&[]], 10), None);
         assert_eq!(autocorrelation(&[], 10), None);
     }
 
     #[test]
-    fn lags_end_with_the_longest_stretch() {
+    fn lags_end_below_the_longest_stretch() {
         assert_eq!(autocorrelation(&[&[1.0, 2.0, 4.0], &[1.0]], 10).unwrap().values.len(), 3);
     }
 }

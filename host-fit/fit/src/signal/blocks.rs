@@ -1,7 +1,7 @@
-//! Averages over time: the slow part of a series, and its outline for display.
+//! Averages over time: the slow part of a series, and its envelope for display.
 
-/// A series reduced for display to one entry per bucket, true to its peaks: every sample lies within
-/// `low ..= high` of its bucket.
+/// A series reduced for display to one entry per bucket without losing peaks: every sample lies within `low ..= high`
+/// of its bucket.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
 pub struct Envelope {
     /// Middle of each bucket, s.
@@ -16,7 +16,7 @@ pub struct Envelope {
 
 /// Means of consecutive blocks of `samples_per_block`, in order of time.
 ///
-/// Blocks start anew with every stretch; a remainder too short for a block is left out.
+/// Blocks start again with every stretch; a remainder too short for a block is omitted.
 ///
 /// # Panics
 /// If `samples_per_block` is 0.
@@ -35,18 +35,17 @@ pub fn block_means(stretches: &[&[f64]], samples_per_block: usize) -> Vec<f64> {
 
 /// Slow error: variance of the means of blocks lasting `block_s`, unit² (1 s in every comparison).
 ///
-/// The block is the whole number of samples nearest to `block_s`, at least one. `None` where fewer than two
-/// blocks fit.
+/// The block is the whole number of samples nearest to `block_s`, at least one. `None` if fewer than two blocks fit.
 pub fn slow_error(stretches: &[&[f64]], sample_period_s: f64, block_s: f64) -> Option<f64> {
     let means = block_means(stretches, samples_in(block_s, sample_period_s));
     (means.len() >= 2).then(|| super::variance(&[&means]))
 }
 
-/// Outline of one stretch in at most `buckets` entries.
+/// Envelope of one stretch in at most `buckets` entries.
 ///
-/// `start_s` is the time of its first sample. The mean is taken over `mean_s` centred on the bucket, or over
-/// the bucket where that lasts longer; towards the ends of the stretch over what there is of it.
-/// At 200 Hz the samples hide what the mean shows, and the mean hides the peaks: a display needs both.
+/// `start_s` is the time of its first sample. The mean is taken over `mean_s` centred on the bucket, or over the bucket
+/// if that is longer; towards the ends of the stretch over the available samples. At 200 Hz the samples hide the course
+/// of the mean, and the mean hides the peaks: a display needs both.
 pub fn envelope(
     stretch: &[f64],
     start_s: f64,
@@ -75,7 +74,7 @@ pub fn envelope(
 }
 
 impl Envelope {
-    /// (time, low, high) of every bucket.
+    /// Returns (time, low, high) of every bucket.
     pub fn band(&self) -> Vec<(f64, f64, f64)> {
         let edges = self.time_s.iter().zip(&self.low).zip(&self.high);
         edges.map(|((time, low), high)| (*time, *low, *high)).collect()
@@ -87,8 +86,8 @@ fn samples_in(duration_s: f64, sample_period_s: f64) -> usize {
     ((duration_s / sample_period_s).round() as usize).max(1)
 }
 
-/// sums\[n\] = Σ over the first n samples of (x − x\[0\]), one longer than the stretch. Taking the first sample
-/// off keeps the digits of a small signal on a large offset.
+/// sums\[n\] = Σ over the first n samples of (x − x\[0\]), one longer than the stretch. Subtracting the first sample
+/// preserves the digits of a small signal on a large offset.
 pub(super) fn cumulative_sums(stretch: &[f64]) -> Vec<f64> {
     let mut sums = Vec::with_capacity(stretch.len() + 1);
     let mut sum = 0.0;
@@ -112,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn block_means_of_white_noise_have_a_variance_smaller_by_the_block_length() {
+    fn block_means_reduce_white_variance_by_their_length() {
         let noise = white_noise(1, 200 * 2000);
         let slow = slow_error(&[&noise], 0.005, 1.0).unwrap();
         // 2000 independent means: relative standard error √(2/2000) = 3.2 %, four of them
@@ -120,14 +119,14 @@ mod tests {
     }
 
     #[test]
-    fn slow_error_of_less_than_two_blocks_is_not_given() {
+    fn slow_error_needs_two_blocks() {
         assert_eq!(slow_error(&[&[1.0; 399]], 0.005, 1.0), None);
         assert_eq!(slow_error(&[], 0.005, 1.0), None);
         assert_eq!(slow_error(&[&[1.0; 400]], 0.005, 1.0), Some(0.0));
     }
 
     #[test]
-    fn envelope_loses_no_peak_and_no_sample() {
+    fn envelope_contains_every_sample() {
         for (length, buckets) in [(1, 1), (10, 3), (999, 1000), (1000, 7), (12_345, 600)] {
             let series = white_noise(length as u64, length);
             let outline = envelope(&series, 0.0, 1.0, buckets, 1.0);

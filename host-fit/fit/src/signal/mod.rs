@@ -1,5 +1,5 @@
-//! Statistics of a sampled series: how its power spreads over frequency, lag and averaging time, and how
-//! much of it nobody could have predicted.
+//! Statistics of a sampled series: its power by frequency, lag and averaging time, and the part that no predictor can
+//! forecast.
 //!
 //! Every function takes `stretches: &[&[f64]]`, the gap-free pieces of one recording in the order they were
 //! measured, all at the same rate. Nothing is ever computed across the end of a stretch: no lag product, no
@@ -13,14 +13,14 @@
 //! |---|---|
 //! | `blocks` | slow error: variance of block means; envelopes for display |
 //! | `spectrum` | power spectral density (Welch) |
-//! | `autocorrelation` | does the series remember? with the bound for white noise |
+//! | `autocorrelation` | memory of the series, with the bound for white noise |
 //! | `allan` | Allan deviation with its confidence interval |
-//! | `allan_variants` | the same without overlap and modified, as others print it |
-//! | `noise_floor` | what no causal linear predictor can beat |
+//! | `allan_variants` | the same without overlap and modified, for comparison |
+//! | `noise_floor` | lowest mean square error of a causal linear predictor |
 //! | `transforms` | Fourier transforms, planned once |
-//! | `wavelet` | what is left when the noise of single samples is taken out |
-//! | `residual_tests` | textbook tests of a residual: white, normal, of constant size? |
-//! | `quantisation` | step of the converter, seen from the data |
+//! | `wavelet` | de-noising: the series without the noise of single samples |
+//! | `residual_tests` | textbook tests of a residual: whiteness, normality, constant variance |
+//! | `quantisation` | step of the converter, estimated from the data |
 
 pub mod allan;
 pub mod allan_variants;

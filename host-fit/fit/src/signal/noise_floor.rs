@@ -1,9 +1,9 @@
-//! The mean square error that no causal linear predictor can get below, from the data alone.
+//! Lowest mean square error of a causal linear predictor, from the data alone.
 
 use super::quantisation::{Quantisation, quantisation};
 use super::spectrum::hann;
 
-/// −ψ(1): the logarithm of a periodogram ordinate lies this far below that of the density, on average.
+/// −ψ(1): the mean distance of the logarithm of a periodogram ordinate below that of the density.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 
 /// Variance of the mean logarithm times the number of ordinates. One ordinate has π²/6; two whose complex
@@ -11,18 +11,18 @@ const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// next neighbours by 1/6: π²/6 + 2 Li₂(4/9) + 2 Li₂(1/36) = 1.644934 + 2 · 0.507035 + 2 · 0.027973.
 const VARIANCE_PER_ORDINATE: f64 = 2.714_950;
 
-/// Standard deviation of what halving the stretches changes in ln σ², in standard errors: 1.07 to 1.31 in simulations
-/// of white, AR(1) and AR(4) noise in stretches of 128 to 8192 samples.
+/// Standard deviation of the change of ln σ² when the stretches are halved, in standard errors: 1.07 to 1.31 in
+/// simulations of white, AR(1) and AR(4) noise in stretches of 128 to 8192 samples.
 const SCATTER_OF_HALVING: f64 = 1.3;
 
-/// Stretches shorter than this are left out: with random-walk noise their lowest bin, too coarse for it, would
-/// bias the floor by more than 1 %.
+/// Least length of a stretch: with random-walk noise the lowest bin of a shorter one, too coarse for it, would bias the
+/// floor by more than 1 %.
 const SHORTEST_STRETCH: usize = 128;
 
-/// Fewer samples than this leave a standard error above 7 %.
+/// Number of samples below which the standard error exceeds 7 %.
 const FEW_SAMPLES: usize = 1000;
 
-/// Variance of the best one-step prediction error, and how far it can be trusted.
+/// Variance of the best one-step prediction error, with its uncertainty.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[must_use]
 pub struct NoiseFloor {
@@ -33,22 +33,22 @@ pub struct NoiseFloor {
     /// 95 % confidence interval of the variance, unit².
     pub interval: (f64, f64),
     pub samples: usize,
-    /// Step of the converter, where the values show one.
+    /// Step of the converter, if the values show one.
     pub quantisation: Option<Quantisation>,
-    /// Why not to trust the value; empty where nothing speaks against it.
+    /// Reasons to distrust the value; empty if there are none.
     pub cautions: Vec<Caution>,
 }
 
-/// A reason not to trust a noise floor.
+/// A reason to distrust a noise floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum Caution {
     /// Fewer than 1000 samples in stretches of at least 128.
     FewSamples,
-    /// Stretches of half the length give a different answer: they are too short for the sharp lines or the steep
-    /// slow noise in them, and the interval does not hold.
+    /// Stretches of half the length give a different result: they are too short for the sharp lines or the steep slow
+    /// noise in them, and the interval is not valid.
     Unresolved,
-    /// At least half of the value is the rounding of the converter. It is a floor all the same, but it belongs
-    /// to the converter, and where the noise spans less than half a step it is not white and can be beaten.
+    /// At least half of the value is the rounding of the converter. It is a valid floor, but it is the converter's, and
+    /// noise that spans less than half a step is not white, so that a predictor can be better.
     Quantised,
 }
 
@@ -67,34 +67,34 @@ impl std::fmt::Display for Caution {
 }
 
 impl NoiseFloor {
-    /// One-sided power spectral density of white noise of this variance, unit²/Hz: what the best predictor leaves.
+    /// One-sided power spectral density of white noise of this variance, unit²/Hz: the residual of the best predictor.
     pub fn density(&self, rate_hz: f64) -> f64 {
         2.0 * self.variance / rate_hz
     }
 
-    /// Whether a mean square error is too good to be true: below the confidence interval.
+    /// Returns true if a mean square error is below the confidence interval, and thus implausibly small.
     #[must_use]
     pub fn is_beaten_by(&self, mean_square_error: f64) -> bool {
         mean_square_error < self.interval.0
     }
 }
 
-/// Variance of the one-step prediction error of the best linear predictor that knows the series' own past, all of
-/// it (Kolmogorov 1941, Szegő 1939; Brockwell & Davis 1991, theorem 5.8.1):
+/// Variance of the one-step prediction error of the best linear predictor that knows the whole past of the series
+/// (Kolmogorov 1941, Szegő 1939; Brockwell & Davis 1991, theorem 5.8.1):
 ///
 /// σ² = exp( (1/2π) ∫ ln(2π f(λ)) dλ )
 ///
-/// The integral is taken as the mean of the logarithm of the periodogram, less its bias ψ(1) = −0.577 (Davis &
-/// Jones, J. Am. Stat. Assoc. 63, 1968; Hannan & Nicholls, J. Am. Stat. Assoc. 72, 1977). What we do
-/// differently: a Hann window keeps the power of slow noise and drift, up to a hundred million times that of
-/// the floor, from leaking over the frequencies where the floor is seen; and ordinates are not averaged in
-/// groups before the logarithm, with ψ(m) − ln m as the bias. With this window that would lower the
-/// variance from 5.4/N to 3.9/N at best, at the price of a bias where the spectrum is steep.
+/// The integral is taken as the mean of the logarithm of the periodogram, minus its bias ψ(1) = −0.577 (Davis & Jones,
+/// J. Am. Stat. Assoc. 63, 1968; Hannan & Nicholls, J. Am. Stat. Assoc. 72, 1977). There are two differences: a Hann
+/// window prevents the power of slow noise and drift, up to a hundred million times that of the floor, from leaking
+/// into the frequencies that determine the floor; and ordinates are not averaged in groups before the logarithm, with
+/// ψ(m) − ln m as the bias. With this window that would reduce the variance from 5.4/N to 3.9/N at best, at the price
+/// of a bias where the spectrum is steep.
 ///
-/// The interval is normal in ln σ². Logarithms of all stretches are pooled. A predictor that also sees other
-/// channels may get below the floor; a nonlinear one only where the noise is not Gaussian.
+/// The interval is normal in ln σ². Logarithms of all stretches are pooled. A predictor that also uses other channels
+/// may be below the floor; a nonlinear one only if the noise is not Gaussian.
 ///
-/// `None` where no stretch has 128 samples or the series is constant.
+/// `None` if no stretch has 128 samples or the series is constant.
 pub fn noise_floor(stretches: &[&[f64]]) -> Option<NoiseFloor> {
     let used: Vec<&[f64]> = stretches
         .iter()
@@ -133,9 +133,9 @@ struct LogSpectrum {
     ordinates: f64,
 }
 
-/// Ordinates at zero and at the Nyquist frequency are real, and the mean is taken off, so they follow another law.
-/// Half a bin each is theirs to cover; their neighbours cover it instead. Left out, the peak of slow
-/// noise at zero would be missing: in stretches of 128 samples a floor 5 % too low at φ = 0.999.
+/// Ordinates at zero and at the Nyquist frequency are real, and the mean is subtracted, so they have another
+/// distribution. Each covers half a bin; their neighbours replace them. Without this, the peak of slow noise at zero
+/// would be missing: in stretches of 128 samples the floor would be 5 % too low at φ = 0.999.
 fn log_spectrum(stretches: &[&[f64]]) -> LogSpectrum {
     let mut sum = 0.0;
     let mut ordinates = 0.0;
@@ -150,7 +150,7 @@ fn log_spectrum(stretches: &[&[f64]]) -> LogSpectrum {
             *target = w * (x - mean);
         }
         transform.process(&mut windowed, &mut bins).expect("buffers made by this transform fit it");
-        // periodic parts leave ordinates that are zero but for rounding; their logarithm must stay finite
+        // periodic parts leave ordinates that are zero except for rounding; their logarithm must stay finite
         let rounding = f64::MIN_POSITIVE + f64::EPSILON.powi(2) * super::variance(&[stretch]);
         let log = |bin: usize| (bins[bin].norm_sqr() / window_power).max(rounding).ln();
         let last = (stretch.len() - 1) / 2;
@@ -168,14 +168,14 @@ mod tests {
     use super::*;
     use fos_testkit::noise::{autoregression, random_walk, white_noise};
 
-    /// How many of 200 seeded records have the truth within their interval.
+    /// Number of 200 seeded records whose interval covers the truth.
     fn held(truth: f64, record: impl Fn(u64) -> Vec<f64>) -> usize {
         let floors = (0..200).map(|seed| noise_floor(&[&record(seed)]).unwrap());
         floors.filter(|floor| floor.interval.0 <= truth && truth <= floor.interval.1).count()
     }
 
     #[test]
-    fn interval_holds_the_truth_as_often_as_it_says() {
+    fn interval_has_its_stated_coverage() {
         // binomial 95 % of 200 is 190 ± 3.1; 180 to 198 are three standard deviations either way
         let counts = [
             ("white", held(1.0, |seed| white_noise(seed, 4000))),
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_power_a_hundred_million_times_the_floor_does_not_leak_into_it() {
+    fn strong_slow_power_does_not_leak_into_floor() {
         let n = 100_000;
         let series: Vec<f64> =
             white_noise(11, n).iter().enumerate().map(|(i, x)| x + 4e4 * (i as f64 / n as f64)).collect();
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn cautions_are_rare_where_nothing_is_wrong() {
+    fn cautions_have_low_false_alarm_rate() {
         let cautioned = (0..200).filter(|seed| {
             !noise_floor(&[&autoregression(*seed, 8000, &[0.95], 1.0)]).unwrap().cautions.is_empty()
         });
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn short_record_is_cautioned_and_shorter_ones_have_no_floor() {
+    fn warns_of_short_record_and_rejects_shorter_ones() {
         assert_eq!(noise_floor(&[&white_noise(1, 999)]).unwrap().cautions, [Caution::FewSamples]);
         assert_eq!(noise_floor(&[&white_noise(1, 127)]), None);
         assert_eq!(noise_floor(&[&[9.81; 5000]]), None);
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resonance_sharper_than_the_stretches_resolve_is_cautioned() {
+    fn warns_of_unresolved_resonance() {
         let series = autoregression(5, 20_000, &[1.9, -0.9999], 1.0);
         let short: Vec<&[f64]> = series.chunks_exact(200).collect();
         assert_eq!(noise_floor(&short).unwrap().cautions, [Caution::Unresolved]);
@@ -249,16 +249,16 @@ mod tests {
     }
 
     #[test]
-    fn slow_noise_in_short_stretches_keeps_its_floor() {
+    fn short_stretches_do_not_bias_floor_of_slow_noise() {
         let series = autoregression(5, 100_000, &[0.999], 1.0);
         let short: Vec<&[f64]> = series.chunks_exact(200).collect();
         let floor = noise_floor(&short).unwrap();
-        // what the lowest bin cannot resolve leaves 1 % of bias; three standard errors beside
+        // the resolution of the lowest bin leaves 1 % of bias; plus three standard errors
         assert!((floor.variance - 1.0).abs() < 0.01 + 3.0 * floor.standard_error, "{floor:?}");
     }
 
     #[test]
-    fn coarse_converter_is_cautioned_and_a_fine_one_is_not() {
+    fn warns_of_coarse_but_not_of_fine_converter() {
         let rounded = |step: f64| -> Vec<f64> {
             white_noise(6, 10_000).iter().map(|x| step * (x / step).round()).collect()
         };
@@ -271,13 +271,13 @@ mod tests {
     }
 
     #[test]
-    fn an_error_below_the_interval_is_too_good_to_be_true() {
+    fn error_below_the_interval_beats_the_floor() {
         let floor = noise_floor(&[&white_noise(2, 10_000)]).unwrap();
         assert!(floor.is_beaten_by(0.8) && !floor.is_beaten_by(1.0));
     }
 
     #[test]
-    fn constants_of_the_error_are_what_their_formulas_give() {
+    fn error_constants_match_their_formulas() {
         let dilogarithm = |x: f64| (1..200).map(|k| x.powi(k) / f64::from(k * k)).sum::<f64>();
         let expected = PI * PI / 6.0 + 2.0 * dilogarithm(4.0 / 9.0) + 2.0 * dilogarithm(1.0 / 36.0);
         assert!((VARIANCE_PER_ORDINATE - expected).abs() < 1e-6, "{expected}");

@@ -1,27 +1,26 @@
-//! The step of the converter, seen from the values it produced.
+//! Step of the converter, estimated from the values.
 
-/// Quantisation found in a series.
+/// Quantisation of a series.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Quantisation {
     /// Smallest step that occurs often between neighbouring values (one LSB), unit of the series.
     pub step: f64,
-    /// Variance of rounding to that step, LSB²/12, unit² (Bennett 1948; holds where the noise spans at least
-    /// half a step).
+    /// Variance of rounding to that step, LSB²/12, unit² (Bennett 1948; valid if the noise spans at least half a step).
     pub variance: f64,
 }
 
-/// Fraction of the gaps between neighbouring values that must be whole multiples of the step. The rest is left
-/// to values that a converter of units rounded to few digits.
+/// Fraction of the gaps between neighbouring values that must be whole multiples of the step. The rest allows for the
+/// rounding of converted units to few digits.
 const WHOLE_MULTIPLES: f64 = 0.9;
 
-/// How far from a whole multiple a gap may be, in steps: decimals cut off in a log move it by up to half of the
-/// last digit at both ends.
+/// Tolerance of a whole multiple, in steps: truncated decimals in a log change a gap by up to half of the last digit at
+/// both ends.
 const MULTIPLE_TOLERANCE: f64 = 0.2;
 
-/// Finds the step between neighbouring values, where there is one.
+/// Finds the step between neighbouring values, if there is one.
 ///
-/// `None` where fewer than half of the values repeat (the step is then far below the noise and does not matter,
-/// or there is none), where the values do not lie on one grid, and for constant series.
+/// `None` if fewer than half of the values repeat (the step is then far below the noise, or absent), if the values do
+/// not lie on one grid, and for constant series.
 ///
 /// ```
 /// use fos_fit::signal::quantisation::quantisation;
@@ -33,7 +32,7 @@ pub fn quantisation(stretches: &[&[f64]]) -> Option<Quantisation> {
     let mut values: Vec<f64> = stretches.iter().copied().flatten().copied().collect();
     values.sort_unstable_by(f64::total_cmp);
     let (smallest, largest) = (*values.first()?, *values.last()?);
-    // gaps this small are the rounding of scale factors, not codes (f32 has 24 bits)
+    // gaps this small are rounding of scale factors, not codes (f32 has 24 bits)
     let rounding = 2f64.powi(-23) * smallest.abs().max(largest.abs());
     let mut gaps: Vec<f64> =
         values.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > rounding).collect();
@@ -41,8 +40,8 @@ pub fn quantisation(stretches: &[&[f64]]) -> Option<Quantisation> {
         return None;
     }
 
-    // Codes in the tails may never have occurred, so some gaps are multiples of the step. The lowest tenth is
-    // not; the median around it is free of the digits that were cut off.
+    // Some codes in the tails may be absent, so some gaps are multiples of the step. The lowest tenth is not, and the
+    // median around it is robust to truncated digits.
     gaps.sort_unstable_by(f64::total_cmp);
     let low = gaps[gaps.len() / 10];
     let around: Vec<f64> = gaps.iter().copied().filter(|gap| (low / 1.5..low * 1.5).contains(gap)).collect();
@@ -93,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn values_held_for_several_samples_are_not_taken_for_codes() {
+    fn held_values_are_not_mistaken_for_codes() {
         let held: Vec<f64> = white_noise(4, 1000).iter().flat_map(|x| [*x; 4]).collect();
         assert_eq!(quantisation(&[&held]), None);
     }

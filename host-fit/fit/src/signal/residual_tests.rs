@@ -1,24 +1,24 @@
-//! Textbook tests of a residual: does it remember, is it normal, does its size change?
+//! Textbook tests of a residual: memory, normality, constant variance.
 //!
-//! With 10⁵ samples each of them is significant long before it matters; they describe and do not decide.
+//! With 10⁵ samples each of them is significant long before it matters: they describe a residual, and decide nothing.
 //!
-//! | function | asks | source |
+//! | function | tests | source |
 //! |---|---|---|
-//! | `partial_autocorrelation` | what does lag k add to the lags before it | Box & Jenkins, section 3.2.5 |
-//! | `ljung_box`, `box_pierce` | is the series white up to a lag | Ljung & Box 1978; Box & Pierce 1970 |
-//! | `durbin_watson` | do neighbours agree | Durbin & Watson 1950 |
-//! | `jarque_bera` | is it normal | Jarque & Bera 1980 |
-//! | `arch_lm` | does its variance remember | Engle 1982 |
+//! | `partial_autocorrelation` | the contribution of lag k to the lags before it | Box & Jenkins, section 3.2.5 |
+//! | `ljung_box`, `box_pierce` | whiteness up to a lag | Ljung & Box 1978; Box & Pierce 1970 |
+//! | `durbin_watson` | correlation of neighbours | Durbin & Watson 1950 |
+//! | `jarque_bera` | normality | Jarque & Bera 1980 |
+//! | `arch_lm` | memory of the variance | Engle 1982 |
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::autocorrelation::autocorrelation;
 
-/// A statistic that is χ² where nothing is wrong.
+/// A statistic that is χ² under the null hypothesis.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Tested {
-    /// The statistic, no unit.
+    /// Value of the statistic, without a unit.
     pub statistic: f64,
     /// Degrees of freedom of its distribution.
     pub degrees_of_freedom: usize,
@@ -34,7 +34,7 @@ impl Tested {
 }
 
 /// Partial autocorrelation at lags 1 ..= `max_lag`: the last coefficient of the Yule-Walker autoregression of each
-/// order, from the biased autocorrelation. `None` where the series is constant or the lags do not fit into a stretch.
+/// order, from the biased autocorrelation. `None` if the series is constant or the lags do not fit into a stretch.
 pub fn partial_autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Vec<f64>> {
     let rho = autocorrelation(stretches, max_lag)?.values;
     if rho.len() <= max_lag {
@@ -49,8 +49,8 @@ pub fn partial_autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<V
         .collect()
 }
 
-/// Ljung-Box: N(N+2) Σ ρ²(k)/(N−k), k = 1 ..= `lags`. The degrees of freedom are `lags`: coefficients that were fitted
-/// to the series are the caller's to take off. `None` as for the partial autocorrelation, or without lags.
+/// Ljung-Box: N(N+2) Σ ρ²(k)/(N−k), k = 1 ..= `lags`. The degrees of freedom are `lags`: the caller subtracts the
+/// number of coefficients fitted to the series. `None` as for the partial autocorrelation, or without lags.
 pub fn ljung_box(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
     let n = super::sample_count(stretches) as f64;
     portmanteau(stretches, lags, |lag| n * (n + 2.0) / (n - lag as f64))
@@ -70,8 +70,8 @@ fn portmanteau(stretches: &[&[f64]], lags: usize, weight: impl Fn(usize) -> f64)
     Tested::of((1..=lags).map(|lag| weight(lag) * rho[lag] * rho[lag]).sum(), lags)
 }
 
-/// Durbin-Watson: Σ(e(n) − e(n−1))² / Σ e²(n), about the value 0 and not the mean: a residual's mean is its own affair.
-/// 2 where neighbours have nothing to do with each other. `None` where the series is 0.
+/// Durbin-Watson: Σ(e(n) − e(n−1))² / Σ e²(n), about 0 and not about the mean of the residual. It is 2 if neighbours
+/// are uncorrelated. `None` if the series is 0.
 pub fn durbin_watson(stretches: &[&[f64]]) -> Option<f64> {
     let squares: f64 = stretches.iter().copied().flatten().map(|e| e * e).sum();
     let steps: f64 =
@@ -79,7 +79,7 @@ pub fn durbin_watson(stretches: &[&[f64]]) -> Option<f64> {
     (squares > 0.0).then(|| steps / squares)
 }
 
-/// Jarque-Bera: N/6·(S² + (K − 3)²/4), skewness S and kurtosis K from moments divided by N. `None` where the series is
+/// Jarque-Bera: N/6·(S² + (K − 3)²/4), skewness S and kurtosis K from moments divided by N. `None` if the series is
 /// constant.
 pub fn jarque_bera(stretches: &[&[f64]]) -> Option<Tested> {
     if super::is_constant(stretches) {
@@ -95,7 +95,7 @@ pub fn jarque_bera(stretches: &[&[f64]]) -> Option<Tested> {
 }
 
 /// Engle's Lagrange-multiplier test: n·R² of e²(n) on a constant and e²(n−1) … e²(n−`lags`), over the n rows that have
-/// all of them in one stretch. `None` with fewer rows than coefficients, or where e² is constant.
+/// all of them in one stretch. `None` with fewer rows than coefficients, or if e² is constant.
 pub fn arch_lm(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
     let squares: Vec<Vec<f64>> = stretches.iter().map(|s| s.iter().map(|e| e * e).collect()).collect();
     let windows: Vec<&[f64]> = squares.iter().flat_map(|squares| squares.windows(lags + 1)).collect();
@@ -103,7 +103,7 @@ pub fn arch_lm(stretches: &[&[f64]], lags: usize) -> Option<Tested> {
     if n <= lags + 1 {
         return None;
     }
-    // about their means, which is what the constant does
+    // centred, which accounts for the constant
     let mut columns = DMatrix::from_fn(n, lags + 1, |row, column| windows[row][column]);
     for mut column in columns.column_iter_mut() {
         let mean = column.mean();
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn find_what_each_of_them_is_for() {
+    fn each_test_detects_its_alternative() {
         let memory = autoregression(1, 4000, &[0.5], 1.0);
         assert!(ljung_box(&[&memory], 10).unwrap().p_value < 1e-6);
         // 2(1 − φ); standard error of φ is 0.014
@@ -201,8 +201,8 @@ mod tests {
     }
 
     #[test]
-    fn never_look_across_a_gap() {
-        // a jump from one stretch to the next is no step
+    fn tests_never_span_gaps() {
+        // a jump between stretches is not a step
         assert_eq!(durbin_watson(&[&[1.0, 1.0], &[5.0, 5.0]]), Some(0.0));
         let noise = white_noise(7, 60);
         let joined = arch_lm(&[&noise], 2).unwrap();
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_and_short_series_have_no_answer() {
+    fn constant_and_short_series_give_none() {
         let constant: &[&[f64]] = &[&[2.0; 50]];
         assert_eq!((ljung_box(constant, 5), jarque_bera(constant), arch_lm(constant, 5)), (None, None, None));
         assert_eq!(durbin_watson(&[&[0.0; 9]]), None);

@@ -9,11 +9,11 @@ use super::transforms;
 /// Normalised so that its integral over frequency, Σ density · resolution, is the variance of the series.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Spectrum {
-    /// Frequencies, Hz, ascending. As `welch` gives them: 0, resolution, 2 · resolution … half the rate.
+    /// Frequencies, Hz, ascending. `welch` gives 0, resolution, 2 · resolution … half the rate.
     pub frequency_hz: Vec<f64>,
     /// Density at each frequency, unit²/Hz.
     pub density: Vec<f64>,
-    /// Spacing of the frequencies that were transformed, Hz.
+    /// Spacing of the transformed frequencies, Hz.
     pub resolution_hz: f64,
     /// Number of segments averaged. Hann windows that overlap by half are correlated by 1/6, so the relative
     /// standard error of one density is √((1 + 2/36) / segments) = 1.03/√segments for many (Welch 1967).
@@ -23,10 +23,9 @@ pub struct Spectrum {
 /// Welch's averaged periodogram (IEEE Trans. Audio Electroacoust. AU-15, 1967): segments of
 /// `segment_length` samples, Hann window, 50 % overlap.
 ///
-/// The mean of all samples is taken off once, before windowing. (Taking it off segment by segment, as some
-/// packages do, would hide exactly the slow power that a bias model is after.) Stretches shorter than a
-/// segment are left out, as are the samples of a stretch after its last whole segment. `None` where no
-/// segment fits.
+/// The mean of all samples is subtracted once, before windowing. (Subtracting it segment by segment, as some packages
+/// do, would hide exactly the slow power that a bias model needs.) Stretches shorter than a segment are excluded, as
+/// are the samples of a stretch after its last whole segment. `None` if no segment fits.
 ///
 /// # Panics
 /// If `segment_length` is less than 4.
@@ -70,8 +69,8 @@ pub fn welch(stretches: &[&[f64]], rate_hz: f64, segment_length: usize) -> Optio
     })
 }
 
-/// Segment length that shows slow effects and still averages: the largest power of two of which the longest
-/// stretch holds at least four (seven overlapping segments). At most 65,536 (330 s at 200 Hz), at least 4.
+/// Segment length that shows slow effects and still averages: the largest power of two that fits at least four times
+/// into the longest stretch (seven overlapping segments). At most 65,536 (330 s at 200 Hz), at least 4.
 pub fn segment_length_for(stretches: &[&[f64]]) -> usize {
     let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
     let quarter = (longest / 4).clamp(4, 65_536);
@@ -81,9 +80,9 @@ pub fn segment_length_for(stretches: &[&[f64]]) -> usize {
 impl Spectrum {
     /// The same spectrum averaged in bands of equal width on a logarithmic axis, for display.
     ///
-    /// Power is averaged, not its logarithm, so that a line keeps its power. The first and the last bin are left
-    /// out: 0 has no place on the axis, and the Nyquist frequency, folded onto itself, would show as a drop by
-    /// half. Where the bands are narrower than the resolution (low frequencies) every bin stays as it is.
+    /// Power is averaged, not its logarithm, so that a line keeps its power. The first and the last bin are omitted: 0
+    /// has no place on the axis, and the Nyquist frequency, folded onto itself, would show as a drop by half. Where the
+    /// bands are narrower than the resolution (low frequencies) every bin is kept.
     pub fn smoothed(&self, bands_per_decade: usize) -> Spectrum {
         let band = |frequency: f64| (frequency.log10() * bands_per_decade as f64).floor();
         let bins = self.frequency_hz.iter().copied().zip(self.density.iter().copied());
@@ -148,7 +147,7 @@ mod tests {
         let series = autoregression(5, 200_000, &[0.9], 1.0);
         let stretches = [&series[..70_000], &series[70_010..70_100], &series[70_200..]];
         let spectrum = welch(&stretches, 100.0, 1024).unwrap();
-        // edges of each stretch weigh less than its middle: 2 of 390 half segments, three standard errors
+        // the edges of each stretch weigh less than its middle: 2 of 390 half segments, three standard errors
         let ratio = integral(&spectrum) / super::super::variance(&stretches);
         assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
     }
@@ -165,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_shows_at_its_frequency_with_half_its_squared_amplitude() {
+    fn sine_has_half_its_squared_amplitude_as_power() {
         for frequency in [20.0, 23.456] {
             let (rate, amplitude) = (200.0, 3.0);
             let sine: Vec<f64> =
@@ -179,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn smoothing_keeps_flat_spectra_flat_and_frequencies_in_order() {
+    fn smoothing_preserves_flatness_and_order() {
         let frequency_hz: Vec<f64> = (0..=5000).map(|bin| bin as f64 * 0.02).collect();
         let flat = Spectrum { density: vec![2.5; 5001], frequency_hz, resolution_hz: 0.02, segments: 1 };
         let smooth = flat.smoothed(20);

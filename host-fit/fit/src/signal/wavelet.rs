@@ -1,4 +1,4 @@
-//! Wavelet de-noising: the pre-processing of the paper's rivals.
+//! Wavelet de-noising, the pre-processing of the paper's rivals.
 //!
 //! The discrete wavelet transform (Mallat, IEEE Trans. PAMI 11 (1989) 674) with Daubechies' orthogonal filters, the
 //! universal threshold of Donoho and Johnstone (Biometrika 81 (1994) 425) and its robust noise estimate:
@@ -7,10 +7,10 @@
 //!   σ = median |finest detail| / 0.6745,    threshold = σ √(2 ln N)
 //! ```
 //!
-//! applied to every level of detail; the approximation stays as it is. A value is computed from later samples as well
-//! as from earlier ones: what is fitted to de-noised samples was fitted with a view of the future.
+//! applied to every level of detail; the approximation is unchanged. A value depends on later samples as well as on
+//! earlier ones: a fit to de-noised samples has seen the future.
 //!
-//! At the ends of a stretch the series goes on as [`Extension`] says. Numbers agree with PyWavelets' to rounding.
+//! The ends of a stretch are extended as by [`Extension`]. Numbers agree with PyWavelets' to rounding.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,23 +18,23 @@ use std::str::FromStr;
 use fos_data::statistics::midpoint_median;
 use fos_data::stored_as_text;
 
-/// How a series is thought to go on beyond its ends.
+/// Extension of a series beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extension {
-    /// Mirrored, the end sample twice: … x₁ x₀ | x₀ x₁ …; what [`Denoising`] takes.
+    /// Mirrored, with the end sample twice: … x₁ x₀ | x₀ x₁ …; used by [`Denoising`].
     Symmetric,
-    /// Repeated from its other end, with as few coefficients as samples; an odd length repeats its last sample.
+    /// Periodic, with as few coefficients as samples; an odd length repeats its last sample.
     Periodic,
 }
 
-/// What becomes of the details.
+/// Treatment of the details.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Details {
-    /// Those beyond the threshold are drawn towards zero by it, the others are zero.
+    /// Soft threshold: details beyond it are reduced by it, the others are set to zero.
     Soft,
-    /// Those beyond the threshold stay, the others are zero.
+    /// Hard threshold: details beyond it are kept, the others are set to zero.
     Hard,
-    /// All are zero: only the low band is kept.
+    /// All details are set to zero: only the low band is kept.
     None,
 }
 
@@ -46,24 +46,25 @@ pub struct Wavelet {
     scaling: &'static [f64],
 }
 
-/// How a series is de-noised, as on the command line: `db4:4:soft`, `db4:3:approximation`.
+/// De-noising of a series, as on the command line: `db4:4:soft`, `db4:3:approximation`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Denoising {
     pub wavelet: Wavelet,
-    /// Levels of decomposition, 1 to [`MAX_LEVELS`].
+    /// Number of levels of decomposition, 1 to [`MAX_LEVELS`].
     pub levels: usize,
-    /// What becomes of the details.
+    /// Treatment of the details.
     pub details: Details,
 }
 
-/// Most levels of a [`Denoising`]: at 200 Hz six leave 1.6 Hz.
+/// Largest number of levels of a [`Denoising`]: at 200 Hz six levels keep 1.6 Hz.
 pub const MAX_LEVELS: usize = 6;
 
 /// Median of |x| of a normal variable of unit deviation.
 const MEDIAN_TO_DEVIATION: f64 = 0.6745;
 
 impl Wavelet {
-    /// A wavelet by its name: db1 (Haar), db2, db3, db4, db6, db8, sym4, sym8; the number is that of vanishing moments.
+    /// Returns a wavelet by its name: db1 (Haar), db2, db3, db4, db6, db8, sym4, sym8; the number is that of vanishing
+    /// moments.
     pub fn named(name: &str) -> Option<Self> {
         SCALING_FILTERS
             .iter()
@@ -71,12 +72,12 @@ impl Wavelet {
             .map(|&(name, scaling)| Self { name, scaling })
     }
 
-    /// As in `db4`.
+    /// Returns the name, as `db4`.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Low-pass h(j) and high-pass g(j) of the analysis, tap by tap; the one is the quadrature mirror of the other.
+    /// Returns low-pass h(j) and high-pass g(j) of the analysis, tap by tap; one is the quadrature mirror of the other.
     fn analysis(&self) -> Vec<(f64, f64)> {
         let low = self.scaling.iter().rev();
         let high = self.scaling.iter().enumerate().map(|(j, h)| if j.is_multiple_of(2) { -h } else { *h });
@@ -84,7 +85,7 @@ impl Wavelet {
     }
 }
 
-/// One level down: approximation and detail, each about half as long.
+/// Decomposes one level: approximation and detail, each about half as long.
 fn analyse(wavelet: &Wavelet, boundary: Extension, series: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let filters = wavelet.analysis();
     let (taps, length) = (filters.len(), series.len());
@@ -94,7 +95,7 @@ fn analyse(wavelet: &Wavelet, boundary: Extension, series: &[f64]) -> (Vec<f64>,
         Extension::Symmetric => (length + taps - 1) / 2,
         Extension::Periodic => length.div_ceil(2),
     };
-    // the series with all that the filters reach beyond its ends
+    // the series with all samples that the filters need beyond its ends
     let before = taps;
     let last = 2 * (count - 1) + first;
     let extended: Vec<f64> = (0..=last + before)
@@ -109,7 +110,7 @@ fn analyse(wavelet: &Wavelet, boundary: Extension, series: &[f64]) -> (Vec<f64>,
         .unzip()
 }
 
-/// One level up: the series of `length` samples whose approximation and detail these are.
+/// Reconstructs one level: the series of `length` samples with this approximation and detail.
 fn synthesise(
     wavelet: &Wavelet,
     boundary: Extension,
@@ -138,7 +139,7 @@ fn synthesise(
 }
 
 impl Extension {
-    /// The newest sample that the first coefficient is made of.
+    /// Returns the newest sample in the first coefficient.
     fn first(self, taps: usize) -> usize {
         match self {
             Self::Symmetric => 1,
@@ -146,7 +147,7 @@ impl Extension {
         }
     }
 
-    /// The sample that stands at `place`, which may lie beyond the ends.
+    /// Returns the index of the sample at `place`, which may lie beyond the ends.
     fn inside(self, place: isize, length: usize) -> usize {
         let length = length as isize;
         let inside = match self {
@@ -160,20 +161,20 @@ impl Extension {
     }
 }
 
-/// A series taken apart.
+/// A decomposed series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decomposition {
-    /// What is left after the last level.
+    /// Approximation after the last level.
     pub approximation: Vec<f64>,
     /// Details, the finest first.
     pub details: Vec<Vec<f64>>,
     boundary: Extension,
     wavelet: Wavelet,
-    /// Samples before each level.
+    /// Number of samples before each level.
     lengths: Vec<usize>,
 }
 
-/// Takes a series apart in `levels` levels.
+/// Decomposes a series into `levels` levels.
 pub fn decompose(wavelet: &Wavelet, boundary: Extension, series: &[f64], levels: usize) -> Decomposition {
     let mut approximation = series.to_vec();
     let (mut details, mut lengths) = (Vec::new(), Vec::new());
@@ -187,7 +188,7 @@ pub fn decompose(wavelet: &Wavelet, boundary: Extension, series: &[f64], levels:
 }
 
 impl Decomposition {
-    /// Puts the series together again.
+    /// Reconstructs the series.
     pub fn recompose(&self) -> Vec<f64> {
         let levels = self.details.iter().zip(&self.lengths).rev();
         levels.fold(self.approximation.clone(), |approximation, (detail, length)| {
@@ -195,7 +196,7 @@ impl Decomposition {
         })
     }
 
-    /// The universal threshold for a series of so many samples, from the finest detail. Unit of the series.
+    /// Universal threshold for a series of this length, from the finest detail. Unit of the series.
     pub fn universal_threshold(&self) -> f64 {
         let mut sizes: Vec<f64> = self.details.first().into_iter().flatten().map(|d| d.abs()).collect();
         if sizes.is_empty() {
@@ -217,23 +218,23 @@ impl Decomposition {
 }
 
 impl Denoising {
-    /// Daubechies 4, four levels, soft: the paper's as far as it says.
+    /// Daubechies 4, four levels, soft: as in the paper, as far as it is specified.
     pub fn of_the_paper() -> Self {
         let (name, scaling) = SCALING_FILTERS[DB4];
         Self { wavelet: Wavelet { name, scaling }, levels: 4, details: Details::Soft }
     }
 
-    /// The band that the approximation keeps, from 0 to this, Hz. Each level halves it.
+    /// Upper end of the band that the approximation keeps, from 0, Hz. Each level halves it.
     pub fn band_hz(&self, rate_hz: f64) -> f64 {
         rate_hz / 2.0 / f64::from(1_u32 << self.levels)
     }
 
-    /// Shortest series that all levels can be made of: below that the filter is longer than what it filters.
+    /// Shortest series for all levels: below it the filter is longer than its input.
     pub fn shortest(&self) -> usize {
         (self.wavelet.scaling.len() - 1) << self.levels
     }
 
-    /// The de-noised series, ends mirrored.
+    /// Returns the de-noised series, with mirrored ends.
     pub fn denoise(&self, series: &[f64]) -> Vec<f64> {
         let mut decomposition = decompose(&self.wavelet, Extension::Symmetric, series, self.levels);
         decomposition.shrink(self.details);
@@ -284,7 +285,7 @@ impl fmt::Display for Denoising {
 
 stored_as_text!(Denoising);
 
-/// Place of db4 among them.
+/// Index of db4 among the filters.
 const DB4: usize = 3;
 
 /// Scaling filters by name, computed to the last digit by PyWavelets 1.9 from Daubechies, Ten Lectures on Wavelets
@@ -445,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_apart_goes_together_again_whatever_the_length() {
+    fn decomposition_round_trips_at_any_length() {
         for (name, _) in SCALING_FILTERS {
             let wavelet = Wavelet::named(name).unwrap();
             for length in [2, 3, 17, 64, 101, 1000] {

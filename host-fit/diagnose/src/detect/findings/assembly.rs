@@ -1,4 +1,4 @@
-//! Everything that an answer is made of; the findings of faults and of noise, which are a name and a size.
+//! All parts of a diagnosis, and the findings of faults and noise, which have a name and a size only.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::detect::faults::Fault;
 use crate::detect::left_over::LeftOver;
 use crate::detect::lines::Line;
 use crate::detect::question::{DiagnoseError, Question};
-use crate::detect::shape::{Misshape, TEMPERATURE};
+use crate::detect::shape::{ResidualAnomaly, TEMPERATURE};
 use crate::detect::slow::{ExtraNoise, SlowResult};
 use crate::detect::telegraph::Telegraph;
 use crate::effects::{Detector, Effect, SizeUnit};
@@ -17,7 +17,7 @@ use fos_data::column::Column;
 /// Quantile of 95 % intervals.
 pub(super) const TWO_SIDED_95: f64 = 1.96;
 
-/// Everything that an answer is made of.
+/// All parts of a diagnosis.
 pub(crate) struct Assembly<'a> {
     pub(crate) question: &'a Question<'a>,
     pub(crate) column: &'a str,
@@ -30,13 +30,13 @@ pub(crate) struct Assembly<'a> {
     pub(crate) telegraph: Option<&'a Telegraph>,
     pub(crate) tested: Vec<String>,
     pub(crate) untested: Vec<Untested>,
-    /// What the log lacks for a test of any slow effect.
+    /// Data that the log lacks for a test of any slow effect.
     pub(crate) lacks: Option<String>,
     pub(crate) learnt_from: String,
 }
 
 impl Assembly<'_> {
-    /// The effect that a search of this kind finds at this value.
+    /// Returns the effect with this search method at this value of its parameter.
     pub(super) fn found_as(&self, search: Detector, value: f64) -> Result<&Effect, DiagnoseError> {
         Ok(self.question.library.found_as(search, self.column, value)?)
     }
@@ -98,7 +98,7 @@ impl Assembly<'_> {
 }
 
 impl Assembly<'_> {
-    /// Two levels that the bias jumps between.
+    /// Returns the finding of a bias that jumps between two levels.
     pub(super) fn telegraph_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
         let Some(telegraph) = self.telegraph else { return Ok(None) };
         let [lower_s, upper_s] = telegraph.dwell_s;
@@ -106,7 +106,7 @@ impl Assembly<'_> {
         let unit = SizeUnit::of_axis(Column::named(self.column));
         let [difference, error] = telegraph.difference.map(|value| value / unit.si);
         let half = TWO_SIDED_95 * error;
-        // of n dwells the mean is known to one part in √n
+        // relative error of the mean of n exponential dwells: 1/√n
         let dwells = 0.5 * telegraph.transitions as f64;
         let dwell = |of: &str, value: f64| {
             let factor = (TWO_SIDED_95 / dwells.sqrt()).exp();
@@ -138,11 +138,11 @@ impl Assembly<'_> {
         }))
     }
 
-    /// A noise level that follows the temperature.
+    /// Returns the finding of a noise level that follows the temperature.
     pub(super) fn level_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let slopes = self.left.misshapes.iter().filter_map(|misshape| {
-            let Misshape::Level { score, .. } = misshape else { return None };
-            Some((misshape.temperature_slope()?, *score))
+        let slopes = self.left.anomalies.iter().filter_map(|anomaly| {
+            let ResidualAnomaly::Level { score, .. } = anomaly else { return None };
+            Some((anomaly.temperature_slope()?, *score))
         });
         slopes
             .map(|([slope, error], score)| {
@@ -166,7 +166,7 @@ impl Assembly<'_> {
     }
 }
 
-/// A finding with a name and no numbers.
+/// Returns a finding with a name and no numbers.
 pub(super) fn bare(effect: &Effect) -> Finding {
     Finding {
         effect: effect.id.clone(),

@@ -1,4 +1,4 @@
-//! Findings and leads put together to an answer.
+//! Composition of a diagnosis from findings and leads.
 
 use super::assembly::Assembly;
 use super::doubt::{beyond_typical, doubt};
@@ -7,18 +7,18 @@ use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
-use crate::detect::shape::{Followed, Misshape};
+use crate::detect::shape::{Followed, ResidualAnomaly};
 use crate::detect::slow::Found;
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
-/// More steps than this, those that the model has already among them, are jumps to and fro and no longer a shock.
-const MOST_STEPS: usize = 2;
+/// Largest number of steps, including those in the model, that count as shocks; more are jumps to and fro.
+const MAX_STEPS: usize = 2;
 
-/// A noise level that follows nothing that is logged and changes by a smaller share of it is noticed by nobody.
+/// Least relative change of an unexplained noise level that affects the verdict.
 const NOTICED_LEVEL: f64 = 0.05;
 
-/// What is there for a smaller share of the time says nothing about the rest.
+/// Least duty cycle of interference that affects the verdict.
 const LEAST_DUTY: f64 = 0.01;
 
 impl Assembly<'_> {
@@ -32,11 +32,11 @@ impl Assembly<'_> {
         findings.extend(self.level_findings()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
         findings.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        // a fault of the data explains no drift, and comes after the effects that do
+        // a fault of the data explains no drift, so it comes after the effects
         findings.extend(self.fault_findings()?);
 
         let mut leads = self.left.leads.clone();
-        leads.extend(self.left.misshapes.iter().filter(|misshape| !misshape.is_effect()).map(lead_of));
+        leads.extend(self.left.anomalies.iter().filter(|anomaly| !anomaly.is_effect()).map(lead_of));
         if self.left.instead {
             let library = self.question.library;
             findings.retain(|finding| {
@@ -50,11 +50,11 @@ impl Assembly<'_> {
             let effect = self.question.library.get(id);
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
-        let of_steps = findings.iter().filter(|finding| is_step(&finding.effect));
-        let gains: Vec<f64> = of_steps.filter_map(|finding| finding.gain).collect();
+        let step_findings = findings.iter().filter(|finding| is_step(&finding.effect));
+        let gains: Vec<f64> = step_findings.filter_map(|finding| finding.gain).collect();
         let steps = gains.len();
         let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
-        if steps > 0 && steps + given > MOST_STEPS {
+        if steps > 0 && steps + given > MAX_STEPS {
             let gain = gains.iter().sum();
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead {
@@ -92,10 +92,10 @@ impl Assembly<'_> {
         let blocks = &self.reduced.blocks;
         let span_s = blocks.blocks.last().map_or(0.0, |last| (last.index + 1) as f64 * blocks.length_s);
         doubt(&mut findings, self.question.library, self.column, span_s);
-        let stood = findings.clone();
+        let all_findings = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());
-        let rejected = self.rejected(&findings, &stood, &leads);
+        let rejected = self.rejected(&findings, &all_findings, &leads);
         let mut cautions = beyond_typical(&findings, self.question.library, self.column);
         if self.question.quiet.is_none() {
             cautions
@@ -130,9 +130,9 @@ impl Assembly<'_> {
     }
 }
 
-fn lead_of(misshape: &Misshape) -> Lead {
-    match misshape {
-        Misshape::Jumps { kurtosis, gain } => Lead {
+fn lead_of(anomaly: &ResidualAnomaly) -> Lead {
+    match anomaly {
+        ResidualAnomaly::Jumps { kurtosis, gain } => Lead {
             kind: LeadKind::Jumps,
             follows: format!("jumps at irregular times (excess kurtosis {kurtosis:.1} of the residual)"),
             gain: *gain,
@@ -141,7 +141,7 @@ fn lead_of(misshape: &Misshape) -> Lead {
             band: Band::Slow,
             decides: true,
         },
-        Misshape::Level { follows, spread, score } => Lead {
+        ResidualAnomaly::Level { follows, spread, score } => Lead {
             kind: LeadKind::Level,
             follows: match follows {
                 Some(Followed { column, .. }) => {

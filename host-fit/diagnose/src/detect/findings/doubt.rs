@@ -1,46 +1,46 @@
-//! What speaks against a slow effect that was found: it is no claim then, and says why.
+//! Reasons why a slow finding is not conclusive.
 
 use crate::detect::answer::{Finding, Size};
 use crate::effects::{Band, Detector, Effect, Library, SizeUnit};
 use crate::rms::rms_reduction;
 use fos_data::text::rounded;
 
-/// A parameter this near to a limit of the search is at it.
+/// Factor within which a parameter counts as at a limit of the search.
 const AT_LIMIT: f64 = 1.02;
 
-/// An interval of a parameter that reaches so many times beyond what is searched has no end.
+/// Factor beyond the search range from which on the upper end of an interval counts as unbounded.
 const NO_END: f64 = 3.0;
 
-/// An effect so many times as large as the largest that is typical may be another.
+/// Multiple of the largest typical size from which on an effect may be another one.
 const FAR_BEYOND: f64 = 20.0;
 
-/// Leverage over the largest that was learnt from: six times as far.
+/// Ratio of the leverage to the largest in the fitted log: six times as far.
 const FAR_OUT: f64 = 36.0;
 
-/// Says of those of the slow findings that are no claim why, and puts them behind the others. `target` is the column that
-/// was explained, over `span_s`.
+/// Sets the reason on every slow finding that is not conclusive, and moves these behind the others. `target` is the
+/// column that was explained, over `span_s`.
 pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, span_s: f64) {
     let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
     for place in 0..findings.len() {
-        // what comes after it is still missing in its prediction
+        // the effects after it are still in the error of its prediction
         let is_last = slow(&findings[place + 1..]) == 0;
         let finding = &mut findings[place];
         let Ok(effect) = library.get(&finding.effect) else { continue };
         if effect.band == Band::Slow && effect.search == Detector::Terms {
-            let far = finding.doubt.take();
-            let explains_little = finding.predicted_reduction < MOST;
+            let beyond_fitted_range = finding.doubt.take();
+            let explains_little = finding.predicted_reduction < EXPLAINS_MOST;
             finding.doubt = parameter(finding, effect)
                 .or_else(|| longer_than_the_log(finding, effect, span_s))
-                .or_else(|| helps_nothing(finding).filter(|_| is_last))
+                .or_else(|| reduction_includes_zero(finding).filter(|_| is_last))
                 .or_else(|| size(finding, effect, target).filter(|_| explains_little))
-                .or(far);
+                .or(beyond_fitted_range);
         }
     }
     findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
 }
 
-/// The log to be judged goes where the coefficients say nothing.
-pub(super) fn far(beyond: f64) -> Option<String> {
+/// Returns the reason if the evaluation log goes beyond the range of the coefficients.
+pub(super) fn beyond_fitted_range(beyond: f64) -> Option<String> {
     (beyond > FAR_OUT).then(|| {
         format!(
             "the evaluation log goes {:.0} times further than this one in a combination of its inputs, where its coefficients are unknown",
@@ -49,7 +49,7 @@ pub(super) fn far(beyond: f64) -> Option<String> {
     })
 }
 
-/// A parameter at its limit, or of which the log does not say how large it may be.
+/// Returns the reason if a parameter is at its limit, or its upper end is unbounded.
 fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     let parameter = effect.parameter.as_ref()?;
     let value = *finding.params.get(&parameter.name)?;
@@ -64,8 +64,8 @@ fn parameter(finding: &Finding, effect: &Effect) -> Option<String> {
     })
 }
 
-/// A time constant of more than half the log: over the log such a low-pass is an integral of its input, whatever its
-/// time constant.
+/// Returns the reason if a time constant exceeds half of the log: over the log such a low-pass is an integral of its
+/// input, for any time constant.
 fn longer_than_the_log(finding: &Finding, effect: &Effect, span_s: f64) -> Option<String> {
     let parameter = effect.parameter.as_ref().filter(|parameter| parameter.unit == "s")?;
     let (name, value) = (&parameter.name, *finding.params.get(&parameter.name)?);
@@ -74,11 +74,11 @@ fn longer_than_the_log(finding: &Finding, effect: &Effect, span_s: f64) -> Optio
     })
 }
 
-/// Half of a 95 % interval, over the value, from which on a coefficient is known to less than a factor of two.
+/// Relative half width of a 95 % interval up to which a coefficient counts as known.
 const UNKNOWN: f64 = 0.5;
 
-/// Why a log does not identify an effect that was estimated from it, whether it is missing or not: its parameter has no
-/// bound, or its coefficients are known neither to the size that is typical nor to half of their own.
+/// Returns the reason if a log does not identify an estimated effect, missing or not: its parameter is unbounded, or
+/// the uncertainty of its coefficients exceeds both the typical size and half of their value.
 pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
     if effect.band != Band::Slow {
         return None;
@@ -97,7 +97,7 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
     }
     let typical = typical_sizes(effect, target);
     let half = |size: &Size| 0.5 * (size.interval[1] - size.interval[0]);
-    // of a curve or a moment no single coefficient has a typical size: what counts is whether the log supports it
+    // no single coefficient of a curve or a step has a typical size; the score decides
     if typical.is_empty() || effect.search == Detector::Step {
         let score = finding.score.unwrap_or(0.0);
         return (score <= 0.0)
@@ -116,16 +116,16 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
     })
 }
 
-/// Unit and largest typical value of the terms of an effect that have them.
+/// Returns unit and largest typical value of the terms of an effect that have them.
 fn typical_sizes(effect: &Effect, target: &str) -> Vec<(SizeUnit, f64)> {
     let known = |term| Some((effect.unit(term, target)?, effect.typical(term, target)?));
     (0..effect.terms.len()).filter_map(known).collect()
 }
 
-/// An effect of a size that nobody knows is believed if it explains most of the error.
-const MOST: f64 = 0.5;
+/// Share of the variance from which on an effect is accepted at an implausible size.
+const EXPLAINS_MOST: f64 = 0.5;
 
-/// Sizes that no data sheet knows, even at the near ends of their intervals, in words.
+/// Describes implausible sizes, even at the near ends of their intervals.
 pub(super) fn beyond_typical(findings: &[Finding], library: &Library, target: &str) -> Vec<String> {
     findings.iter().filter_map(|finding| size(finding, library.get(&finding.effect).ok()?, target)).collect()
 }
@@ -148,8 +148,8 @@ fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
     })
 }
 
-/// A fall of the error that may as well be none.
-fn helps_nothing(finding: &Finding) -> Option<String> {
+/// Returns the reason if the predicted reduction includes 0.
+fn reduction_includes_zero(finding: &Finding) -> Option<String> {
     let [low, high] = finding.predicted_reduction_interval;
     (low <= 0.0).then(|| {
         format!(

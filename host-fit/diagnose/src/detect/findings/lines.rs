@@ -1,4 +1,4 @@
-//! Lines as findings: amplitude, frequency, the two terms that take one off, and the reduction to expect.
+//! Spectral lines as findings: amplitude, frequency, the two terms of the correction, and the predicted reduction.
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use crate::detect::answer::{CorrectionTerm, Finding, Size};
@@ -10,7 +10,7 @@ use fos_data::column::Column;
 /// Quantile of 90 % intervals.
 const TWO_SIDED_90: f64 = 1.645;
 
-/// Relative uncertainty of the variance of the samples of another log: the wander that it happens to have.
+/// Relative uncertainty of the variance of the samples of another log, due to its drift.
 const SPREAD_OF_VARIANCE: f64 = 0.01;
 
 impl Assembly<'_> {
@@ -56,7 +56,7 @@ impl Assembly<'_> {
                             standard_error: line.amplitude_error,
                         })
                         .to_vec();
-                    // E Â² = A² + 2σ², and what a wrong Â and phase leave is 2σ² more
+                    // E Â² = A² + 2σ²; the errors of Â and of the phase leave another 2σ²
                     let square = |a: f64| {
                         (0.5 * (a * a - 4.0 * line.amplitude_error.powi(2)) / variance).clamp(0.0, 1.0)
                     };

@@ -1,12 +1,12 @@
-//! From what the searches found to an answer: sizes in data-sheet units, the fall to expect, rivals and experiments,
-//! the verdict in a sentence.
+//! Findings from the results of the searches: sizes in data-sheet units, predicted reductions, rivals and experiments,
+//! and the verdict in a sentence.
 //!
 //! | file | subject |
 //! |---|---|
-//! | `assembly` | everything that an answer is made of; the findings of faults and of noise |
+//! | `assembly` | all parts of a diagnosis; the findings of faults and of noise |
 //! | `lines`, `slow` | lines and slow effects as findings |
-//! | `verdict` | what an unexplained rest leaves of the findings; the outcome in a sentence |
-//! | `diagnosis` | findings and leads put together |
+//! | `verdict` | the findings that remain beside an unexplained residual; the outcome in a sentence |
+//! | `diagnosis` | composition of findings and leads |
 
 mod assembly;
 mod diagnosis;

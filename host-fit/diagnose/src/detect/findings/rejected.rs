@@ -1,4 +1,4 @@
-//! Effects that were tried and are no findings, each with why.
+//! Effects that were tried and rejected, with reasons.
 
 use super::assembly::Assembly;
 use crate::detect::answer::{Finding, Rejected};
@@ -6,15 +6,20 @@ use crate::detect::open::Lead;
 use crate::detect::slow::MAX_FOUND;
 use crate::effects::Band;
 
-/// Effects whose score alone is at least this are worth a word on why they were not chosen.
-const WORTH_A_WORD: f64 = 9.0;
+/// Least score of an effect alone for which a reason is given.
+const LEAST_SCORE: f64 = 9.0;
 
 impl Assembly<'_> {
-    /// Effects that were tried and are no findings, and why: `stood` is all that was found before a remainder was held
-    /// against it.
-    pub(super) fn rejected(&self, findings: &[Finding], stood: &[Finding], leads: &[Lead]) -> Vec<Rejected> {
+    /// Returns the effects that were tried and rejected, with reasons. `all_findings` holds all findings before they were
+    /// compared with the leads.
+    pub(super) fn rejected(
+        &self,
+        findings: &[Finding],
+        all_findings: &[Finding],
+        leads: &[Lead],
+    ) -> Vec<Rejected> {
         let is_found = |id: &str| findings.iter().any(|finding| finding.effect == id);
-        let effects = stood.iter().filter(|finding| finding.band != Band::Data);
+        let effects = all_findings.iter().filter(|finding| finding.band != Band::Data);
         let names: Vec<&str> = effects.map(|finding| finding.name.as_str()).collect();
         let beside = match names[..] {
             [] => "the further noise that was found".to_owned(),
@@ -25,14 +30,14 @@ impl Assembly<'_> {
                 findings.iter().find(|finding| finding.confounded_with.iter().any(|rival| rival == id));
             let lead = leads.first().map(|lead| lead.follows.as_str());
             match (rival_of, left) {
-                _ if score < WORTH_A_WORD => None,
-                _ if stood.iter().any(|found| found.effect == id) => {
+                _ if score < LEAST_SCORE => None,
+                _ if all_findings.iter().any(|found| found.effect == id) => {
                     lead.map(|lead| format!("found, but a larger residual follows {lead}"))
                 }
                 (Some(finding), _) => {
                     Some(format!("in this log it is indistinguishable from {}", finding.name))
                 }
-                (None, Some(left)) if left < WORTH_A_WORD => {
+                (None, Some(left)) if left < LEAST_SCORE => {
                     Some(format!("after {beside} its score is {left:.0}"))
                 }
                 (None, Some(left)) => Some(format!(

@@ -1,11 +1,11 @@
-//! Slow effects as findings: their sizes, where each shows, rivals and experiments, and the reduction to expect from
-//! each once those before it are in the model.
+//! Slow effects as findings: their sizes, where each shows, rivals and experiments, and the reduction predicted for
+//! each with those before it in the model.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
-use super::doubt::far;
+use super::doubt::beyond_fitted_range;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::step_share;
 use crate::detect::hypothesis::Hypothesis;
@@ -19,7 +19,7 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::noise::Regression;
 
 impl Assembly<'_> {
-    /// The slow effects in this order, each with the fall to expect once those before it are in the model.
+    /// Returns the slow effects in this order, each with the reduction predicted with those before it in the model.
     pub(crate) fn slow_findings(&self, order: Vec<&Found>) -> Result<Vec<Finding>, DiagnoseError> {
         let slow = self.slow;
         if order.is_empty() {
@@ -36,9 +36,9 @@ impl Assembly<'_> {
             let regressors = &found.hypothesis.regressors;
             limits.push(limits::limits(&inputs, regressors, &own.coefficients, &own.covariance)?);
         }
-        let falls = self.falls(&order, estimates, &limits)?;
+        let reductions = self.reductions(&order, estimates, &limits)?;
         let mut findings = Vec::new();
-        for (own, (found, fall)) in order.iter().zip(falls).enumerate() {
+        for (own, (found, reduction)) in order.iter().zip(reductions).enumerate() {
             let effect: &Arc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
             let mut sizes = Vec::new();
@@ -75,9 +75,9 @@ impl Assembly<'_> {
                 sizes,
                 gain: Some(found.gain),
                 score: Some(found.score),
-                doubt: fall.beyond.and_then(far),
-                predicted_reduction: fall.median,
-                predicted_reduction_interval: fall.interval,
+                doubt: reduction.beyond.and_then(beyond_fitted_range),
+                predicted_reduction: reduction.median,
+                predicted_reduction_interval: reduction.interval,
                 separate: self.separations(&effect.id, &confounded_with),
                 confounded_with,
                 shows_against: found
@@ -106,7 +106,7 @@ impl Assembly<'_> {
             .collect()
     }
 
-    /// The twentieth of the log in which the effect is furthest from its mean.
+    /// Returns the twentieth of the log in which the effect is furthest from its mean.
     fn shows(&self, found: &Found, coefficients: &[f64]) -> Option<[f64; 2]> {
         let blocks = &self.reduced.blocks;
         let columns = found.hypothesis.columns();
@@ -122,8 +122,8 @@ impl Assembly<'_> {
         Some([time[first.rows.start], time[last.rows.end - 1]])
     }
 
-    /// The fall to expect from each effect once those before it are in the model.
-    fn falls(
+    /// Predicts the reduction by each effect with those before it in the model.
+    fn reductions(
         &self,
         order: &[&Found],
         estimates: Vec<Estimate>,
@@ -160,7 +160,7 @@ impl Assembly<'_> {
             }
             if effect.search == Detector::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
-                // a step of the past is a constant in another log, about the mean of the one it was found in
+                // a past step is a constant in another log, relative to the mean of its own log
                 let share = step_share(self.question.field, time_s);
                 let after = |block: usize| judged.is_some() || blocks.middle_s(block) > time_s;
                 let column: Vec<f64> =
@@ -193,14 +193,14 @@ impl Assembly<'_> {
             regressors: &regressors,
             prior: &self.slow.prior,
         };
-        let falls =
+        let reductions =
             PredictedReductions { log: &in_blocks, regression: &regression, fitted: &self.slow.fitted };
-        let fall = |at: usize| {
+        let reduction = |at: usize| {
             let learnt = order[at].hypothesis.columns();
             let beyond = leverage::beyond(&learnt, &effects[at].corrected).filter(|_| judged.is_some());
-            Ok(PredictedReduction { beyond, ..falls.of(&effects[at], &effects[at + 1..])? })
+            Ok(PredictedReduction { beyond, ..reductions.of(&effects[at], &effects[at + 1..])? })
         };
-        (0..effects.len()).map(fall).collect()
+        (0..effects.len()).map(reduction).collect()
     }
 }
 

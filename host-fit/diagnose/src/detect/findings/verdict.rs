@@ -1,4 +1,4 @@
-//! What an unexplained rest leaves of the findings, and the outcome in a sentence.
+//! Effect of unexplained residuals on the findings, and the outcome in a sentence.
 
 use crate::detect::answer::{Finding, Verdict};
 use crate::detect::correction::is_step;
@@ -7,18 +7,19 @@ use crate::effects::Band;
 use crate::rms::rms_reduction;
 use fos_data::text::rounded;
 
-/// Findings are kept beside an unexplained rest if they explain so many times as much.
+/// Ratio of gains from which on a finding stands beside an unexplained residual.
 const OUTWEIGHS: f64 = 5.0;
 
-/// The outcome; `tested` says whether any slow effect was tested. Of the findings those are left that explain far more than anything of their band that follows no effect:
-/// what stands by itself is not withheld because something else is there too, which is described beside it.
+/// Returns the outcome; `tested` is true if any slow effect was tested. Keeps the findings that explain far more than
+/// any lead in their band: an effect that is clear by itself is reported although another residual is present, which is
+/// described too.
 pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool) -> Verdict {
     let most = |finding: &Finding| {
         let against = leads.iter().filter(|lead| lead.decides && is_wide(lead.band) == is_wide(finding.band));
         let weight = |lead: &Lead| match lead.kind {
-            // a package under stress gives way in jumps, which say nothing against the temperature it follows
+            // a stressed package yields in jumps, which do not contradict the temperature that it follows
             LeadKind::Jumps if finding.shows_against.is_some() => 0.0,
-            // the largest of the jumps
+            // only against the largest of the jumps
             LeadKind::Jumps if is_step(finding) => lead.gain,
             _ => OUTWEIGHS * lead.gain,
         };
@@ -29,7 +30,7 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
     findings.retain(|finding| finding.gain.is_none_or(|gain| gain > most(finding)));
     let withheld = before - gain(findings);
     let has_slow_lead = leads.iter().any(|lead| lead.decides && !is_wide(lead.band));
-    // a fault of the data is a claim of its own only where no physical effect was found
+    // a fault of the data is conclusive only if no physical effect was found
     let is_fault = |finding: &Finding| finding.band == Band::Data;
     let only_faults = findings.iter().all(is_fault);
     let claims =
@@ -44,7 +45,7 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
     }
 }
 
-/// The outcome in a sentence.
+/// Returns the outcome in a sentence.
 pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -> String {
     match verdict {
         Verdict::NothingMissing => match leads.first() {
@@ -108,12 +109,12 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
     }
 }
 
-/// True for what shows in the samples, and not in block means.
+/// Returns true for an effect in the samples, which block means do not show.
 fn is_wide(band: Band) -> bool {
     band == Band::Wide
 }
 
-/// The reduction to expect from all of these findings together, in words; each is predicted with those before it in the
+/// Describes the reduction predicted for all of these findings together; each is predicted with those before it in the
 /// model.
 fn drop(claims: &[&Finding]) -> String {
     let left: f64 = claims.iter().map(|claim| 1.0 - claim.predicted_reduction).product();
@@ -136,14 +137,14 @@ pub(in crate::detect) fn listed(names: impl Iterator<Item = String>) -> String {
     if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
-/// The faults of the data among the findings, in a sentence after others; empty without any.
+/// Lists the faults of the data among the findings as a sentence; empty without any.
 fn faults(findings: &[Finding]) -> String {
     let faults = findings.iter().filter(|finding| finding.band == Band::Data);
     let faults: Vec<String> = faults.map(with_params).collect();
     if faults.is_empty() { String::new() } else { format!(" Faults of the data: {}.", faults.join(", ")) }
 }
 
-/// The name of a finding with its parameters.
+/// Returns the name of a finding with its parameters.
 fn with_params(finding: &Finding) -> String {
     let params = finding.params.iter().map(|(name, value)| format!("{name} = {}", rounded(*value, 3)));
     let params: Vec<String> = params.collect();

@@ -1,5 +1,5 @@
-//! Lines one after the other: each that keeps its phase is taken off before the next is looked for; and those that
-//! another axis has too.
+//! Sequential search for lines: each coherent line is subtracted before the next search; and comparison with other
+//! axes.
 
 use super::line::{Line, duty};
 use super::periodogram::{Periodogram, WIDEST_HZ};
@@ -9,28 +9,28 @@ use fos_data::recording::Recording;
 
 const MAX_LINES: usize = 6;
 
-/// A line of which a sine of constant phase leaves less than this share keeps its phase.
+/// Largest share of a line's excess power that a sine of constant phase may leave if the line is coherent.
 const COHERENT: f64 = 0.35;
 
-/// Share of a line's power that another axis must have to share it.
+/// Share of a line's power from which on another axis shares it.
 const SHARED: f64 = 0.01;
 
-/// Lines in the spectrum of what a log was reduced to.
+/// Finds lines in the spectrum of a reduced log.
 pub(crate) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
     find(recording, reduced.blocks.known(), &reduced.error)
 }
 
-/// Looks for lines in `error`, one value per row, among the rows that `known` marks.
+/// Finds lines in `error`, one value per row, in the rows that `known` marks.
 pub(super) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<Line> {
     let slow = slow_blocks(recording, known);
-    // drift would be taken for lines
+    // without slow blocks drift would be mistaken for lines
     if slow.is_empty() {
         return Vec::new();
     }
     let mut error = error.to_vec();
     let mut found: Vec<Line> = Vec::new();
     let mut taken: Vec<(f64, f64)> = Vec::new();
-    // ends: a line more each time; its band is not looked at again
+    // terminates: each iteration adds a line and excludes its band
     while found.len() < MAX_LINES {
         fos_data::interrupt::check();
         let series = Series::new(recording, &slow, &error);
@@ -45,7 +45,7 @@ pub(super) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<
         line.coherent = left < COHERENT * periodogram.excess(&band, &periodogram.floor);
         if line.coherent {
             (line.frequency_hz, line.amplitude, line.phase) = (sine.frequency_hz, sine.amplitude, sine.phase);
-            // the noise once the line and its skirts are gone; white noise of variance s has σ_A² = 2s/n
+            // noise floor after the line and its skirts are removed; white noise of variance s has σ_A² = 2s/n
             if let Some(after) = after {
                 line.amplitude_error = (2.0 * after.floor[band.start] / rest.known as f64).sqrt();
             }
@@ -59,7 +59,7 @@ pub(super) fn find(recording: &Recording, known: &[bool], error: &[f64]) -> Vec<
     merged(found)
 }
 
-/// A line that wanders further than the widest band shows in several next to one another: one line.
+/// Merges adjacent wandering lines: one that wanders further than the widest band shows in several.
 fn merged(found: Vec<Line>) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for line in found {
@@ -78,19 +78,19 @@ fn merged(found: Vec<Line>) -> Vec<Line> {
         other.amplitude = (own + more).sqrt();
         other.band_hz = (other.band_hz.0.min(line.band_hz.0), other.band_hz.1.max(line.band_hz.1));
         other.frequency_error = (other.band_hz.1 - other.band_hz.0) / 12.0_f64.sqrt();
-        // in one band while it is not in the other
+        // the line is in one band while it is absent from the other
         other.duty = (other.duty + line.duty).min(1.0);
     }
     lines
 }
 
-/// Which of the lines another axis has too: then they are motion. On an axis of the same unit a line counts from a
-/// tenth of the amplitude on, on one of another from where it stands out of the noise there.
+/// Returns for each line whether another axis shows it too, which means motion. On an axis of the same unit from a
+/// tenth of the amplitude on, on one of another unit if it stands out of the noise.
 pub(crate) fn shared(
     recording: &Recording,
     other: &ErrorInBlocks,
     lines: &[Line],
-    is_of_unit: bool,
+    same_unit: bool,
 ) -> Vec<bool> {
     let slow = slow_blocks(recording, other.blocks.known());
     let series = Series::new(recording, &slow, &other.error);
@@ -98,7 +98,7 @@ pub(crate) fn shared(
     let is_shared = |line: &Line| {
         let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
         let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
-        if is_of_unit {
+        if same_unit {
             let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
             excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
         } else {

@@ -1,42 +1,41 @@
-//! A line that was found, and how much of the time it is there.
+//! A detected line and its duty cycle.
 
 use super::series::Series;
 
-/// A line that is there for less than this share of the time comes and goes.
+/// Duty cycle below which a line counts as intermittent.
 pub(crate) const STEADY: f64 = 0.45;
 
 /// Length of the stretches whose power is compared, s.
 const DUTY_STRETCH_S: f64 = 5.0;
 
-/// A line that was found.
+/// A detected line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Line {
-    /// Frequency, Hz; of one that wanders the centre of its power.
+    /// Frequency, Hz; the centre of the power of a wandering line.
     pub(crate) frequency_hz: f64,
-    /// It keeps its phase over the whole log.
+    /// True if the phase is constant over the whole log.
     pub(crate) coherent: bool,
     /// Standard error of the frequency, Hz.
     pub(crate) frequency_error: f64,
-    /// Amplitude, unit of the axis; of one that wanders √(2·power).
+    /// Amplitude, unit of the axis; √(2·power) for a wandering line.
     pub(crate) amplitude: f64,
     pub(crate) amplitude_error: f64,
-    /// Phase of the sine at the first sample.
+    /// Phase of the sine at the first sample, rad.
     pub(crate) phase: f64,
-    /// Its band, Hz.
+    /// Band, Hz.
     pub(crate) band_hz: (f64, f64),
-    /// 2·log-likelihood ratio minus 2·ln(bands looked at).
+    /// 2·log-likelihood ratio minus 2·ln(number of bands tried).
     pub(crate) score: f64,
-    /// Share of the log's length in which it is there, from its power over time.
+    /// Duty cycle: share of the log in which the line is present, from its power over time.
     pub(crate) duty: f64,
 }
 
-/// Share of the log in which a line is there: (Σ p)²/(m·Σ p²) of its power p over m stretches, above the noise; 1 for a
-/// constant amplitude.
+/// Duty cycle of a line: (Σ p)²/(m·Σ p²) of its power p over m stretches, above the noise; 1 for a constant amplitude.
 pub(super) fn duty(series: &Series, line: &Line) -> f64 {
     let stretch = ((DUTY_STRETCH_S / series.period_s) as usize).max(1);
     let width_hz = (line.band_hz.1 - line.band_hz.0).max(1.0 / DUTY_STRETCH_S);
     let centre = 0.5 * (line.band_hz.0 + line.band_hz.1);
-    // a few frequencies across the band, each as wide as a stretch is long
+    // frequencies across the band at the resolution of a stretch
     let steps = (width_hz * DUTY_STRETCH_S).ceil().max(1.0) as i32;
     let frequencies: Vec<f64> =
         (-steps / 2..=steps / 2).map(|i| centre + f64::from(i) / DUTY_STRETCH_S).collect();

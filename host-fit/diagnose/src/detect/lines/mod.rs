@@ -1,16 +1,16 @@
 //! Lines: narrow bands of the spectrum of a whole log that hold more than the noise around them.
 //!
-//! The log's noise is smooth in frequency; over its local median, ordinates of the periodogram are unit exponentials. A
-//! band of w ordinates with mean m has log-likelihood ratio w·(m − 1 − ln m) against noise; bands of doubling width
-//! find a line that keeps its phase (w = 1) and one that wanders with the same test.
+//! The noise of a log is smooth in frequency; divided by its local median, ordinates of the periodogram are unit
+//! exponentials. A band of w ordinates with mean m has a log-likelihood ratio of w·(m − 1 − ln m) against noise. Bands
+//! of doubling width find coherent lines (w = 1) and wandering ones with the same test.
 //!
 //! | file | subject |
 //! |---|---|
 //! | `series` | an error without its slow part on the grid of ticks; its transform at one frequency |
-//! | `line` | a line that was found; how much of the time it is there |
-//! | `periodogram` | power over the noise around it; the best band |
-//! | `sine` | the sine of a line that keeps its phase |
-//! | `find` | lines one after the other; whether another axis has them too |
+//! | `line` | a detected line; its duty cycle |
+//! | `periodogram` | power divided by the local noise; the best band |
+//! | `sine` | the sine of a coherent line |
+//! | `find` | sequential search for lines; comparison with other axes |
 
 mod find;
 mod line;

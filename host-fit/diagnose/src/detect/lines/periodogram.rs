@@ -1,4 +1,4 @@
-//! Power over the local noise floor, and the band that most exceeds it.
+//! Periodogram divided by the local noise floor, and the band that exceeds it most.
 
 use std::ops::Range;
 
@@ -8,34 +8,33 @@ use super::line::Line;
 use super::series::{SPARSEST, Series, lowest_hz};
 use fos_data::statistics::median;
 
-/// Least score of a line: 2·log-likelihood ratio minus 2·ln(bands looked at).
+/// Least score of a line: 2·log-likelihood ratio minus 2·ln(number of bands tried).
 const ACCEPT: f64 = 15.0;
 
-/// Ordinates over which the local median is taken: half of the frequency, at least so many, at most so many Hz, over
-/// which the colour of a sensor's noise changes little.
+/// Width of the local median: this share of the frequency, with a least number of ordinates and a largest width in Hz,
+/// over which the noise spectrum of a sensor changes little.
 const MEDIAN_SHARE: f64 = 0.5;
-const FEWEST_ORDINATES: usize = 60;
+const MIN_ORDINATES: usize = 60;
 const MEDIAN_OVER_HZ: f64 = 3.0;
 
 /// Widest band, Hz.
 pub(super) const WIDEST_HZ: f64 = 0.7;
 
-/// A band is no wider than this share of the stretch that its noise is known from: the median's own error must not add
-/// up.
+/// Largest width of a band as a share of the stretch of its noise floor: the error of the median must not add up.
 const BAND_SHARE: f64 = 1.0 / 3.0;
 
-/// Ordinates on either side that a band is held against.
+/// Number of ordinates on either side that a band is compared with.
 const SIDE_ORDINATES: usize = 32;
 
-/// Power over the local noise floor.
+/// Periodogram with its local noise floor.
 pub(super) struct Periodogram {
     /// |X|²/n per ordinate.
     pub(super) power: Vec<f64>,
-    /// Mean of the noise around it.
+    /// Mean of the local noise.
     pub(super) floor: Vec<f64>,
     pub(super) resolution_hz: f64,
     pub(super) samples: usize,
-    /// The first ordinate looked at.
+    /// First ordinate of the search.
     first: usize,
 }
 
@@ -56,7 +55,7 @@ impl Periodogram {
         Some(Self { power, floor, resolution_hz, samples: series.known, first })
     }
 
-    /// The ordinates of the best band, if it is good enough.
+    /// Returns the ordinates of the best band with a sufficient score.
     pub(super) fn best_band(&self, taken: &[(f64, f64)]) -> Option<Range<usize>> {
         let ratio = |bin: usize| self.power[bin] / self.floor[bin];
         let first = self.first;
@@ -88,8 +87,8 @@ impl Periodogram {
         best.map(|(_, band)| band)
     }
 
-    /// Whether a band stands out of the ordinates on either side of it, too: where the noise went through a filter its
-    /// spectrum has slopes and edges, that no floor follows to the end, but they rise on one side only.
+    /// Returns true if a band also exceeds the ordinates on either side of it. Filtered noise has slopes and edges that
+    /// no floor follows exactly, but they rise on one side only.
     fn is_above_both_sides(&self, band: Range<usize>) -> bool {
         let margin = band.len().max(4);
         let side = SIDE_ORDINATES.max(2 * band.len());
@@ -110,12 +109,12 @@ impl Periodogram {
         (MEDIAN_OVER_HZ / self.resolution_hz) as usize
     }
 
-    /// 2·ln(bands looked at): over all widths, two for each ordinate of the narrowest.
+    /// Penalty 2·ln(number of bands tried): over all widths, two for each ordinate of the narrowest.
     fn price(&self) -> f64 {
         2.0 * (4.0 * self.power.len() as f64).ln()
     }
 
-    /// Power in excess of `floor` in a band, in units of it.
+    /// Returns the power in excess of `floor` in a band, in units of it.
     pub(super) fn excess(&self, band: &Range<usize>, floor: &[f64]) -> f64 {
         let margin = band.len().max(4);
         let wide = band.start.saturating_sub(margin)..(band.end + margin).min(self.power.len());
@@ -147,7 +146,7 @@ impl Periodogram {
         }
     }
 
-    /// Whether a band that was named before has more power than noise has once in a thousand times.
+    /// Returns true if a given band has more power than noise reaches once in a thousand times.
     pub(super) fn stands_out(&self, band: &Range<usize>) -> bool {
         let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
         !band.is_empty() && gain(sum, band.len()) > STANDS_OUT
@@ -157,28 +156,28 @@ impl Periodogram {
 /// Twice the logarithm of odds of a thousand to one.
 const STANDS_OUT: f64 = 13.8;
 
-/// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against their mean being 1.
+/// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against a mean of 1.
 fn gain(sum: f64, width: usize) -> f64 {
     let width = width as f64;
     let mean = sum / width;
     if mean > 1.0 { 2.0 * width * (mean - 1.0 - mean.ln()) } else { 0.0 }
 }
 
-/// Ordinates that the noise around the one at `start` is known from, at most `most`.
+/// Number of ordinates for the noise floor around `start`, at most `most`.
 fn stretch(start: usize, most: usize) -> usize {
     let wanted = (MEDIAN_SHARE * start as f64) as usize;
-    wanted.clamp(FEWEST_ORDINATES, most.max(FEWEST_ORDINATES))
+    wanted.clamp(MIN_ORDINATES, most.max(MIN_ORDINATES))
 }
 
-/// The noise around each ordinate from `first` on: medians over stretches of at most `most`, over ln 2, joined by
-/// straight lines in logarithms of level and frequency.
+/// Noise floor at each ordinate from `first` on: medians over stretches of at most `most` ordinates, divided by ln 2,
+/// interpolated linearly in logarithms of level and frequency.
 fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     let mut start = first;
-    // ends: a stretch is FEWEST_ORDINATES at least
+    // terminates: a stretch has at least MIN_ORDINATES
     while start < power.len() {
         let mut end = (start + stretch(start, most)).min(power.len());
-        if power.len() - end < FEWEST_ORDINATES {
+        if power.len() - end < MIN_ORDINATES {
             end = power.len();
         }
         let level = (median(&mut power[start..end].to_vec()) / std::f64::consts::LN_2).max(f64::MIN_POSITIVE);
@@ -192,7 +191,7 @@ fn floor(power: &[f64], first: usize, most: usize) -> Vec<f64> {
             near += 1;
         }
         let (begin, end) = (knots[near], knots[(near + 1).min(knots.len() - 1)]);
-        // goes on below the first as between the first two
+        // below the first knot it extrapolates the first two
         let share = if end.0 > begin.0 { ((log - begin.0) / (end.0 - begin.0)).min(1.0) } else { 0.0 };
         (begin.1 + share * (end.1 - begin.1)).exp()
     };

@@ -1,4 +1,4 @@
-//! The sine that stands for a line that keeps its phase.
+//! Sine of a coherent line.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -10,11 +10,11 @@ use super::series::Series;
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
 
-/// A frequency is looked for to this share of its standard error, in at most so many steps.
+/// Accuracy of the frequency as a share of its standard error, and the largest number of iterations.
 const WELL_WITHIN: f64 = 0.2;
-const MOST_SECTIONS: usize = 40;
+const MAX_ITERATIONS: usize = 40;
 
-/// What the slow part holds of a sine falls to less than a tenth with each pass.
+/// Each pass reduces the part of a sine in the slow part to less than a tenth.
 const SLOW_PASSES: usize = 2;
 
 #[derive(Debug, Clone, Copy)]
@@ -25,10 +25,10 @@ pub(super) struct Sine {
 }
 
 impl Series {
-    /// The sine that explains most near the largest ordinate of a band, and `error` without it.
+    /// Returns the best-fitting sine near the largest ordinate of a band, and `error` without it.
     ///
-    /// The slow part holds a share of a slow sine, and takes it off: what of the sine is left once it and its slow part
-    /// are gone is added to it.
+    /// The slow part absorbs a share of a slow sine. Therefore the sine that remains after both are subtracted is added
+    /// to the estimate.
     pub(super) fn sine(
         &self,
         periodogram: &Periodogram,
@@ -53,14 +53,14 @@ impl Series {
         (Sine { frequency_hz, amplitude: phasor.norm(), phase: phasor.arg() }, without)
     }
 
-    /// The frequency of the most power within an ordinate of `peak_hz`, by golden section: the main lobe has one
+    /// Returns the frequency of most power within an ordinate of `peak_hz`, by golden section: the main lobe has one
     /// maximum.
     pub(super) fn peak_hz(&self, peak_hz: f64, periodogram: &Periodogram, within_hz: f64) -> f64 {
         let (mut low, mut high) = (peak_hz - periodogram.resolution_hz, peak_hz + periodogram.resolution_hz);
         let golden = 0.381_966_011_250_105;
         let (mut a, mut b) = (low + golden * (high - low), high - golden * (high - low));
         let (mut at_a, mut at_b) = (self.transform(a).norm_sqr(), self.transform(b).norm_sqr());
-        for _ in 0..MOST_SECTIONS {
+        for _ in 0..MAX_ITERATIONS {
             if high - low < within_hz {
                 break;
             }
@@ -78,7 +78,7 @@ impl Series {
     }
 }
 
-/// `error` without a sine of this phasor, one value per row.
+/// Subtracts a sine of this phasor from `error`, one value per row.
 fn subtracted(error: &[f64], recording: &Recording, frequency_hz: f64, phasor: Complex<f64>) -> Vec<f64> {
     let mut without = error.to_vec();
     for segment in &recording.segments {

@@ -1,4 +1,4 @@
-//! Lines in simulated logs: false alarms, and whether estimates scatter as their standard errors say.
+//! Lines in simulated logs: false alarm rate, and scatter of estimates compared with their standard errors.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,10 +13,10 @@ use fos_fit::noise::{Blocks, length_for};
 
 const PERIOD_S: f64 = 0.005;
 
-/// 100 s, the length of a short log; 2⁵·5⁴, so that nothing of it is cut off before the transform.
+/// 100 s, the length of a short log; 2⁵·5⁴, so that nothing is cut off before the transform.
 const SHORT: usize = 20_000;
 
-/// A log without its values.
+/// A log without values.
 struct Log {
     recording: Recording,
     blocks: Blocks,
@@ -42,7 +42,7 @@ impl Log {
         find(&self.recording, self.blocks.known(), error)
     }
 
-    /// White noise of unit variance and a signal of time.
+    /// White noise of unit variance plus a signal of time.
     fn noisy(&self, seed: u64, signal: impl Fn(f64) -> f64) -> Vec<f64> {
         let mut random = random(seed);
         self.ticks.iter().map(|tick| normal(&mut random) + signal(*tick as f64 * PERIOD_S)).collect()
@@ -68,7 +68,7 @@ fn coloured(seed: u64, a: f64, b: f64) -> Vec<f64> {
     (0..SHORT).map(|_| next()).collect()
 }
 
-/// White noise, Gauss-Markov processes and a random walk, each a match for the white noise over some seconds.
+/// White noise, Gauss-Markov processes and a random walk, each as large as the white noise over some seconds.
 fn drifting(seed: u64) -> Vec<f64> {
     let mut random = random(seed);
     let mut states = [0.0; 5];
@@ -84,12 +84,12 @@ fn drifting(seed: u64) -> Vec<f64> {
     (0..SHORT).map(|_| next()).collect()
 }
 
-/// Most alarms in 300 logs. A band's mean of w unit exponentials exceeds m with probability below e^(−w(m − 1 − ln m))
-/// (Chernoff 1952), so that a score of 15 is reached by chance in less than e^(−7.5) = 0.055 % of logs: 0.17 of 300,
-/// and three or more once in 1300 times.
-const MOST_ALARMS: usize = 2;
+/// Largest number of alarms in 300 logs. The mean of w unit exponentials exceeds m with a probability below e^(−w(m − 1
+/// − ln m)) (Chernoff 1952), so noise reaches a score of 15 in less than e^(−7.5) = 0.055 % of logs: 0.17 of 300, and
+/// three or more once in 1300 times.
+const MAX_ALARMS: usize = 2;
 
-/// Lines in `noise` of 300 seeds.
+/// Finds lines in `noise` of 300 seeds.
 fn alarms(noise: impl Fn(u64) -> Vec<f64>) -> Vec<(u64, Line)> {
     let log = Log::new(SHORT);
     (0..300).flat_map(|seed| log.lines(&noise(seed)).into_iter().map(move |line| (seed, line))).collect()
@@ -98,7 +98,7 @@ fn alarms(noise: impl Fn(u64) -> Vec<f64>) -> Vec<(u64, Line)> {
 fn assert_few(alarms: &[(u64, Line)]) {
     let mut seeds: Vec<u64> = alarms.iter().map(|(seed, _)| *seed).collect();
     seeds.dedup();
-    assert!(seeds.len() <= MOST_ALARMS, "in {} logs; {alarms:?}", seeds.len());
+    assert!(seeds.len() <= MAX_ALARMS, "in {} logs; {alarms:?}", seeds.len());
 }
 
 #[test]
@@ -162,8 +162,8 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Root mean square of frequency, amplitude and phase errors over their standard errors, over 150 logs. Rife and
-/// Boorstyn 1974: with σ_A² = 2σ²/n the phase at the first sample has the standard error 2·σ_A/A.
+/// RMS of frequency, amplitude and phase errors divided by their standard errors, over 150 logs. Rife and Boorstyn
+/// 1974: with σ_A² = 2σ²/n the phase at the first sample has the standard error 2·σ_A/A.
 fn scatter(amplitude: f64) -> [f64; 3] {
     let log = Log::new(SHORT);
     let mut errors = [const { Vec::new() }; 3];
@@ -181,26 +181,26 @@ fn scatter(amplitude: f64) -> [f64; 3] {
     errors.map(|errors| root_mean_square(&errors))
 }
 
-/// The root mean square of 150 unit normal variables lies within 1 ± 0.17 in 997 of 1000 cases.
+/// The RMS of 150 unit normal variables lies within 1 ± 0.17 in 997 of 1000 cases.
 fn is_unit(scatter: f64) -> bool {
     (0.83..1.17).contains(&scatter)
 }
 
 #[test]
-fn a_weak_line_is_as_uncertain_as_it_says() {
+fn weak_line_has_correct_standard_errors() {
     let scatter = scatter(0.3);
     assert!(scatter.iter().all(|s| is_unit(*s)), "frequency, amplitude, phase: {scatter:?} standard errors");
 }
 
 #[test]
-fn a_strong_line_is_as_uncertain_as_it_says() {
+fn strong_line_has_correct_standard_errors() {
     let scatters = [scatter(5.0), scatter(30.0)];
     let are_unit = scatters.iter().flatten().all(|s| is_unit(*s));
     assert!(are_unit, "frequency, amplitude, phase: {scatters:?} standard errors");
 }
 
 #[test]
-fn the_amplitude_does_not_depend_on_the_length_of_the_log() {
+fn amplitude_is_independent_of_log_length() {
     for samples in [SHORT, 21_599, 22_000, 23_039] {
         let log = Log::new(samples);
         let lines = log.lines(&log.noisy(1, |t| 2.0 * (TAU * 17.3 * t).sin()));
@@ -221,18 +221,18 @@ fn one_strong_line_is_one_line() {
 }
 
 #[test]
-fn a_slow_line_keeps_its_amplitude() {
+fn slow_line_has_full_amplitude() {
     let log = Log::new(SHORT);
     for hz in [3.1, 1.55, 0.73] {
         let lines = log.lines(&log.noisy(3, |t| 2.0 * (TAU * hz * t).sin()));
         let line = lines.first().expect("the line");
-        // a twentieth: block means may share in it, but a correction must take it off
+        // within 5 %: block means may share in it, but a correction must remove it
         assert!((line.amplitude / 2.0 - 1.0).abs() < 0.05, "{hz} Hz: {line:?}");
     }
 }
 
 #[test]
-fn a_line_that_wanders_is_not_coherent() {
+fn wandering_line_is_not_coherent() {
     let log = Log::new(2 * SHORT);
     for seed in 0..20 {
         let mut random = random(3000 + seed);
@@ -240,7 +240,7 @@ fn a_line_that_wanders_is_not_coherent() {
         let (mut off_hz, mut phase, mut mean_hz) = (0.0, 0.0, 0.0);
         let mut error = log.noisy(seed, |_| 0.0);
         for value in &mut error {
-            // 0.2 Hz of standard deviation, 5 s of memory
+            // standard deviation 0.2 Hz, correlation time 5 s
             let decay: f64 = (-PERIOD_S / 5.0).exp();
             off_hz = decay * off_hz + 0.2 * (1.0 - decay * decay).sqrt() * normal(&mut random);
             mean_hz += (20.0 + off_hz) / (2 * SHORT) as f64;
@@ -258,7 +258,7 @@ fn a_line_that_wanders_is_not_coherent() {
 }
 
 #[test]
-fn a_line_that_comes_and_goes_has_its_duty() {
+fn intermittent_line_has_its_duty_cycle() {
     let log = Log::new(2 * SHORT);
     for (seed, duty) in [0.15, 0.3, 0.5, 0.75, 1.0].into_iter().enumerate() {
         // one stretch of a log of 200 s
@@ -269,13 +269,13 @@ fn a_line_that_comes_and_goes_has_its_duty() {
         };
         let lines = log.lines(&log.noisy(seed as u64, signal));
         let line = lines.first().unwrap_or_else(|| panic!("duty {duty}: no line"));
-        // stretches of 5 s at the ends, and the noise of 40 of them
+        // tolerance for the stretches of 5 s at the ends, and for the noise of 40 of them
         assert!((line.duty - duty).abs() < 0.08, "duty {duty}: {lines:?}");
     }
 }
 
 #[test]
-fn a_line_is_found_once_through_missing_samples() {
+fn finds_line_once_despite_missing_samples() {
     let ticks = (0..SHORT).filter(|tick| tick % 200 < 180);
     let log = Log::with_ticks(ticks.collect());
     for seed in 0..10 {

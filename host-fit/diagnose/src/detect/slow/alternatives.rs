@@ -1,5 +1,5 @@
-//! What may be true instead of a finding, with the odds: its effect with another value of the parameter, or a rival. The
-//! log hardly tells them apart; another log may, and a reduction that is predicted for it has to hold for all of them.
+//! Alternatives to a finding with their odds: its effect with another parameter value, or a rival. They are nearly
+//! indistinguishable in this log but may differ in another one, so a predicted reduction must hold for all of them.
 
 use super::estimate::Estimate;
 use super::model::{SlowSearch, State};
@@ -7,12 +7,12 @@ use super::result::Alternative;
 use crate::detect::hypothesis::Hypothesis;
 use fos_data::recording::RecordingError;
 
-/// Values of a parameter, in standard errors of its logarithm from the best.
+/// Parameter values tried, in standard errors of the logarithm from the best.
 const AROUND: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 impl SlowSearch<'_> {
-    /// Alternatives to `current`, which is found beside `rest`, its parameter known to `log_error`; `rivals` with how far
-    /// their scores are behind.
+    /// Returns the alternatives to `current`, which is found together with `rest`. `log_error` is the standard error of
+    /// the logarithm of its parameter; `rivals` come with the amounts by which their scores are lower.
     pub(super) fn alternatives(
         &self,
         (rest, state): (&[&Hypothesis], &State),

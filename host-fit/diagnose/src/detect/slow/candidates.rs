@@ -1,4 +1,5 @@
-//! Every effect on top of a model: a first pass under given noise levels, then the best of it with the levels fitted.
+//! Candidates: every effect added to a model, in a first pass with given noise levels, then the best with fitted
+//! levels.
 
 use std::sync::Arc;
 
@@ -10,10 +11,10 @@ use fos_data::interrupt::in_parallel;
 use fos_data::recording::RecordingError;
 use fos_fit::noise::{Fitted, NoiseLevels};
 
-/// Hypotheses whose noise levels are fitted at least: the best of the first pass.
+/// Least number of hypotheses whose noise levels are fitted: the best of the first pass.
 const FITTED: usize = 9;
 
-/// A hypothesis on top of a state.
+/// A hypothesis added to a state.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub(super) hypothesis: Hypothesis,
@@ -22,28 +23,28 @@ pub(super) struct Candidate {
     pub(super) score: f64,
 }
 
-/// What became of the effects that were tried alone.
+/// Scores of the effects that were tried alone, and the effects that add nothing.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tried {
     pub(super) scores: Vec<(String, f64)>,
     pub(super) silent: Vec<Arc<Effect>>,
 }
 
-/// Hypotheses of a first pass whose noise levels are fitted: all that it would accept, since under its levels a drift that
-/// the noise explains as well passes for an effect.
+/// Number of hypotheses of a first pass whose noise levels are fitted: all acceptable ones, since under the levels of
+/// the first pass a drift that noise explains as well passes for an effect.
 fn fitted_of(first_pass: &[(f64, Hypothesis)]) -> usize {
     let acceptable = first_pass.iter().take_while(|(score, _)| *score >= ACCEPT).count();
     acceptable.max(FITTED).min(first_pass.len())
 }
 
 impl SlowSearch<'_> {
-    /// Every effect at the best value of its parameter on top of `state`, those of them fitted that explain most; best
-    /// score first.
+    /// Returns every effect at the best value of its parameter on top of `state`, with the noise levels fitted for the
+    /// best of them; highest score first.
     pub(super) fn candidates(&self, state: &State) -> Result<Vec<Candidate>, RecordingError> {
         self.fitted(state, &self.first_pass(state)?)
     }
 
-    /// The best of a first pass, their parameters refined and the levels fitted under each; best score first.
+    /// Refines the parameters of the best of a first pass and fits the noise levels under each; highest score first.
     pub(super) fn fitted(
         &self,
         state: &State,
@@ -58,8 +59,7 @@ impl SlowSearch<'_> {
         Ok(candidates)
     }
 
-    /// What became of every effect that was tried alone: those fitted with the score of the fit, the others with that
-    /// of the first pass, which left them behind.
+    /// Returns the score of every effect that was tried alone: from the fit if it was fitted, else from the first pass.
     pub(super) fn tried(&self, first_pass: &[(f64, Hypothesis)], candidates: &[Candidate]) -> Tried {
         let id = |hypothesis: &Hypothesis| hypothesis.effect.id.clone();
         let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
@@ -70,10 +70,10 @@ impl SlowSearch<'_> {
         Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
     }
 
-    /// Every effect at the best value of its parameter on top of `state`, under given levels; best score first. Effects
-    /// of which no regressor adds anything are left out.
+    /// Returns every effect at the best value of its parameter on top of `state`, under given noise levels; highest
+    /// score first. Effects whose regressors add nothing are excluded.
     pub(super) fn first_pass(&self, state: &State) -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
-        // at the prior's levels: those of the null have swollen to hold what is missing
+        // at the levels of the prior: those of the null model are inflated by the missing effect
         let mut levels = NoiseLevels::from_logs(&self.prior.mean);
         if state.noise != ExtraNoise::None {
             levels = state.fitted.levels;
@@ -106,7 +106,7 @@ impl SlowSearch<'_> {
         Ok(first_pass)
     }
 
-    /// A hypothesis on top of `accepted`, its parameter refined and the levels fitted.
+    /// Fits a hypothesis on top of `accepted`: refines its parameter and fits the noise levels.
     pub(super) fn candidate(
         &self,
         accepted: &[&Hypothesis],
@@ -118,7 +118,7 @@ impl SlowSearch<'_> {
             self.fit(&all, state.noise, start)
         };
         let first = with(&hypothesis, state.fitted.levels);
-        let refined = self.worth_their_price(accepted, state.noise, &first, hypothesis)?;
+        let refined = self.significant_terms(accepted, state.noise, &first, hypothesis)?;
         let fitted = with(&refined, first.levels);
         let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
         let gain = state.fitted.deviance - fitted.deviance;

@@ -1,5 +1,5 @@
-//! What a search has found: what each effect is worth, how well its parameter is known, and what cannot be told from
-//! it.
+//! Description of the result of a search: the gain of each effect, the uncertainty of its parameter, and the effects
+//! that are indistinguishable from it.
 
 use super::candidates::Tried;
 use super::model::{SlowSearch, State};
@@ -10,20 +10,20 @@ use fos_data::recording::RecordingError;
 use fos_fit::noise::NoiseLevels;
 use fos_fit::noise::{Gls, dot};
 
-/// Rivals within this much of a finding, in −2 ln L, cannot be told from it: odds of 33 to 1.
+/// Rivals within this difference in −2 ln L are indistinguishable from a finding: odds of 33 to 1.
 const INSEPARABLE: f64 = 7.0;
 
-/// A value this near to a limit of the search counts as at it.
+/// Factor within which a value counts as at a limit of the search.
 const GRID_EDGE: f64 = 1.3;
 
-/// A value so many times from the limits of the search is well inside.
+/// Factor from the limits of the search from which on a value counts as well inside.
 const INSIDE: f64 = 3.0;
 
 /// A finding of which less than this share lies outside a rival is contained in it.
 const NESTED: f64 = 1e-3;
 
 impl SlowSearch<'_> {
-    /// Gains, errors of parameters and rivals of what was accepted.
+    /// Computes gains, parameter errors and rivals of the accepted effects.
     pub(super) fn describe(&self, state: State, tried: Tried) -> Result<SlowResult, RecordingError> {
         let mut found = Vec::new();
         for (place, current) in state.accepted.iter().enumerate() {
@@ -93,8 +93,8 @@ impl SlowSearch<'_> {
         })
     }
 
-    /// A rival that contains the finding explains at least as much by its nature: a cubic any line, a lag that has gone
-    /// to the least value searched any prompt response.
+    /// Returns true if a rival contains the finding and thus explains at least as much: a cubic contains any line, and
+    /// a lag at the shortest time constant contains any prompt response.
     fn is_nested(&self, finding: &Hypothesis, rival: &Hypothesis) -> bool {
         let levels = NoiseLevels::from_logs(&self.prior.mean);
         let constant = &self.given[0];
@@ -112,7 +112,7 @@ impl SlowSearch<'_> {
         if !at_limit {
             return false;
         }
-        // does the rival span the finding?
+        // the rival must span every column of the finding
         finding.columns().iter().all(|column| {
             let mut spanning: Vec<&[f64]> = vec![constant];
             spanning.extend(rival.columns());
@@ -124,8 +124,8 @@ impl SlowSearch<'_> {
         })
     }
 
-    /// A rival that has gone to the limit of its parameter, brought well inside: its best value there, and how much
-    /// worse in −2 ln L. A lag of a minute that explains a log as well as none does cannot be told from none.
+    /// Moves a rival from the limit of its parameter to the best value well inside; also returns the increase of −2 ln
+    /// L. A lag of a minute that explains a log as well as no lag is indistinguishable from none.
     fn inside(
         &self,
         rest: &[&Hypothesis],
@@ -149,7 +149,7 @@ impl SlowSearch<'_> {
         Ok(best.map(|(deviance, hypothesis)| (hypothesis, deviance - limit)))
     }
 
-    /// Standard error of the logarithm of a parameter, from the curvature of the deviance.
+    /// Returns the standard error of the logarithm of a parameter, from the curvature of the deviance.
     fn log_error(
         &self,
         rest: &[&Hypothesis],

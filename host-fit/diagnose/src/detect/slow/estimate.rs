@@ -1,4 +1,4 @@
-//! The coefficients of an effect, and how well they are known.
+//! Coefficients of an effect and their covariance.
 
 use std::ops::Range;
 
@@ -6,17 +6,17 @@ use nalgebra::{DMatrix, DVector};
 
 use fos_fit::noise::Gls;
 
-/// The coefficients of an effect, one per regressor; those that could not be estimated are 0.
+/// Coefficients of an effect, one per regressor; 0 if they could not be estimated.
 #[derive(Debug, Clone)]
 pub(crate) struct Estimate {
     pub(crate) coefficients: DVector<f64>,
     pub(crate) covariance: DMatrix<f64>,
-    /// Which of them could be estimated; of the others the covariance is 0.
+    /// Indices of the estimated coefficients; the covariance of the others is 0.
     estimated: Vec<usize>,
 }
 
 impl Estimate {
-    /// Of the regressors that stand at `places` among those of a regression.
+    /// Returns the estimate of the regressors at `places` of a regression.
     pub(crate) fn of(gls: &Gls, places: Range<usize>) -> Self {
         let (all, covariance) = (gls.coefficients(), gls.covariance());
         let kept = |place: usize| gls.kept.iter().position(|index| *index == place);
@@ -30,14 +30,14 @@ impl Estimate {
         }
     }
 
-    /// The Cholesky factor L of the covariance, L·Lᵀ, of those that could be estimated; rows and columns of the others
-    /// are 0. `None` if that is no covariance, as of data that are not finite.
+    /// Returns the Cholesky factor L of the covariance L·Lᵀ of the estimated coefficients; rows and columns of the
+    /// others are 0. `None` if the matrix is not a covariance, for example because data are not finite.
     pub(crate) fn factor(&self) -> Option<DMatrix<f64>> {
         let (estimated, k) = (&self.estimated, self.coefficients.len());
-        let of_estimated = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
+        let estimated_block = DMatrix::from_fn(estimated.len(), estimated.len(), |i, j| {
             self.covariance[(estimated[i], estimated[j])]
         });
-        let lower = of_estimated.cholesky()?.l();
+        let lower = estimated_block.cholesky()?.l();
         let mut factor = DMatrix::zeros(k, k);
         for (i, row) in estimated.iter().enumerate() {
             for (j, column) in estimated.iter().enumerate() {
@@ -52,7 +52,7 @@ impl Estimate {
 mod tests {
     use super::*;
 
-    /// Of three coefficients, some of which could be estimated.
+    /// An estimate of three coefficients, some of which could be estimated.
     fn estimate(estimated: Vec<usize>, covariance: DMatrix<f64>) -> Estimate {
         Estimate { coefficients: DVector::from_element(3, 1.0), covariance, estimated }
     }
@@ -62,13 +62,13 @@ mod tests {
     }
 
     #[test]
-    fn all_estimated_scatter_by_the_factor_of_their_covariance() {
+    fn factor_of_fully_estimated_covariance_is_cholesky() {
         let factor = estimate(vec![0, 1, 2], covariance()).factor();
         assert_eq!(factor, covariance().cholesky().map(|cholesky| cholesky.l()));
     }
 
     #[test]
-    fn a_coefficient_that_could_not_be_estimated_does_not_take_the_scatter_of_the_others() {
+    fn unestimated_coefficient_keeps_covariance_of_the_others() {
         let mut known = covariance();
         known.row_mut(1).fill(0.0);
         known.column_mut(1).fill(0.0);
@@ -77,9 +77,9 @@ mod tests {
         assert!(factor[(2, 2)] > 0.0);
     }
 
-    /// They were taken for exact: the interval of the reduction was that of the noise alone.
+    /// Such coefficients were taken as exact, so that the interval of the reduction covered the noise alone.
     #[test]
-    fn what_is_no_covariance_has_no_factor() {
+    fn invalid_covariance_has_no_factor() {
         let mut indefinite = covariance();
         (indefinite[(0, 1)], indefinite[(1, 0)]) = (7.0, 7.0);
         assert_eq!(estimate(vec![0, 1, 2], indefinite).factor(), None);

@@ -1,17 +1,17 @@
-//! Which slow effects are missing: forward selection among hypotheses by penalised likelihood, the noise levels fitted
-//! anew under each, noise itself among them; then exchanges, and what the log cannot tell apart.
+//! Search for missing slow effects: forward selection among hypotheses by penalised likelihood with the noise levels
+//! fitted for each, excess noise among them; then exchanges, and indistinguishable rivals.
 //!
 //! | file | subject |
 //! |---|---|
-//! | `result` | what was found |
-//! | `model` | a model under construction, fitted; what its parameters cost |
-//! | `parameter`, `terms` | an effect's parameter between the values of its grid; which of its regressors are worth their price |
-//! | `noise` | noise beyond the baseline's |
-//! | `candidates` | every effect on top of a model |
-//! | `reversal` | steps and warm-ups where the temperature explains them |
-//! | `estimate` | the coefficients of an effect, and how well they are known |
-//! | `alternatives` | what may be true instead of a finding |
-//! | `describe` | what was accepted: gains, errors of parameters, rivals |
+//! | `result` | findings and excess noise |
+//! | `model` | a model under construction, fitted; penalties of its parameters |
+//! | `parameter`, `terms` | refinement of an effect's parameter between grid values; selection of its regressors |
+//! | `noise` | noise in excess of the reference log |
+//! | `candidates` | every effect added to a model |
+//! | `reversal` | steps and warm-ups that the temperature explains |
+//! | `estimate` | coefficients of an effect and their covariance |
+//! | `alternatives` | alternatives to a finding |
+//! | `describe` | gains, parameter errors and rivals of the findings |
 //! | `selection` | forward selection, and effects estimated together |
 
 mod alternatives;

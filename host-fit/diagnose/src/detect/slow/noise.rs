@@ -1,4 +1,4 @@
-//! Noise beyond the baseline's: a larger random walk, a further Gauss-Markov process.
+//! Noise in excess of the reference log: a larger random walk, or a further Gauss-Markov process.
 
 use super::model::{ACCEPT, SlowSearch, State};
 use super::result::ExtraNoise;
@@ -6,11 +6,11 @@ use crate::detect::MIN_BLOCKS;
 use crate::detect::hypothesis::Hypothesis;
 use fos_fit::noise::{Fitted, GaussMarkov, NoiseLevels};
 
-/// Correlation times that a further Gauss-Markov process is looked for from, s.
+/// Initial correlation times of a further Gauss-Markov process, s.
 const GAUSS_MARKOV_STARTS_S: [f64; 4] = [5.0, 20.0, 80.0, 250.0];
 
 impl SlowSearch<'_> {
-    /// The better of the two kinds of further noise on top of `state`, with its score.
+    /// Returns the better of the two kinds of excess noise on top of `state`, with its score.
     pub(super) fn best_noise(&self, state: &State) -> Option<(ExtraNoise, Fitted, f64)> {
         if state.noise != ExtraNoise::None || self.blocks.len() < MIN_BLOCKS {
             return None;
@@ -36,7 +36,7 @@ impl SlowSearch<'_> {
             });
         let process = processes.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
         let process = process.and_then(|fitted| {
-            // a shorter one is white noise in block means, and of that there is a level already
+            // a shorter process is white noise in block means, which already has a level
             let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
             let process = fitted.levels.gauss_markov.filter(is_slow)?;
             let score = state.fitted.deviance - fitted.deviance - 2.0 * price - of_axes;
@@ -49,12 +49,12 @@ impl SlowSearch<'_> {
         }
     }
 
-    /// What it costs to have asked every axis of the log.
+    /// Penalty for testing every axis of the log.
     pub(super) fn price_of_axes(&self) -> f64 {
         2.0 * (self.axes.max(1) as f64).ln()
     }
 
-    /// Further noise that an effect has made unnecessary goes.
+    /// Removes excess noise that an effect has made unnecessary.
     pub(super) fn drop_unneeded_noise(&self, state: &mut State) {
         if state.noise == ExtraNoise::None {
             return;

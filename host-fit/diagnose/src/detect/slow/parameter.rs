@@ -1,4 +1,4 @@
-//! The value of an effect's parameter between those of the grid, the noise levels held.
+//! Refinement of an effect's parameter between grid values, at fixed noise levels.
 
 use super::model::SlowSearch;
 use super::result::ExtraNoise;
@@ -7,15 +7,15 @@ use crate::effects::{Detector, Effect};
 use fos_data::recording::RecordingError;
 use fos_fit::noise::Fitted;
 
-/// Parts of a block in which the moment of a step is looked for.
+/// Number of parts of a block at which the time of a step is tried.
 const STEP_PARTS: i32 = 5;
 
-/// Parabolas through the best three values of a parameter.
+/// Number of parabolas through the best three values of a parameter.
 const REFINEMENTS: usize = 4;
 
 impl SlowSearch<'_> {
-    /// Looks for the best value of the parameter between the neighbours on the grid, the levels held: parabolas through
-    /// the best three.
+    /// Finds the best value of the parameter between its neighbours on the grid at fixed noise levels, by parabolas
+    /// through the best three values.
     pub(super) fn refine(
         &self,
         accepted: &[&Hypothesis],
@@ -48,7 +48,7 @@ impl SlowSearch<'_> {
             points.truncate(3);
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if points.len() < 3 {
-                // at a limit of the search: half way to the neighbour makes it three
+                // at a limit of the search the third point is half way to the neighbour
                 points.push(evaluate(0.5 * (points[0].0 + points[points.len() - 1].0))?);
                 continue;
             }
@@ -67,7 +67,7 @@ impl SlowSearch<'_> {
         Ok(points.swap_remove(0).2)
     }
 
-    /// Looks for the moment of a step inside the blocks on both sides of it.
+    /// Finds the time of a step inside the blocks on both sides of it.
     fn refine_step(
         &self,
         accepted: &[&Hypothesis],
@@ -98,7 +98,8 @@ impl SlowSearch<'_> {
     }
 }
 
-/// Where the parabola through three points is least; the better end if it is bent the other way.
+/// Returns the minimum of the parabola through three points; a point beyond the better end if the parabola opens
+/// downwards.
 fn vertex(points: &[(f64, f64)]) -> Option<f64> {
     let [(x0, y0), (x1, y1), (x2, y2)] = *points else { return None };
     let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));

@@ -1,4 +1,4 @@
-//! What was found in the slow band.
+//! Result of the search for slow effects.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,79 +8,79 @@ use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Effect;
 use fos_fit::noise::{Fitted, GaussMarkov, LevelPrior};
 
-/// A slow effect that was found.
+/// A slow finding.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
-    /// The effect and the value of its parameter.
+    /// Effect and value of its parameter.
     pub(crate) hypothesis: Hypothesis,
-    /// Where its regressors stand among those of the fit.
+    /// Positions of its regressors in the fit.
     pub(crate) place: Range<usize>,
     /// Standard error of the logarithm of the parameter.
     pub(crate) log_error: Option<f64>,
-    /// By how much −2 ln L falls with it, given everything else.
+    /// Decrease of −2 ln L, given everything else.
     pub(crate) gain: f64,
-    /// The gain after the price of its coefficients, its parameter, and its grid.
+    /// Gain minus the penalty for its coefficients, its parameter and its grid.
     pub(crate) score: f64,
-    /// Hypotheses that could stand in its place, with how much worse they are in −2 ln L.
+    /// Hypotheses that could replace it, with the increase of −2 ln L.
     pub(crate) rivals: Vec<(Hypothesis, f64)>,
-    /// What may be true instead.
+    /// Alternatives with their odds.
     pub(crate) alternatives: Vec<Alternative>,
 }
 
 impl Found {
-    /// True if the effect follows something that is logged.
+    /// Returns true if the effect follows a logged quantity.
     pub(crate) fn is_backed(&self) -> bool {
         !self.hypothesis.effect.follows_clock_alone()
     }
 }
 
-/// What may be true instead of a finding.
+/// An alternative to a finding.
 #[derive(Debug, Clone)]
 pub(crate) struct Alternative {
     pub(crate) hypothesis: Hypothesis,
-    /// Its coefficients with everything else that was found, under the same noise levels.
+    /// Coefficients together with all other findings, under the same noise levels.
     pub(crate) estimate: Estimate,
-    /// Its odds against the finding as it is.
+    /// Odds relative to the finding.
     pub(crate) odds: f64,
 }
 
-/// Noise beyond the baseline's.
+/// Noise in excess of the reference log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ExtraNoise {
     None,
     /// A further Gauss-Markov process.
     GaussMarkov(GaussMarkov),
-    /// A random walk larger than the baseline allows.
+    /// A random walk larger than the reference log allows.
     Walk,
 }
 
-/// What was found in the slow band.
+/// Result of the search for slow effects.
 #[derive(Debug, Clone)]
 pub(crate) struct SlowResult {
-    /// The effects, in the order of the regressors of the fit.
+    /// Effects, in the order of the regressors of the fit.
     pub(crate) found: Vec<Found>,
-    /// Noise beyond the baseline's, its gain and its score.
+    /// Excess noise.
     pub(crate) noise: ExtraNoise,
-    /// By how much −2 ln L falls with it.
+    /// Decrease of −2 ln L with the excess noise.
     pub(crate) noise_gain: f64,
-    /// The gain after its price.
+    /// Gain of the excess noise minus its penalty.
     pub(crate) noise_score: f64,
-    /// The regression with all that was found.
+    /// Regression with all findings.
     pub(crate) fitted: Fitted,
-    /// What was known of the levels, without further noise.
+    /// Prior of the noise levels without excess noise.
     pub(crate) quiet_prior: LevelPrior,
-    /// The prior of the levels it was fitted with.
+    /// Prior of the noise levels in `fitted`.
     pub(crate) prior: LevelPrior,
-    /// Every effect that was tried alone: its best score; first those that explain most.
+    /// Best score of every effect that was tried alone, highest first.
     pub(crate) tried: Vec<(String, f64)>,
-    /// The same beside what had been found before the last round of the search.
+    /// Scores in addition to the findings before the last round of the search.
     pub(crate) beside: Vec<(String, f64)>,
-    /// Effects of which no regressor adds anything to what is given.
+    /// Effects whose regressors add nothing to the given ones.
     pub(crate) silent: Vec<Arc<Effect>>,
 }
 
 impl SlowResult {
-    /// Score of all effects that follow nothing logged.
+    /// Returns the total score of the effects that follow nothing logged.
     pub(crate) fn unbacked(&self) -> f64 {
         self.found.iter().filter(|found| !found.is_backed()).map(|found| found.score).sum()
     }

@@ -1,8 +1,8 @@
-//! Steps of the bias where the temperature has just reversed, and warm-ups while it falls: there hysteresis or a lag
-//! explains what a clock seems to.
+//! Exclusion of bias steps at a reversal of the temperature, and of warm-ups while it falls: there hysteresis or a lag
+//! explains what seems to follow the clock.
 //!
-//! A package that sticks lets go after the temperature has come back by a few kelvin, and then often at once; on the
-//! next loop it does so again, which no step does.
+//! A package with stick-slip yields after the temperature has come back by a few kelvin, often at once, and repeats it
+//! on the next loop, which a step does not do.
 
 use super::candidates::Candidate;
 use super::model::{SlowSearch, State};
@@ -10,17 +10,17 @@ use crate::detect::hypothesis::span;
 use crate::detect::shape::TEMPERATURE;
 use crate::effects::{Detector, Effect};
 
-/// The temperature has turned where it comes back by this share of its span.
+/// Share of the span by which the temperature must come back to count as reversed.
 const TURN: f64 = 0.1;
 
-/// Stress is released while the temperature comes back by this share of its span.
+/// Share of the span over which stress is released after a reversal.
 const RELEASE: f64 = 0.05;
 
-/// A step at a reversal is one if it explains so many times as much as hysteresis does.
+/// Ratio of scores from which on a step at a reversal outweighs hysteresis.
 const OUTWEIGHS: f64 = 5.0;
 
-/// An environment that cools the sensor by more than this in one time constant is what its bias follows: self-heating is
-/// a few kelvin, upwards. K.
+/// Cooling within one time constant, K, from which on a bias follows the environment: self-heating is a few kelvin
+/// upwards.
 const COOLING: f64 = 2.0;
 
 impl SlowSearch<'_> {
@@ -47,7 +47,7 @@ impl SlowSearch<'_> {
         });
     }
 
-    /// The blocks before and after a time, s after the first sample.
+    /// Returns the blocks before and after a time, s after the first sample.
     fn blocks_at(&self, time_s: f64) -> std::ops::Range<usize> {
         let index = (time_s / self.blocks.length_s).round() as u64;
         let after = self.blocks.blocks.partition_point(|block| block.index < index);
@@ -55,17 +55,17 @@ impl SlowSearch<'_> {
     }
 }
 
-/// True if the bias follows the path of the temperature.
+/// Returns true for an effect that depends on the path of the temperature.
 fn is_hysteresis(effect: &Effect) -> bool {
     effect.terms.iter().any(|term| term.regressor.contains(":backlash("))
 }
 
-/// True if the bias settles after power-on.
+/// Returns true for an effect that settles after power-on.
 fn is_warm_up(effect: &Effect) -> bool {
     effect.terms.iter().any(|term| term.regressor.contains("clock:decay("))
 }
 
-/// The blocks in which the temperature, having turned, comes back by the first part of its span.
+/// Marks the blocks in which the temperature, after a reversal, comes back by the first [`RELEASE`] of its span.
 fn reversing(temperature: &[f64]) -> Vec<bool> {
     let span = span(temperature);
     let mut reversing = vec![false; temperature.len()];
@@ -74,7 +74,8 @@ fn reversing(temperature: &[f64]) -> Vec<bool> {
         let back = |block: &usize| (temperature[*block] - until).abs() <= RELEASE * span;
         (from..temperature.len()).take_while(back).for_each(|block| reversing[block] = true);
     };
-    // the extremes since the last turn: one of them is the next turn once the temperature has left it far enough
+    // extremes since the last reversal: one of them is the next reversal once the temperature has moved far enough from
+    // it
     let (mut lowest, mut highest) = (0, 0);
     let mut rises: Option<bool> = None;
     for block in 0..temperature.len() {
@@ -104,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_temperature_reverses_where_it_comes_back() {
+    fn finds_reversals_of_temperature() {
         let down_and_up: Vec<f64> = (0..=200).map(|i| f64::from((100_i32 - i).abs())).collect();
         let found: Vec<usize> = (0..=200).filter(|block| reversing(&down_and_up)[*block]).collect();
         assert_eq!(found, (100..=105).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Forward selection among hypotheses, and effects estimated together whether they are missing or not.
+//! Forward selection among hypotheses, and joint estimation of given effects.
 
 use std::sync::Arc;
 
@@ -9,11 +9,11 @@ use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Effect;
 use fos_data::recording::RecordingError;
 
-/// Most effects that are found one after the other.
+/// Largest number of findings of one search.
 pub(crate) const MAX_FOUND: usize = 4;
 
 impl SlowSearch<'_> {
-    /// Searches.
+    /// Runs the search.
     ///
     /// # Errors
     ///
@@ -21,16 +21,16 @@ impl SlowSearch<'_> {
     pub(crate) fn run(&self) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         let (mut tried, mut beside) = (Tried::default(), Vec::new());
-        // ends after MAX_FOUND: an effect is accepted for what it gains, but `exchange` and `drop_unneeded_noise` fit
-        // anew and may lose some of it
+        // terminates after MAX_FOUND rounds; a gain need not be monotonic, because `exchange` and `drop_unneeded_noise`
+        // refit
         for round in 0..MAX_FOUND {
             fos_data::interrupt::check();
             let first_pass = self.first_pass(&state)?;
             let candidates = self.fitted(&state, &first_pass)?;
-            let of_round = self.tried(&first_pass, &candidates);
+            let round_results = self.tried(&first_pass, &candidates);
             match round {
-                0 => tried = of_round,
-                _ => beside = of_round.scores,
+                0 => tried = round_results,
+                _ => beside = round_results.scores,
             }
             let noise = self.best_noise(&state);
             let best = candidates.into_iter().next();
@@ -52,7 +52,7 @@ impl SlowSearch<'_> {
         Ok(SlowResult { beside, ..self.describe(state, tried)? })
     }
 
-    /// Estimates these effects together, whether they are missing or not.
+    /// Estimates these effects together, whether or not they are missing.
     ///
     /// # Errors
     ///
@@ -66,7 +66,7 @@ impl SlowSearch<'_> {
                 state.fitted = best.fitted;
             }
         }
-        // the first was estimated before the others were there
+        // the first effects were estimated without the later ones
         let again = if wanted.len() > 1 { state.accepted.len() } else { 0 };
         for place in 0..again {
             let (without, current) = self.without(&state, place);
@@ -79,8 +79,8 @@ impl SlowSearch<'_> {
         self.describe(state, Tried::default())
     }
 
-    /// Each effect gives way to another that explains more in its place, until none does: the first that was found was
-    /// found before the others were known.
+    /// Replaces each effect by another that explains more in its place: the first was found before the others were
+    /// known.
     fn exchange(&self, state: &mut State) -> Result<(), RecordingError> {
         if state.accepted.len() < 2 {
             return Ok(());
@@ -100,10 +100,10 @@ impl SlowSearch<'_> {
         Ok(())
     }
 
-    /// Effects that lost their support to later ones go.
+    /// Removes effects that are no longer significant beside later ones.
     fn drop_unsupported(&self, state: &mut State) {
         let mut place = 0;
-        // ends: one is passed, or one fewer is left
+        // terminates: each iteration passes one effect or removes one
         while place < state.accepted.len() {
             let (without, current) = self.without(state, place);
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);

@@ -1,4 +1,4 @@
-//! Burg's method: a lattice, one reflection coefficient after the other.
+//! Burg's method: a lattice of reflection coefficients, determined one after the other.
 //!
 //! Paper eq. 12, 13; Burg 1967. From f_0 = b_0 = r, over all n whose lags were measured,
 //!
@@ -28,7 +28,7 @@ pub(in crate::fit) fn estimate<T: ComplexField<RealField = f64>>(
     let mut lattices: Vec<Lattice<T>> = stretches.iter().map(|stretch| Lattice::new(stretch)).collect();
     let (mut coefficients, mut reflection) = (Vec::with_capacity(order), Vec::with_capacity(order));
     for k in 1..=order {
-        // f and b are differences of numbers of the size of r: their rounding error, relative, grows as they shrink
+        // f and b are differences of numbers of the size of r, so their relative rounding error grows as they shrink
         let rounding = f64::EPSILON * (variance / innovation_variance).sqrt();
         if rounding > TRUSTED || rounding.is_nan() {
             return Err(refused(k));
@@ -48,10 +48,10 @@ pub(in crate::fit) fn estimate<T: ComplexField<RealField = f64>>(
     Ok(Autoregression { coefficients, reflection, innovation_variance })
 }
 
-/// Forward and backward errors of one stretch.
+/// Forward and backward prediction errors of one stretch.
 struct Lattice<T> {
     forward: Vec<T>,
-    /// b(n), at n minus the stages so far, so that it meets f(n + 1) where it is.
+    /// b(n), stored at index n minus the number of stages, so that it aligns with f(n + 1).
     backward: Vec<T>,
 }
 
@@ -60,13 +60,13 @@ impl<T: ComplexField> Lattice<T> {
         Self { forward: stretch.to_vec(), backward: stretch.to_vec() }
     }
 
-    /// f_{k−1}(n) and b_{k−1}(n−1), n from k on.
+    /// Returns f_{k−1}(n) and b_{k−1}(n−1), n from k on.
     fn errors(&self, k: usize) -> (&[T], &[T]) {
         let left = self.forward.len().saturating_sub(k);
         (&self.forward[self.forward.len() - left..], &self.backward[..left])
     }
 
-    /// Stage k, in place.
+    /// Advances by stage k, in place.
     fn advance(&mut self, k: usize, gamma: T) {
         let left = self.forward.len().saturating_sub(k);
         let first = self.forward.len() - left;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The normal equations are usually solved by Cholesky's factorisation (Marple, Digital Spectral Analysis, 1987, ch.
-//! 8). Here that factor, R, comes from the data by orthogonal reflections: XᵀX = RᵀR is never formed, and twice as many
-//! digits are left.
+//! 8). Here its factor R is computed from the data by orthogonal reflections: XᵀX = RᵀR is never formed, which doubles
+//! the number of accurate digits.
 
 use std::ops::Range;
 

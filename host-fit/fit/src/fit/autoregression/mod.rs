@@ -1,4 +1,4 @@
-//! Linear autoregressions r(n) = Σ_k a_k r(n−k) + e(n) by the classical methods, all of the same shape.
+//! Linear autoregressions r(n) = Σ_k a_k r(n−k) + e(n) by the classical methods, with a common result type.
 //!
 //! | method | minimises | file |
 //! |---|---|---|
@@ -10,7 +10,7 @@
 //! Signs: `coefficients` are those of the prediction, as everywhere in this crate; `reflection` are the γ_k of the
 //! paper, whose polynomial is 1 − Σ a_k z⁻ᵏ: γ_p = −a_p.
 //!
-//! Nothing is centred: the caller takes the mean off. No sum of products crosses the end of a stretch.
+//! Nothing is centred: the caller subtracts the mean. No sum of products crosses the end of a stretch.
 
 pub(super) mod burg;
 mod covariance;

@@ -1,14 +1,13 @@
-//! The order of an autoregression, by an information criterion.
+//! Order of an autoregression by an information criterion.
 
 use super::result::{AutoregressionError, Method};
 
-/// What an order costs: n·ln σ̂² + price · p, σ̂² the innovation variance of order p over n samples.
+/// Penalty of an order: n·ln σ̂² + penalty · p, with σ̂² the innovation variance of order p over n samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// 2 for each coefficient (Akaike 1974): for prediction; picks too high an order with a chance that does not fall
-    /// with n.
+    /// 2 per coefficient (Akaike 1974): for prediction; the probability of too high an order does not decrease with n.
     Aic,
-    /// ln n for each coefficient (Schwarz 1978): finds the true order, where there is one, as n grows.
+    /// ln n per coefficient (Schwarz 1978): consistent; finds the true order, if there is one, as n grows.
     Bic,
 }
 
@@ -23,12 +22,12 @@ impl Criterion {
     }
 }
 
-/// The order from 1 to `max_order` for which `criterion` is least, and its value at every order, from 1 on.
+/// Returns the order from 1 to `max_order` that minimises `criterion`, and its value at every order from 1 on.
 ///
 /// ```
 /// use fos_fit::fit::autoregression::{Criterion, Method, best_order};
 ///
-/// // r(n) = 1.5 r(n − 1) − 0.7 r(n − 2) + e(n), e evenly spread
+/// r(n) = 1.5 r(n − 1) − 0.7 r(n − 2) + e(n), e uniform
 /// let mut state = 1_u32;
 /// let mut noise = || { state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); f64::from(state >> 8) / 16_777_216.0 - 0.5 };
 /// let mut r = vec![0.0; 4000];
@@ -41,7 +40,7 @@ impl Criterion {
 /// ```
 ///
 /// # Errors
-/// As of [`estimate`](super::estimate), for any of the orders.
+/// As for [`estimate`](super::estimate), for any of the orders.
 pub fn best_order(
     method: Method,
     stretches: &[&[f64]],
@@ -49,13 +48,13 @@ pub fn best_order(
     criterion: Criterion,
 ) -> Result<(usize, Vec<f64>), AutoregressionError> {
     let samples = crate::signal::sample_count(stretches);
-    // refuses an order of nothing
+    // rejects an order of 0
     super::estimate(method, stretches, max_order)?;
-    let of_order = |order| {
+    let criterion_at = |order| {
         let variance = super::estimate(method, stretches, order)?.innovation_variance;
         Ok(criterion.of(variance, order, samples))
     };
-    let values = (1..=max_order).map(of_order).collect::<Result<Vec<f64>, AutoregressionError>>()?;
+    let values = (1..=max_order).map(criterion_at).collect::<Result<Vec<f64>, AutoregressionError>>()?;
     let best = (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
     Ok((best + 1, values))
 }

@@ -1,9 +1,9 @@
-//! Steps of the recursions over orders, and the inner product that they are made of.
+//! Recursions over orders, and their inner product.
 
 use nalgebra::ComplexField;
 
-/// One step up: the polynomial of order k from that of order k − 1 and γ_k (eq. 9c, 9d), in the signs of the
-/// prediction.
+/// Steps up by one order: the polynomial of order k from that of order k − 1 and γ_k (eq. 9c, 9d), with the signs of
+/// the prediction.
 pub(crate) fn step_up<T: ComplexField>(coefficients: &mut Vec<T>, reflection: T) {
     let lower = coefficients.clone();
     for (a, mirrored) in coefficients.iter_mut().zip(lower.into_iter().rev()) {
@@ -12,7 +12,7 @@ pub(crate) fn step_up<T: ComplexField>(coefficients: &mut Vec<T>, reflection: T)
     coefficients.push(-reflection);
 }
 
-/// Σ a(n)·b(n)*, in partial sums of their own so that no addition waits for the one before.
+/// Σ a(n)·b(n)*, in independent partial sums so that no addition waits for the previous one.
 pub(super) fn inner_product<T: ComplexField>(a: &[T], b: &[T]) -> T {
     const LANES: usize = 8;
     let mut sums: [T; LANES] = core::array::from_fn(|_| T::zero());

@@ -1,4 +1,4 @@
-//! What every method gives: coefficients of the prediction, in one form; or why there are none.
+//! Common result of the methods, and their errors.
 
 use std::fmt;
 
@@ -6,20 +6,20 @@ use thiserror::Error;
 
 use crate::candidates::MAX_LAG;
 
-/// How an autoregression is estimated.
+/// Method of estimating an autoregression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// From the biased autocorrelation, by Levinson-Durbin.
+    /// Levinson-Durbin recursion on the biased autocorrelation.
     YuleWalker,
-    /// Least squares, forward.
+    /// Forward least squares.
     Covariance,
-    /// Least squares, forward and backward.
+    /// Forward and backward least squares.
     ModifiedCovariance,
     Burg,
 }
 
 impl fmt::Display for Method {
-    /// As on the command line.
+    /// Formats the name as on the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::YuleWalker => "yule-walker",
@@ -34,45 +34,45 @@ impl Method {
     pub const ALL: [Self; 4] = [Self::YuleWalker, Self::Covariance, Self::ModifiedCovariance, Self::Burg];
 }
 
-/// An estimated autoregression of order p.
+/// Estimated autoregression of order p.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Autoregression<T = f64> {
-    /// a_1 … a_p.
+    /// Coefficients a_1 … a_p.
     pub coefficients: Vec<T>,
-    /// γ_1 … γ_p; empty for the two least-squares methods, which have none.
+    /// Reflection coefficients γ_1 … γ_p; empty for the two least-squares methods, which have none.
     pub reflection: Vec<T>,
-    /// Estimated variance of e: by (9e) for Yule-Walker and Burg, the mean squared residual for the others. Unit of r².
+    /// Estimated variance of e, unit of r²: by (9e) for Yule-Walker and Burg, the mean squared residual for the others.
     pub innovation_variance: f64,
 }
 
-/// Why there is no estimate.
+/// Error of an estimate.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AutoregressionError {
-    /// An order of nothing, or further back than a model may reach.
+    /// Order 0, or beyond the history of a model.
     #[error("order {0} is outside 1 to {MAX_LAG}")]
     Order(usize),
-    /// Too little to fit to.
+    /// Too few rows.
     #[error(
         "{rows} rows have {order} samples before them; more than {order} are needed for an order of {order}"
     )]
     TooShort {
-        /// Rows whose lags were all measured.
+        /// Number of rows whose lags were all measured.
         rows: usize,
         order: usize,
     },
     /// NaN or infinite samples.
     #[error("a sample is not finite: split the series there")]
     NotFinite,
-    /// Coefficients would be rounding error.
+    /// The coefficients would be dominated by rounding error.
     #[error(
         "{method} at order {order}: rounding alone would change the coefficients by more than {TRUSTED:e} of their size; take the mean off, lower the order, or use another method"
     )]
     IllConditioned {
         method: Method,
-        /// The order at which it shows.
+        /// Order at which the problem occurs.
         order: usize,
     },
 }
 
-/// The largest relative error of the coefficients by rounding that is not refused.
+/// Largest accepted relative error of the coefficients by rounding.
 pub const TRUSTED: f64 = 1e-6;

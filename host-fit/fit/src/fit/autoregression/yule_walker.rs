@@ -15,7 +15,8 @@ use nalgebra::DMatrix;
 use super::polynomial::{inner_product, step_up};
 use super::result::{Autoregression, AutoregressionError, Method, TRUSTED};
 
-/// Rounding error of an R(k) relative to R(0): sums in eight parts of some 10⁵ products each, and the recursion's own.
+/// Rounding error of R(k) relative to R(0): sums in eight parts of some 10⁵ products each, and the error of the
+/// recursion.
 const ROUNDING: f64 = 1e-14;
 
 pub(in crate::fit) fn estimate(
@@ -24,17 +25,17 @@ pub(in crate::fit) fn estimate(
 ) -> Result<Autoregression, AutoregressionError> {
     let samples: usize = stretches.iter().map(|stretch| stretch.len()).sum();
     let lagged = |lag: usize| {
-        let of_stretch = |stretch: &&[f64]| match stretch.get(lag..) {
+        let stretch_sum = |stretch: &&[f64]| match stretch.get(lag..) {
             Some(late) => inner_product(late, &stretch[..late.len()]),
             None => 0.0,
         };
-        stretches.iter().map(of_stretch).sum::<f64>() / samples as f64
+        stretches.iter().map(stretch_sum).sum::<f64>() / samples as f64
     };
     let autocorrelation: Vec<f64> = (0..=order).map(lagged).collect();
     levinson_durbin(&autocorrelation)
 }
 
-/// The autoregression whose autocorrelation is R(0) … R(p).
+/// Returns the autoregression with autocorrelation R(0) … R(p).
 pub(in crate::fit) fn levinson_durbin(
     autocorrelation: &[f64],
 ) -> Result<Autoregression, AutoregressionError> {
@@ -44,7 +45,7 @@ pub(in crate::fit) fn levinson_durbin(
     if innovation_variance <= 0.0 || !innovation_variance.is_finite() {
         return Err(refused(0));
     }
-    // the coefficients are off by the condition number times the error of R (Cybenko, SIAM J. Sci. Stat. Comput. 1
+    // the error of the coefficients is the condition number times the error of R (Cybenko, SIAM J. Sci. Stat. Comput. 1
     // (1980) 303)
     let matrix = DMatrix::from_fn(order, order, |i, j| autocorrelation[i.abs_diff(j)]);
     let values = matrix.singular_values();

@@ -1,4 +1,4 @@
-//! The refinement of a greedy search ends, whatever the data.
+//! The refinement of a greedy search terminates on any data.
 #![allow(clippy::single_range_in_vec_init, reason = "a list of one segment")]
 
 use fos_testkit::series::every_kind;
@@ -10,8 +10,8 @@ use crate::fit::{NoiseRule, StopRule, fos};
 use crate::moments::{Gram, Moments, Rows};
 use crate::signal;
 
-/// Moves that a refinement needs nowhere near.
-const MOST_MOVES: usize = 100;
+/// Far more moves than a refinement needs.
+const MAX_MOVES: usize = 100;
 
 fn gram(series: &[f64], lags: u16, degree: usize) -> Gram {
     let pool = Candidates::builder().output(1..=lags, degree).build().unwrap();
@@ -19,7 +19,7 @@ fn gram(series: &[f64], lags: u16, degree: usize) -> Gram {
     Moments::accumulate(&[series], &rows, &pool).unwrap().gram(&pool).unwrap()
 }
 
-/// Centred and scaled as for a fit; as it is where that cannot be done.
+/// Centred and scaled as for a fit; unchanged if that is impossible.
 fn scaled(series: &[f64]) -> Vec<f64> {
     let (mean, deviation) = (signal::mean(&[series]), signal::variance(&[series]).sqrt());
     match deviation.is_normal() {
@@ -36,35 +36,36 @@ fn rules() -> Vec<StopRule> {
     rules
 }
 
-/// A fit of the lags of a spline of noise never ended: `prune` took out what `extend` had added, thousands of times.
+/// A fit of the lags of a spline of noise did not terminate: `prune` removed the term that `extend` had added,
+/// thousands of times.
 #[test]
-fn a_refinement_ends_on_every_kind_of_data() {
+fn refinement_terminates_on_all_data() {
     let kinds = every_kind(1000);
     let refinements: Vec<Refinement> = kinds.iter().flat_map(refinements).collect();
     for Refinement { what, moves, .. } in &refinements {
-        assert!(*moves < MOST_MOVES, "{what}: no end after {moves} moves");
+        assert!(*moves < MAX_MOVES, "{what}: no end after {moves} moves");
     }
     let two_rules = |name: &str| {
-        let without_end = refinements.iter().filter(|r| r.two_rules == MOST_MOVES && r.what.contains(name));
+        let without_end = refinements.iter().filter(|r| r.two_rules == MAX_MOVES && r.what.contains(name));
         without_end.count()
     };
     println!(
         "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): \
          {} refinements of FOS by 5 stop rules from 3 pools make at most {} moves | negative control: with one rule to take terms out \
-         and another to add them, {} of the refinements still go on after {MOST_MOVES} moves",
+         and another to add them, {} of the refinements still go on after {MAX_MOVES} moves",
         kinds.len(),
         refinements.len(),
         refinements.iter().map(|refinement| refinement.moves).max().unwrap(),
         two_rules(""),
     );
-    // those on which it was found
+    // the data on which the problem was found
     assert!(two_rules("spline") > 0 && two_rules("Butterworth") > 0, "the negative control was not noticed");
 }
 
 struct Refinement {
     what: String,
     moves: usize,
-    /// Moves with two rules that contradict one another.
+    /// Number of moves with two contradictory rules.
     two_rules: usize,
 }
 
@@ -77,8 +78,8 @@ fn refinements((name, values): &(String, Vec<f64>)) -> Vec<Refinement> {
         let gram = gram(series, lags, degree);
         for rule in rules() {
             let greedy = fos::search(&gram, &rule);
-            let two_rules = two_rules::moves(MOST_MOVES, &gram, &rule, &greedy);
-            let (_, moves) = refine_within(MOST_MOVES, &gram, &rule, greedy);
+            let two_rules = two_rules::moves(MAX_MOVES, &gram, &rule, &greedy);
+            let (_, moves) = refine_within(MAX_MOVES, &gram, &rule, greedy);
             let what = format!("{name}, L = {lags}, CP {degree}, {rule:?}");
             found.push(Refinement { what, moves, two_rules });
         }

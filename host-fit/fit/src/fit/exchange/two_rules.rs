@@ -1,14 +1,14 @@
-//! The refinement with two rules that contradict one another, as it was: a negative control, nothing else.
+//! The earlier refinement with two contradictory rules, as a negative control only.
 //!
-//! It takes a term out whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above what noise
-//! would do: where what is left is smaller than either, both hold of the same term, for ever.
+//! It removes a term whose Q is below the rounding error of an MSE of ⟨y²⟩, and adds one whose Q is above that of
+//! noise: if the residual is smaller than both, both rules apply to the same term forever.
 
 use super::{ForEachSwap, WORTH, for_each_pair, for_each_single, without};
 use crate::fit::fos::{Expansion, Selection};
 use crate::fit::stop::{EXACT, StopRule};
 use crate::moments::Gram;
 
-/// How many moves it makes, of at most `most`.
+/// Returns the number of moves, at most `most`.
 pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selection) -> usize {
     let threshold = rule.noise.threshold(gram.rows(), gram.size());
     let exact = EXACT * gram.target_mean_square();
@@ -26,12 +26,12 @@ pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selectio
         if moves == before || moves == most {
             return moves;
         }
-        terms = Expansion::of_terms(gram, &terms).run(rule).candidates().collect();
+        terms = Expansion::from_terms(gram, &terms).run(rule).candidates().collect();
     }
 }
 
 fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForEachSwap) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
+    let mse = Expansion::from_terms(gram, terms).mse();
     if mse <= exact {
         return false;
     }
@@ -50,8 +50,8 @@ fn exchange(gram: &Gram, terms: &mut Vec<usize>, exact: f64, for_each_swap: ForE
 }
 
 fn prune(gram: &Gram, terms: &mut Vec<usize>, threshold: f64, exact: f64) -> bool {
-    let mse = Expansion::of_terms(gram, terms).mse();
-    let mse_without = |i: usize| Expansion::of_terms(gram, &without(terms, &[terms[i]])).mse();
+    let mse = Expansion::from_terms(gram, terms).mse();
+    let mse_without = |i: usize| Expansion::from_terms(gram, &without(terms, &[terms[i]])).mse();
     let least = (0..terms.len()).map(|i| (i, mse_without(i))).min_by(|a, b| a.1.total_cmp(&b.1));
     match least {
         Some((i, mse_without))
