@@ -13,7 +13,7 @@ use crate::error::{raised, said};
 use crate::recording::Recording;
 use crate::work;
 
-/// Of `axes`, or of all that there are.
+/// Noise of `axes`, or of all axes.
 fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Vec<AxisNoise>> {
     let log = Arc::clone(&log.log);
     work::run(py, || -> Result<Vec<AxisNoise>, AxisNoiseError> {
@@ -27,7 +27,7 @@ fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Ve
     .map_err(raised(py))
 }
 
-/// The noise of every axis, as JSON.
+/// Noise of every axis, as JSON.
 #[pyfunction]
 pub(crate) fn noise(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<String> {
     let told = of(py, log, axes)?.into_iter().map(|axis| {
@@ -37,7 +37,7 @@ pub(crate) fn noise(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) 
     Ok(json!(told.collect::<Vec<_>>()).to_string())
 }
 
-/// The noise of three accelerometers and three gyros for Kalibr and OpenVINS, for ORB-SLAM3, for VINS.
+/// Files with the noise of three accelerometers and three gyros, for Kalibr and OpenVINS, ORB-SLAM3, and VINS.
 #[pyfunction]
 pub(crate) fn imu_yaml(
     py: Python<'_>,

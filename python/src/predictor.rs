@@ -1,4 +1,4 @@
-//! An image on fos-core in f32: what a device computes, over arrays.
+//! Runs an image over arrays on fos-core in f32, with the results of a device.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -17,7 +17,7 @@ use crate::error::{raised, said};
 use crate::recording::Recording;
 use crate::work;
 
-/// Most steps of one forecast, as in `predictor.py`.
+/// Maximum number of steps of one forecast, as in `predictor.py`.
 const MOST_STEPS: usize = 10_000_000;
 
 /// The model of an image and its state.
@@ -29,7 +29,7 @@ pub(crate) struct Predictor {
     about: String,
 }
 
-/// Corrections of rows, axis by axis in each.
+/// Corrections of rows, each axis by axis.
 #[derive(Default)]
 struct Rows {
     predicted: Vec<f32>,
@@ -38,7 +38,7 @@ struct Rows {
     validity: Vec<u16>,
 }
 
-/// Predicted, innovation, corrected, validity; rows × axes.
+/// Predictions, innovations, corrected values, validities; each rows × axes.
 type Arrays<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<f32>>,
@@ -68,7 +68,7 @@ impl Rows {
     }
 }
 
-/// What speaks against a corrected value, in the order of the bits.
+/// Names of the validity flags, in the order of the bits.
 #[pyfunction]
 pub(crate) fn validity_names() -> Vec<&'static str> {
     Validity::all().names().collect()
@@ -80,7 +80,7 @@ impl Predictor {
     }
 }
 
-/// The rows of a C-ordered or any other two-dimensional array.
+/// Rows of a two-dimensional array of any memory order.
 fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: usize) -> PyResult<Vec<f32>> {
     let view = array.as_array();
     if view.ncols() != columns {
@@ -118,14 +118,14 @@ impl Predictor {
         Ok(Self { state: Mutex::new(fresh.clone()), fresh, model, about: about.to_string() })
     }
 
-    /// What is known of the image, as JSON.
+    /// Description of the image, as JSON.
     fn about(&self) -> &str {
         &self.about
     }
 
-    /// Runs over a log from power-on, tracking where it is still and coasting where it moves, as a device does: its
-    /// corrections, where it was still, and by how much the lags are off in time. The state of the predictor is left as
-    /// it is.
+    /// Runs over a log from power-on, tracking at rest and coasting in motion, as a device does. Returns the
+    /// corrections, the detected rest, and the relative error of the lags in time. The state of the predictor is
+    /// not changed.
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -151,7 +151,7 @@ impl Predictor {
         Ok((found.arrays(py, self.model.axes.len())?, PyArray1::from_vec(py, still), off))
     }
 
-    /// Takes samples: rows × axes measured, rows × quantities, and which rows are still.
+    /// Processes samples: rows × axes measured, rows × quantities, and the rows at rest.
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -181,7 +181,7 @@ impl Predictor {
         found.arrays(py, n_axes)
     }
 
-    /// The rows that follow, without samples: as many as `quantities` has.
+    /// Predicts the following rows without samples, one for each row of `quantities`.
     fn forecast<'py>(
         &self,
         py: Python<'py>,
@@ -212,12 +212,12 @@ impl Predictor {
         found.arrays(py, self.model.axes.len())
     }
 
-    /// So many samples are missing.
+    /// Skips missing samples.
     fn skip(&self, ticks: u32) {
         let _ = self.lock().skip(ticks);
     }
 
-    /// As at power-on.
+    /// Resets to the state at power-on.
     fn reset(&self) {
         self.lock().reset();
     }

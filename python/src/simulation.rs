@@ -10,7 +10,7 @@ use crate::error::{raised, said};
 use crate::recording::{Recording, of_columns};
 use crate::work;
 
-/// A log of a six-axis unit with a thermometer.
+/// Log of a six-axis device with a temperature sensor.
 #[pyfunction]
 pub(crate) fn simulate(
     py: Python<'_>,
@@ -32,10 +32,10 @@ pub(crate) fn simulate(
     Ok(Recording { log: Arc::new(log.map_err(raised(py))?), read: LoadOptions::default() })
 }
 
-/// What is planted: effect, size, parameter.
+/// A simulated effect: identifier, size, parameter.
 type Planted = (String, f64, Option<f64>);
 
-/// A case: a quiet log, one to be explained and a later one of one unit, and the truth as JSON.
+/// Logs of a case (reference log, log to explain, evaluation log) of one device, and the truth as JSON.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.simulate_case`")]
 pub(crate) fn simulate_case(

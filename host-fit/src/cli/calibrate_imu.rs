@@ -88,7 +88,7 @@ pub(super) struct CalibrateImu {
     json: bool,
 }
 
-/// A size of an error of the acceleration, m/s².
+/// Accuracy of the acceleration, m/s².
 #[derive(Debug, Clone, Copy)]
 struct Accuracy(f64);
 
@@ -130,7 +130,7 @@ impl FromStr for TableRate {
     }
 }
 
-/// A number with one of these units after it, in the unit that their sizes are given in.
+/// Parses a number with one of these units after it; their sizes define the unit of the result.
 fn with_unit(text: &str, units: &[(&str, f64)]) -> Result<f64, String> {
     let known = || units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
     let text = text.trim();
@@ -219,7 +219,7 @@ impl CalibrateImu {
         }
     }
 
-    /// Writes the files that were asked for, once all of them are known to be possible.
+    /// Writes the requested files, after all of them are known to be possible.
     fn write(&self, certificate: &Certificate, recording: &Recording) -> Result<Vec<Written>, Failure> {
         let mut files: Vec<(&OutputFile, Vec<u8>, &str)> = Vec::new();
         if let Some(path) = &self.output {

@@ -1,4 +1,4 @@
-//! What speaks for an effect, as a figure: over time, and against the channel it shows best against.
+//! Evidence for an effect as a figure: over time, and against the channel that shows it best.
 
 use super::compare::{Subject, capitalised};
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};

@@ -1,5 +1,4 @@
-//! Ranges of x that are set apart by their background, and the one that is the same wherever a log is drawn over time:
-//! where the unit was moved.
+//! Ranges of x with a shaded background, and detected motion, which is shaded in all figures over time.
 
 use std::ops::Range;
 
@@ -13,20 +12,20 @@ use fos_data::stillness::Stillness;
 pub struct Shading {
     /// Text in the legend.
     pub label: String,
-    /// Why it is set apart; decides the colour.
+    /// Reason for the shading; decides the colour.
     pub tone: Tone,
-    /// What is shaded.
+    /// Ranges of x.
     pub ranges: Vec<ShadedRange>,
 }
 
-/// Why a range is set apart.
+/// Reason for the shading of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Tone {
-    /// To be looked at (orange).
+    /// Range of interest (orange).
     #[default]
     Apart,
-    /// It has no say (grey).
+    /// Excluded range (grey).
     LeftOut,
 }
 
@@ -38,15 +37,14 @@ pub struct ShadedRange {
     pub from: f64,
     /// Right end, in units of x.
     pub to: f64,
-    /// Short text at its top, a number for instance.
+    /// Short text at the top, such as a number.
     pub mark: String,
-    /// What it is, in words, for who points at it; empty where the legend says it all.
+    /// Description for a tooltip; empty if the legend suffices.
     pub says: String,
 }
 
-/// Where a unit was moved though it was meant to be at rest, over the time stamps of `recording`, s, as far as
-/// `stillness` leaves it out. Each stretch is told as it is found in the whole log: of a hand that the detector of
-/// stillness has seen, only a rest is found among the rows that it takes for still.
+/// Detected motion on a device meant to be at rest, over the timestamps of `recording`, s, where `stillness` excludes it. Descriptions come
+/// from the whole log, because only parts of a motion remain among the rows that the detector accepts as still.
 pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
     let mut stretches: Vec<(Range<usize>, String)> = Vec::new();
     for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_left_out()) {
@@ -82,7 +80,7 @@ mod tests {
         Axis, CasePlan, Disturbance as Disturbed, Setup, Simulation, simulate, simulate_case,
     };
 
-    /// When it is knocked, s.
+    /// Times of the knock, s.
     const KNOCK_S: [f64; 2] = [60.0, 60.3];
 
     /// Two minutes at rest, with a knock.
@@ -137,7 +135,7 @@ mod tests {
         assert_eq!(none.ranges, []);
         let picture = drawn(&log, &none);
         assert!(!picture.contains(&none.label) && !picture.contains("fill=\"#6B727B\""));
-        // lasting vibration is a state of the surroundings
+        // Lasting vibration is a property of the environment.
         let log = knocked(false);
         let mut lasting = stillness::find(&log);
         lasting.disturbances[0].kind = Kind::Vibration;
@@ -145,7 +143,7 @@ mod tests {
         assert_eq!(moved(&log, &lasting).ranges.len(), 1, "the knock alone");
     }
 
-    /// A hand and its knocks are seen by the detector of stillness too: of what it had seen only the rest was told.
+    /// Regression test: motion found by the detector of stillness was described incompletely.
     #[test]
     fn what_is_shaded_is_left_out() {
         for (disturbance, seed) in

@@ -1,4 +1,4 @@
-//! What arrives on a stream, until it ends, the time is over, or somebody asks for the end.
+//! Bytes of a stream until it ends, the time is over, or the user stops.
 
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -8,34 +8,33 @@ use std::time::{Duration, Instant};
 use super::end::when_asked_to_end;
 use super::kept::Kept;
 
-/// Bytes that are read at once, and pieces that may wait: seconds of a serial port, while the disk is slow.
+/// Bytes per read, and reads that may wait for a slow disk: seconds of a serial port.
 const PIECE: usize = 4096;
 const WAITING: usize = 1024;
 
-/// After so long somebody is told that the stream is waited for: it does not open, or nothing comes.
+/// Time without an open stream, or without data, after which the user is notified.
 const PATIENCE_TO_OPEN: Duration = Duration::from_secs(1);
 const PATIENCE_TO_HEAR: Duration = Duration::from_secs(5);
 
-/// What is worth knowing while a recording runs.
+/// Notifications during a recording.
 #[derive(Debug)]
 pub enum Notice {
-    /// It does not open; a FIFO without a writer does not.
+    /// The stream does not open; a FIFO without a writer does not.
     NotOpen,
-    /// It is open, and nothing has come.
+    /// The stream is open, and no data have come.
     Silent,
-    /// What comes from now on is in memory only.
+    /// Further data are in memory only.
     NotKept(io::Error),
 }
 
-/// The bytes of a stream that another thread opens and reads: the end comes also where nothing opens, or nothing comes
-/// any more.
+/// Bytes of a stream that another thread opens and reads, so that the recording can end even if nothing opens or no data come.
 pub struct Arriving<N> {
     coming: Receiver<Coming>,
     until: Option<Instant>,
-    /// The next moment at which patience is over; none once something has come.
+    /// Time of the next notification; none after the first data.
     impatient: Option<(Instant, Notice)>,
     kept: Option<Kept>,
-    /// It can be written and brought to the disk.
+    /// The file can be written and synced.
     keeps: bool,
     notify: N,
     piece: Vec<u8>,
@@ -52,12 +51,12 @@ enum Coming {
 }
 
 impl<N: FnMut(&Notice)> Arriving<N> {
-    /// Of the stream that `open` opens, `until` then. What comes goes to `kept` before anything else is done with it;
-    /// `notify` is told what somebody who waits should know.
+    /// Reads the stream returned by `open` until `until`. Data are written to `kept` before any other use; `notify` receives the
+    /// notifications.
     ///
     /// # Errors
     ///
-    /// The system gives no notice of a wish to end.
+    /// The system cannot deliver requests to end.
     pub fn of<S: Read>(
         open: impl FnOnce() -> io::Result<S> + Send + 'static,
         until: Option<Instant>,
@@ -82,7 +81,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
         })
     }
 
-    /// The file that holds what arrived, if there is one.
+    /// File with the received bytes, if there is one.
     pub fn into_kept(self) -> Option<Kept> {
         self.kept
     }
@@ -115,7 +114,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
         }
     }
 
-    /// Until something comes, or there is something else to do.
+    /// Waits for data, or until a sync or notification is due.
     fn wait(&self) -> Result<Coming, RecvTimeoutError> {
         let impatient = self.impatient.as_ref().map(|(at, _)| *at);
         let due = self.kept.as_ref().filter(|_| self.keeps).map(Kept::due);
@@ -140,13 +139,13 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     }
 }
 
-/// Opens a stream, and passes on what it says after it is kept.
+/// Opens a stream, and forwards its bytes.
 fn pass_on<S: Read>(
     open: impl FnOnce() -> io::Result<S>,
     mut keep: Option<impl Write>,
     sender: &SyncSender<Coming>,
 ) {
-    // nobody hears it any more: the recording has ended
+    // Sending fails after the recording has ended.
     let tell = |coming| sender.send(coming).is_ok();
     let mut stream = match open() {
         Ok(stream) => stream,
@@ -186,7 +185,7 @@ impl<N: FnMut(&Notice)> Read for Arriving<N> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.taken == self.piece.len() && !self.ended {
             (self.piece, self.taken) = (self.next()?, 0);
-            // once it has ended nothing is waited for any more
+            // After the end nothing more is awaited.
             self.ended = self.piece.is_empty();
         }
         let length = buffer.len().min(self.piece.len() - self.taken);
@@ -200,7 +199,7 @@ impl<N: FnMut(&Notice)> Read for Arriving<N> {
 mod tests {
     use super::*;
 
-    /// A port that says something and then nothing any more.
+    /// A port that sends some bytes and then nothing.
     struct Silent(Option<Vec<u8>>);
 
     impl Read for Silent {
@@ -235,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_end_stays_the_end() {
-        // asked again after the end, it waited for more for ever
+        // Regression test: a second read after the end waited forever.
         let mut stream = arriving(&b"0123"[..], None);
         let mut said = Vec::new();
         stream.read_to_end(&mut said).unwrap();

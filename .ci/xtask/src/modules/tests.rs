@@ -1,4 +1,4 @@
-//! Small trees of source, and the arrows and circles in them.
+//! Tests on small source trees: edges between files, and cycles.
 
 use std::fs;
 
@@ -7,10 +7,10 @@ use crate::workspace::{Dependency, Package, Target};
 use super::graph::Graph;
 use super::read;
 
-/// A package of that name with a library, whose dependencies are the packages before it.
+/// Packages by name, each with the files of a library; a package depends on all before it.
 type Tree<'a> = &'a [(&'a str, &'a [(&'a str, &'a str)])];
 
-/// The arrows between files, `from -> to: names`, and the circles.
+/// Edges between files as `from -> to: names`, and cycles.
 fn looked_at(tree: Tree) -> (Vec<String>, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let mut packages: Vec<Package> = Vec::new();
@@ -41,7 +41,7 @@ fn looked_at(tree: Tree) -> (Vec<String>, Vec<String>) {
     (graph.arrows().lines().map(str::to_owned).collect(), graph.circles())
 }
 
-/// The same of one package, without its name in the paths.
+/// Edges in one package, without its name in the paths.
 fn arrows(files: &[(&str, &str)]) -> Vec<String> {
     looked_at(&[("a", files)]).0.iter().map(|arrow| arrow.replace("a/", "")).collect()
 }
