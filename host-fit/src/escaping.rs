@@ -101,7 +101,7 @@ mod tests {
             let line = quoted(text);
             assert!(!line.contains(is_hidden), "{line}");
             match Command::new("bash").args(["-c", &format!("printf %s {line}")]).output() {
-                Ok(said) => assert_eq!(String::from_utf8_lossy(&said.stdout), text, "{line}"),
+                Ok(output) => assert_eq!(String::from_utf8_lossy(&output.stdout), text, "{line}"),
                 Err(_) => println!("skipped: no bash here"),
             }
         }

@@ -100,7 +100,7 @@ pub(crate) fn diagnose(
 #[pyfunction]
 pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
     let library = library(py, &files)?;
-    let told = |effect: &Effect| {
+    let entry = |effect: &Effect| {
         json!({
             "id": effect.id,
             "name": effect.name,
@@ -114,5 +114,5 @@ pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
             "device": effect.device,
         })
     };
-    Ok(Value::Array(library.effects().iter().map(told).collect()).to_string())
+    Ok(Value::Array(library.effects().iter().map(entry).collect()).to_string())
 }

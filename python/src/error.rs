@@ -65,13 +65,13 @@ pub(crate) fn raised<E: EngineError>(py: Python<'_>) -> impl FnOnce(E) -> PyErr 
 }
 
 /// Exception of this class with a message, and a remedy after `help:`.
-pub(crate) fn said(py: Python<'_>, class: &str, text: &str) -> PyErr {
+pub(crate) fn py_error(py: Python<'_>, class: &str, text: &str) -> PyErr {
     exception(py, class, text, Location::default())
 }
 
 /// Exception for a defect of the engine.
 pub(crate) fn defect(py: Python<'_>) -> PyErr {
-    said(
+    py_error(
         py,
         "InternalError",
         "an error in fos itself, which said what it was on standard error\nhelp: please report it, with what it said",

@@ -12,7 +12,7 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::library;
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::{Recording, options};
 use crate::work;
 
@@ -23,7 +23,7 @@ fn asked(py: Python<'_>, regressors: Vec<String>, diagnosed: bool) -> PyResult<A
     for regressor in &regressors {
         Regressor::parse(regressor).map_err(|reason| {
             let wrong = EstimateError::Regressor { regressor: regressor.clone(), reason };
-            said(py, "FleetError", &wrong.to_string())
+            py_error(py, "FleetError", &wrong.to_string())
         })?;
     }
     Ok(Asked { regressors, diagnosed, read: Default::default() })
@@ -122,14 +122,14 @@ impl Rows {
                 gathered.add(&row).map_err(|error| error.to_string())
             })
         })?;
-        taken.map_err(|error: String| said(py, "FleetError", &error))
+        taken.map_err(|error: String| py_error(py, "FleetError", &error))
     }
 
     /// Adds rows gathered elsewhere.
     fn merge(&self, py: Python<'_>, gathered: &[u8]) -> PyResult<()> {
         let merged =
             work::run(py, || Gathered::from_bytes(gathered).and_then(|other| self.held().merge(other)))?;
-        merged.map_err(|error| said(py, "FleetError", &error.to_string()))
+        merged.map_err(|error| py_error(py, "FleetError", &error.to_string()))
     }
 
     /// Bytes for `merge` in another process.
@@ -141,7 +141,7 @@ impl Rows {
     fn population(&self, py: Python<'_>, effects: Vec<PathBuf>) -> PyResult<Fleet> {
         let library = library(py, &effects)?;
         let found = work::run(py, || fos_fleet::Fleet::of_gathered(&self.held(), &library, PROGRAM))?;
-        found.map(Fleet).map_err(|error| said(py, "FleetError", &error.to_string()))
+        found.map(Fleet).map_err(|error| py_error(py, "FleetError", &error.to_string()))
     }
 }
 
@@ -169,7 +169,7 @@ impl Fleet {
         };
         work::run(py, || self.0.write_with_rows(&path, &rows))?.map_err(|error| match error {
             FleetError::File(error) => raised(py)(error),
-            other => said(py, "FleetError", &other.to_string()),
+            other => py_error(py, "FleetError", &other.to_string()),
         })
     }
 }

@@ -5,7 +5,7 @@ use fos_fit::fit::FitOptions;
 use fos_fit::fit::{InputSpec, Train};
 use pyo3::prelude::*;
 
-use crate::error::said;
+use crate::error::py_error;
 
 /// Keywords of a fit.
 #[derive(FromPyObject)]
@@ -36,7 +36,7 @@ impl Given {
     ///
     /// A word is not among those of an option; the message lists them.
     pub(crate) fn options(&self, py: Python<'_>) -> PyResult<FitOptions> {
-        self.parsed().map_err(|wrong| said(py, "FitError", &wrong))
+        self.parsed().map_err(|wrong| py_error(py, "FitError", &wrong))
     }
 
     fn parsed(&self) -> Result<FitOptions, String> {

@@ -13,7 +13,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::Recording;
 use crate::work;
 
@@ -87,7 +87,7 @@ fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: 
         let found = view.ncols();
         let help = "the order is that of `axes` and `quantities`";
         let text = format!("{what} has {found} columns where the model has {columns}\nhelp: {help}");
-        return Err(said(py, "PredictorError", &text));
+        return Err(py_error(py, "PredictorError", &text));
     }
     Ok(view.iter().copied().collect())
 }
@@ -96,11 +96,11 @@ fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: 
 impl Predictor {
     #[new]
     fn new(py: Python<'_>, image: &[u8], axes: Vec<String>) -> PyResult<Self> {
-        let refused = |text: String| said(py, "ImageError", &format!("the image cannot be run: {text}"));
+        let refused = |text: String| py_error(py, "ImageError", &format!("the image cannot be run: {text}"));
         let parsed = Image::parse(image).map_err(|error| refused(error.to_string()))?;
         let fresh: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
-        let model =
-            model_of(&parsed, &axes).map_err(|error: NoColumn| said(py, "ImageError", &error.to_string()))?;
+        let model = model_of(&parsed, &axes)
+            .map_err(|error: NoColumn| py_error(py, "ImageError", &error.to_string()))?;
         let info = parsed.info();
         let lines = |text: &str| -> Vec<String> { text.lines().map(str::to_owned).collect() };
         let about = json!({
@@ -164,7 +164,11 @@ impl Predictor {
         let (measured, quantities) =
             (rows(py, "measured", &measured, n_axes)?, rows(py, "quantities", &quantities, n_quantities)?);
         if measured.len() != n_rows * n_axes || quantities.len() != n_rows * n_quantities {
-            return Err(said(py, "PredictorError", "measured, quantities and still differ in their rows"));
+            return Err(py_error(
+                py,
+                "PredictorError",
+                "measured, quantities and still differ in their rows",
+            ));
         }
         let found = work::run(py, || {
             let mut state = self.lock();
@@ -193,10 +197,10 @@ impl Predictor {
         if steps > MOST_STEPS {
             let text =
                 format!("{steps} steps: a forecast has at most {MOST_STEPS}\nhelp: forecast in pieces");
-            return Err(said(py, "PredictorError", &text));
+            return Err(py_error(py, "PredictorError", &text));
         }
         if quantities.len() != steps * n_quantities {
-            return Err(said(py, "PredictorError", "quantities has another number of rows than steps"));
+            return Err(py_error(py, "PredictorError", "quantities has another number of rows than steps"));
         }
         let found = work::run(py, || {
             let mut state = self.lock();

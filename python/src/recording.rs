@@ -16,7 +16,7 @@ use serde_json::json;
 use sha2::{Digest as _, Sha256};
 
 use crate::arrays::Column;
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::work;
 
 /// Measured data of one sensor.
@@ -36,9 +36,9 @@ pub(crate) fn options(
     (strict, keep_moved): (bool, bool),
 ) -> PyResult<LoadOptions> {
     let columns = ColumnMap::from_specs(map);
-    let columns = columns.map_err(|error| said(py, "RecordingError", &error.to_string()))?;
+    let columns = columns.map_err(|error| py_error(py, "RecordingError", &error.to_string()))?;
     let format = format.map(str::parse).transpose();
-    let format = format.map_err(|error| said(py, "RecordingError", &format!("{error}")))?;
+    let format = format.map_err(|error| py_error(py, "RecordingError", &format!("{error}")))?;
     Ok(LoadOptions { columns, rate_hz, format, topic, strict, keep_moved })
 }
 
@@ -123,7 +123,7 @@ impl Recording {
         let joined = log.alignment.as_ref().map_or_else(String::new, ToString::to_string);
         let read_as = log.sources.iter().filter_map(|source| source.read_as.as_ref());
         let quality = log.quality.to_string();
-        let said: Vec<String> = read_as
+        let notes: Vec<String> = read_as
             .map(ToString::to_string)
             .chain(joined.lines().chain(quality.lines()).map(str::to_owned))
             .collect();
@@ -137,7 +137,7 @@ impl Recording {
             "samples_missing": log.samples_missing(),
             "segments": segments,
             "channels": channels,
-            "notes": said,
+            "notes": notes,
         })
         .to_string()
     }

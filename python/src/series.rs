@@ -14,7 +14,7 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::error::said;
+use crate::error::py_error;
 use crate::work;
 
 /// Name of the output.
@@ -146,7 +146,7 @@ pub(crate) fn fit_series(
     let labels = labels.map(|labels| labels.as_array().to_vec());
     let inputs: Vec<Vec<f64>> = inputs.columns().into_iter().map(|column| column.to_vec()).collect();
     let found = work::run(py, || search(output, inputs, labels.as_deref(), &names, &options))?;
-    let (model, mean, report) = found.map_err(|wrong| said(py, "FitError", &wrong))?;
+    let (model, mean, report) = found.map_err(|wrong| py_error(py, "FitError", &wrong))?;
     SeriesModel::of(py, model, mean, report)
 }
 
@@ -177,7 +177,7 @@ fn search(
     let terms = found.refit.terms(&found.terms);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     // Converted back to the units of output and inputs.
-    let told = terms.iter().map(|term| {
+    let report = terms.iter().map(|term| {
         let per = |factor: &fos_core::Factor| match factor.channel {
             Channel::Output => output.scale,
             Channel::Input(index) => inputs[usize::from(index)].scale,
@@ -209,7 +209,7 @@ fn search(
     };
     let report = json!({
         "constant": found.refit.constant * output.scale + output.centre,
-        "terms": told.collect::<Vec<_>>(),
+        "terms": report.collect::<Vec<_>>(),
         "centres": centres,
         "candidates": pool.len(),
         "rows": found.refit.rows,
@@ -273,7 +273,7 @@ impl SeriesModel {
         let places: Option<Vec<usize>> =
             model.quantities.iter().map(|logged| logged.column.parse().ok()).collect();
         let (Some(places), [axis]) = (places, &model.axes[..]) else {
-            return Err(said(py, "RegressorError", "not the model of a regressor"));
+            return Err(py_error(py, "RegressorError", "not the model of a regressor"));
         };
         let factors = axis.stochastic.iter().flat_map(|term| &term.factors);
         let depth = factors.map(|factor| usize::from(factor.lag)).max().unwrap_or(0);
@@ -283,7 +283,7 @@ impl SeriesModel {
     fn predictor(&self, py: Python<'_>) -> PyResult<HostPredictor<f64>> {
         let predictor = self.model.predictor();
         predictor.map_err(|error| {
-            said(
+            py_error(
                 py,
                 "FitError",
                 &format!("the model cannot be run: {error}\nhelp: a smaller `max_lag` or `max_terms`"),
@@ -295,7 +295,7 @@ impl SeriesModel {
     fn quantities(&self, py: Python<'_>, inputs: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
         let inputs = inputs.as_array();
         if self.places.iter().any(|place| *place >= inputs.ncols()) {
-            return Err(said(py, "RegressorError", "an input that the model needs is missing"));
+            return Err(py_error(py, "RegressorError", "an input that the model needs is missing"));
         }
         let row = |row| self.places.iter().map(|place| inputs[[row, *place]]).collect();
         Ok((0..inputs.nrows()).map(row).collect())
@@ -316,7 +316,7 @@ impl SeriesModel {
     #[staticmethod]
     fn from_json(py: Python<'_>, model: &str, mean: f64, report: String) -> PyResult<Self> {
         let model: UnitModel = serde_json::from_str(model)
-            .map_err(|error| said(py, "RegressorError", &format!("not a model: {error}")))?;
+            .map_err(|error| py_error(py, "RegressorError", &format!("not a model: {error}")))?;
         Self::of(py, model, mean, report)
     }
 

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::{Recording, of_columns};
 use crate::work;
 
@@ -49,9 +49,9 @@ pub(crate) fn simulate_case(
     durations_s: [f64; 3],
 ) -> PyResult<(Recording, Recording, Recording, String)> {
     let plan = plan(&planted, setup, part, axis, seed, world, durations_s);
-    let plan = plan.map_err(|wrong| said(py, "SimulationError", &wrong))?;
+    let plan = plan.map_err(|wrong| py_error(py, "SimulationError", &wrong))?;
     let case = work::run(py, || fos_simulate::simulate_case(&plan))?;
-    let case = case.map_err(|error| said(py, "SimulationError", &error.to_string()))?;
+    let case = case.map_err(|error| py_error(py, "SimulationError", &error.to_string()))?;
     let log = |which: &str, columns: Vec<(String, Vec<f64>)>| -> PyResult<Recording> {
         let name = format!("{which} of a simulated case, seed {seed}");
         let read = LoadOptions::default();

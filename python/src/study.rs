@@ -18,7 +18,7 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::{evidence_json, library, line_json};
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::options::Given;
 use crate::recording::Recording;
 use crate::work;
@@ -90,7 +90,7 @@ impl Refused {
         match self {
             Self::Log(error) => raised(py)(error),
             Self::Refine(error) => raised(py)(error),
-            Self::Said(text) => said(py, "StudyError", &text),
+            Self::Said(text) => py_error(py, "StudyError", &text),
         }
     }
 }
@@ -118,7 +118,7 @@ pub(crate) fn fit(
     };
     let columns = columns.map_err(raised(py))?;
     if columns.is_empty() {
-        return Err(said(py, "FitError", "no axis was named\nhelp: name one, as gx"));
+        return Err(py_error(py, "FitError", "no axis was named\nhelp: name one, as gx"));
     }
     let (stillness, fits) = work::run(py, || {
         let stillness = rest(&log, options.train);
@@ -435,7 +435,7 @@ impl Study {
     fn export_image<'py>(&self, py: Python<'py>, sensor: &str) -> PyResult<Bound<'py, PyBytes>> {
         let study = self.snapshot().study;
         let bytes = image(&study.model, sensor, &study.provenance());
-        let bytes = bytes.map_err(|error| said(py, "ImageError", &error.to_string()))?;
+        let bytes = bytes.map_err(|error| py_error(py, "ImageError", &error.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
     }
 }

@@ -92,13 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn a_control_file_has_paths_sizes_and_edges() {
+    fn parses_control_file() {
         let control = "2\n0\nc/a\nc/b\nSTARTED 0 12\nFT 0 1 2\nCOV 0 7 9\nSTARTED 1 30\nFT 1 3\nCOV 1\n";
         assert_eq!(inputs(control).unwrap(), [input("c/a", 12, [1, 2]), input("c/b", 30, [3])]);
     }
 
     #[test]
-    fn the_smallest_of_those_that_reach_most_come_first_and_what_adds_little_is_left() {
+    fn selects_smallest_inputs_with_most_new_edges() {
         let all = || {
             vec![
                 input("large", 90, 0..60),

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_points_to_the_left_is_accepted() {
+    fn accepts_dependencies_to_the_left() {
         let packages = [
             package("fos-core", "fos-core", &[]),
             package("fos-data", "host-fit/data", &[("fos-core", Value::Null), ("serde", Value::Null)]),
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_points_to_the_right_is_refused() {
+    fn rejects_dependencies_to_the_right() {
         let packages = [
             package("fos-core", "fos-core", &[]),
             package("fos-fit", "host-fit/fit", &[("fos-core", Value::Null), ("fos-embedded", Value::Null)]),
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_libraries_of_the_program_are_seen_in_a_tree_by_their_whole_name() {
+    fn finds_program_libraries_by_whole_name() {
         assert_eq!(named("fos-fit v0.1.0\ntokio v1.54.0\nclap_lex v1.0.0\n").collect::<Vec<_>>(), ["tokio"]);
     }
 }

@@ -192,18 +192,18 @@ pub fn estimate(
         Some(of_regressor) => Some((regressors[of_regressor].clone(), all[index])),
         None => has_bias.then(|| (BIAS.to_owned(), all[index] + mean)),
     };
-    let told: Vec<(usize, (String, f64))> = fitted
+    let named_coefficients: Vec<(usize, (String, f64))> = fitted
         .gls
         .kept
         .iter()
         .enumerate()
         .filter_map(|(place, index)| Some((place, named(*index)?)))
         .collect();
-    let covariance = told
+    let covariance = named_coefficients
         .iter()
-        .map(|(row, _)| told.iter().map(|(other, _)| covariance[(*row, *other)]).collect())
+        .map(|(row, _)| named_coefficients.iter().map(|(other, _)| covariance[(*row, *other)]).collect())
         .collect();
-    let (names, values) = told.into_iter().map(|(_, named)| named).unzip();
+    let (names, values) = named_coefficients.into_iter().map(|(_, named)| named).unzip();
     Ok(AxisEstimate {
         column: column.to_owned(),
         coefficients: Estimate { names, values, covariance },

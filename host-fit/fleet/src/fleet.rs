@@ -190,12 +190,12 @@ pub fn rows_beside(population: &Path) -> PathBuf {
 
 /// A stored row with the [`key`] of everything it depends on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Kept {
+struct StoredRow {
     key: String,
     row: UnitRow,
 }
 
-/// Returns the rows of `units`, in their order. Each new row is appended to `kept_in` at once as a line of JSON; a stored row is reused if
+/// Returns the rows of `units`, in their order. Each new row is appended to `rows_path` at once as a line of JSON; a stored row is reused if
 /// its logs, the settings, the library and the program are unchanged. `build` distinguishes builds of one version. `progress` receives the
 /// number of finished rows.
 ///
@@ -208,53 +208,53 @@ pub fn rows(
     library: &Library,
     program: &str,
     build: &str,
-    kept_in: &Path,
+    rows_path: &Path,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Vec<UnitRow>, FleetError> {
-    let failed = |source| FleetError::Rows { path: kept_in.to_owned(), source };
+    let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
     let known =
-        known_rows(kept_in).map_err(failed)?.ok_or_else(|| FleetError::NotRows(kept_in.to_owned()))?;
-    let file = OpenOptions::new().create(true).append(true).open(kept_in).map_err(failed)?;
+        known_rows(rows_path).map_err(failed)?.ok_or_else(|| FleetError::NotRows(rows_path.to_owned()))?;
+    let file = OpenOptions::new().create(true).append(true).open(rows_path).map_err(failed)?;
     let (file, done) = (Mutex::new(file), AtomicUsize::new(0));
-    let kept: Vec<Kept> = units
+    let stored: Vec<StoredRow> = units
         .par_iter()
         .map(|unit| {
             let key = key(unit, asked, library, build);
-            let kept = match known.get(&key) {
-                Some(row) => Kept { key, row: row.clone() },
+            let stored = match known.get(&key) {
+                Some(row) => StoredRow { key, row: row.clone() },
                 None => {
-                    let kept = Kept { key, row: unit_row(unit, asked, library, program) };
+                    let stored = StoredRow { key, row: unit_row(unit, asked, library, program) };
                     // One write per line: other threads append too.
-                    let line = line_of(&kept);
+                    let line = line_of(&stored);
                     let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                     file.write_all(&line).and_then(|()| file.flush()).map_err(failed)?;
-                    kept
+                    stored
                 }
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            Ok(kept)
+            Ok(stored)
         })
         .collect::<Result<_, FleetError>>()?;
     // Rewritten in the order of the units, one line each.
-    write_atomically(kept_in, &kept.iter().flat_map(line_of).collect::<Vec<u8>>())?;
-    Ok(kept.into_iter().map(|kept| kept.row).collect())
+    write_atomically(rows_path, &stored.iter().flat_map(line_of).collect::<Vec<u8>>())?;
+    Ok(stored.into_iter().map(|stored| stored.row).collect())
 }
 
-fn line_of(kept: &Kept) -> Vec<u8> {
-    let mut line = serde_json::to_vec(kept).expect("rows have only string keys");
+fn line_of(stored: &StoredRow) -> Vec<u8> {
+    let mut line = serde_json::to_vec(stored).expect("rows have only string keys");
     line.push(b'\n');
     line
 }
 
 /// Stored rows by key; a truncated last line is ignored. None if the file has other content.
-fn known_rows(kept_in: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
-    let file = match File::open(kept_in) {
+fn known_rows(rows_path: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
+    let file = match File::open(rows_path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(HashMap::new())),
         file => file?,
     };
     let (mut known, mut lines) = (HashMap::new(), 0);
     for line in BufReader::new(file).split(b'\n') {
-        known.extend(serde_json::from_slice::<Kept>(&line?).map(|kept| (kept.key, kept.row)));
+        known.extend(serde_json::from_slice::<StoredRow>(&line?).map(|stored| (stored.key, stored.row)));
         lines += 1;
     }
     Ok((lines <= 1 || !known.is_empty()).then_some(known))
@@ -293,30 +293,32 @@ impl Fleet {
         {
             return Err(not(format!("{}: a number is missing or not finite", axis.column)));
         }
-        let kept_in = rows_beside(path);
-        let text = file::read(&kept_in)?;
+        let rows_path = rows_beside(path);
+        let text = file::read(&rows_path)?;
         let lines: Vec<&[u8]> = text.split(|byte| *byte == b'\n').collect();
         let mut rows = Vec::new();
         for (index, line) in lines.iter().enumerate() {
             let wrong =
-                |reason: String| FleetError::NotARow { path: kept_in.clone(), line: index + 1, reason };
-            match serde_json::from_slice::<Kept>(line) {
+                |reason: String| FleetError::NotARow { path: rows_path.clone(), line: index + 1, reason };
+            match serde_json::from_slice::<StoredRow>(line) {
                 // A truncated last line is ignored.
                 Err(_) if index + 1 == lines.len() => {}
                 Err(error) => return Err(wrong(error.to_string())),
-                Ok(Kept { row, .. }) => match row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
-                    Some(axis) => {
-                        return Err(wrong(format!(
-                            "{}: a number is missing or not finite",
-                            axis.estimate.column
-                        )));
+                Ok(StoredRow { row, .. }) => {
+                    match row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
+                        Some(axis) => {
+                            return Err(wrong(format!(
+                                "{}: a number is missing or not finite",
+                                axis.estimate.column
+                            )));
+                        }
+                        None => rows.push(row),
                     }
-                    None => rows.push(row),
-                },
+                }
             }
         }
         if digest_of(&Gathered::of(&rows).sorted()) != fleet.rows_sha256 {
-            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: fleet.units });
+            return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: fleet.units });
         }
         Ok((fleet, rows))
     }
@@ -328,23 +330,23 @@ impl Fleet {
     /// An element is not a row, the rows do not belong to the population, or a file cannot be written. Nothing is written before all
     /// rows are checked.
     pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
-        let kept_in = rows_beside(path);
+        let rows_path = rows_beside(path);
         let (mut gathered, mut lines) = (Gathered::default(), Vec::new());
         for (index, row) in rows.iter().enumerate() {
             let wrong = |reason: &dyn ToString| FleetError::NotARow {
-                path: kept_in.clone(),
+                path: rows_path.clone(),
                 line: index + 1,
                 reason: reason.to_string(),
             };
             let row: UnitRow = serde_json::from_str(row).map_err(|error| wrong(&error))?;
             gathered.add(&row).map_err(|error| wrong(&error))?;
             // No unit has this key, so a later run computes the row again.
-            lines.extend(line_of(&Kept { key: String::new(), row }));
+            lines.extend(line_of(&StoredRow { key: String::new(), row }));
         }
         if digest_of(&gathered.sorted()) != self.rows_sha256 {
-            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: self.units });
+            return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: self.units });
         }
-        write_atomically(&kept_in, &lines)?;
+        write_atomically(&rows_path, &lines)?;
         Ok(write_atomically(path, &self.to_bytes())?)
     }
 
@@ -527,9 +529,9 @@ fn judged_axis<'a>(
 /// The bias and regressors that are identifiable from the logs of at least three units.
 fn names_of(members: &[Member<'_>], asked: &Asked) -> Vec<String> {
     let all = std::iter::once(BIAS).chain(asked.regressors.iter().map(String::as_str));
-    let told =
+    let identifiable =
         all.filter(|name| members.iter().filter(|member| member.estimate.place(name).is_some()).count() >= 3);
-    told.map(str::to_owned).collect()
+    identifiable.map(str::to_owned).collect()
 }
 
 /// Adds the odd units of all parts: over all tests of the fleet, at most [`FALSE_ODD`] of them are false positives. If a part is too small

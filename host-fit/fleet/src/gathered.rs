@@ -38,7 +38,7 @@ pub enum GatheredError {
     /// A unit occurs twice.
     #[error(
         "the unit {unit:?}{} is there twice\nhelp: one row for each unit of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
-        of_part(part)
+        suffix_of_part(part)
     )]
     Twice { unit: String, part: String },
     /// A row lacks numbers.
@@ -51,7 +51,7 @@ pub enum GatheredError {
     NotGathered(String),
 }
 
-fn of_part(part: &str) -> String {
+fn suffix_of_part(part: &str) -> String {
     if part.is_empty() { String::new() } else { format!(" of {part:?}") }
 }
 
@@ -65,7 +65,7 @@ pub struct Gathered {
     texts: IndexSet<String>,
     /// Distinct sets of axes and coefficients.
     shapes: IndexSet<Shape>,
-    units: Vec<Held>,
+    units: Vec<StoredUnit>,
 }
 
 /// Axes of a unit, in the order of their numbers.
@@ -80,7 +80,7 @@ struct AxisShape {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Held {
+struct StoredUnit {
     unit: Box<str>,
     part: u32,
     lot: Option<u32>,
@@ -93,13 +93,13 @@ struct Held {
     /// For each axis the coefficients, the lower triangle of their covariance by rows, and the noise levels.
     numbers: Box<[f64]>,
     /// Effects found on the axes.
-    found: Box<[Found]>,
+    found: Box<[FoundOnAxis]>,
     failed: Box<[String]>,
 }
 
 /// An effect that was found on an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Found {
+struct FoundOnAxis {
     /// Index of the axis.
     axis: u16,
     effect: u32,
@@ -113,14 +113,14 @@ struct Written<'a> {
     asked: Option<String>,
     texts: Vec<String>,
     shapes: Vec<Shape>,
-    units: Vec<Held>,
+    units: Vec<StoredUnit>,
 }
 
 /// View of one gathered unit.
 #[derive(Clone, Copy)]
 pub(crate) struct GatheredUnit<'a> {
     of: &'a Gathered,
-    held: &'a Held,
+    stored: &'a StoredUnit,
 }
 
 pub(crate) struct GatheredAxis {
@@ -175,14 +175,14 @@ impl Gathered {
         let mut found = Vec::new();
         for (place, axis) in row.axes.iter().enumerate() {
             for effect in axis.diagnosis.iter().flat_map(|diagnosis| &diagnosis.effects) {
-                found.push(Found {
+                found.push(FoundOnAxis {
                     axis: place as u16,
                     effect: self.text(&effect.effect),
                     predicted_reduction: effect.predicted_reduction,
                 });
             }
         }
-        let held = Held {
+        let stored = StoredUnit {
             unit: row.unit.as_str().into(),
             part: self.text(&row.part),
             lot: row.lot.as_deref().map(|lot| self.text(lot)),
@@ -193,7 +193,7 @@ impl Gathered {
             found: found.into(),
             failed: row.failed.clone().into(),
         };
-        self.units.push(held);
+        self.units.push(stored);
     }
 
     /// Adds rows gathered elsewhere.
@@ -219,12 +219,12 @@ impl Gathered {
                 self.shapes.insert_full(Shape(axes.collect())).0 as u32
             })
             .collect();
-        self.units.extend(other.units.into_iter().map(|mut held| {
-            held.part = text(held.part);
-            held.lot = held.lot.map(text);
-            held.shape = shapes[held.shape as usize];
-            held.found.iter_mut().for_each(|found| found.effect = text(found.effect));
-            held
+        self.units.extend(other.units.into_iter().map(|mut stored| {
+            stored.part = text(stored.part);
+            stored.lot = stored.lot.map(text);
+            stored.shape = shapes[stored.shape as usize];
+            stored.found.iter_mut().for_each(|found| found.effect = text(found.effect));
+            stored
         }));
         Ok(())
     }
@@ -300,9 +300,9 @@ impl Gathered {
 
     /// Units by part and name.
     pub(crate) fn sorted(&self) -> Vec<GatheredUnit<'_>> {
-        let mut units: Vec<_> = self.units.iter().map(|held| GatheredUnit { of: self, held }).collect();
+        let mut units: Vec<_> = self.units.iter().map(|stored| GatheredUnit { of: self, stored }).collect();
         // The digest orders units of the same name, where duplicates are allowed.
-        units.sort_by_key(|unit| (unit.part(), unit.name(), unit.held.digest));
+        units.sort_by_key(|unit| (unit.part(), unit.name(), unit.stored.digest));
         units
     }
 
@@ -352,25 +352,25 @@ impl AxisShape {
 
 impl<'a> GatheredUnit<'a> {
     pub(crate) fn name(self) -> &'a str {
-        &self.held.unit
+        &self.stored.unit
     }
 
     pub(crate) fn part(self) -> &'a str {
-        &self.of.texts[self.held.part as usize]
+        &self.of.texts[self.stored.part as usize]
     }
 
     pub(crate) fn lot(self) -> Option<&'a str> {
-        self.held.lot.map(|lot| self.of.texts[lot as usize].as_str())
+        self.stored.lot.map(|lot| self.of.texts[lot as usize].as_str())
     }
 
     /// SHA-256 of the row.
     pub(crate) fn digest(self) -> &'a [u8; 32] {
-        &self.held.digest
+        &self.stored.digest
     }
 
     /// Digest of the log, for the detection of duplicates.
     pub(crate) fn log(self) -> Option<[u8; LOG_DIGEST]> {
-        self.held.log
+        self.stored.log
     }
 
     /// Number of identified coefficients over all axes.
@@ -380,7 +380,7 @@ impl<'a> GatheredUnit<'a> {
 
     /// Reasons for missing results.
     pub(crate) fn failed(self) -> &'a [String] {
-        &self.held.failed
+        &self.stored.failed
     }
 
     /// Columns of the estimated axes.
@@ -392,7 +392,7 @@ impl<'a> GatheredUnit<'a> {
         let (place, numbers) = self.place(column)?;
         let shape = &self.shape()[place];
         let n = shape.names.len();
-        let (values, rest) = self.held.numbers[numbers].split_at(n);
+        let (values, rest) = self.stored.numbers[numbers].split_at(n);
         let (covariance, noise) = rest.split_at(n * (n + 1) / 2);
         let at = |row: usize, column: usize| {
             let (row, column) = (row.max(column), row.min(column));
@@ -407,14 +407,14 @@ impl<'a> GatheredUnit<'a> {
     /// Effects found on an axis, with their predicted reductions; none if the axis was not diagnosed.
     pub(crate) fn effects(self, column: &str) -> Option<impl Iterator<Item = (&'a str, f64)>> {
         let (place, _) = self.place(column)?;
-        let found = self.held.found.iter().filter(move |found| usize::from(found.axis) == place);
+        let found = self.stored.found.iter().filter(move |found| usize::from(found.axis) == place);
         let named = found
             .map(move |found| (self.of.texts[found.effect as usize].as_str(), found.predicted_reduction));
         self.shape()[place].diagnosed.then_some(named)
     }
 
     fn shape(self) -> &'a [AxisShape] {
-        &self.of.shapes[self.held.shape as usize].0
+        &self.of.shapes[self.stored.shape as usize].0
     }
 
     /// Index of an axis, and the range of its numbers.

@@ -549,8 +549,10 @@ impl Covariances {
             symmetric(&(from + moved * (2.0 * reach) + turned * (reach * reach)))
         };
         let there = Self { lots: leap(&self.lots, &lots), units: leap(&self.units, &units) };
-        let sound = |matrix: &DMatrix<f64>| matrix.clone().cholesky().is_some();
-        (sound(&there.units) && (there.lots.norm_squared() == 0.0 || sound(&there.lots))).then_some(there)
+        let is_positive_definite = |matrix: &DMatrix<f64>| matrix.clone().cholesky().is_some();
+        (is_positive_definite(&there.units)
+            && (there.lots.norm_squared() == 0.0 || is_positive_definite(&there.lots)))
+        .then_some(there)
     }
 }
 

@@ -115,15 +115,15 @@ impl Shipment {
             let known: Vec<Estimate> =
                 axes.iter().map(|(axis, population)| known_of(row, &axis.column, population, odd)).collect();
             let failed = |error| ShipError::Unit { unit: row.unit.clone(), error };
-            let told = axes.iter().map(|(axis, _)| row.axis(&axis.column).is_some());
+            let estimated = axes.iter().map(|(axis, _)| row.axis(&axis.column).is_some());
             units.push(ShippedUnit {
                 unit: row.unit.clone(),
                 lot: row.lot.clone(),
                 odd,
                 bias_error: known
                     .iter()
-                    .zip(told)
-                    .map(|(known, told)| known.standard_error(BIAS).filter(|_| told))
+                    .zip(estimated)
+                    .map(|(known, estimated)| known.standard_error(BIAS).filter(|_| estimated))
                     .collect(),
                 record: record(&image, &model, &row.unit, &known).map_err(failed)?,
             });

@@ -75,7 +75,7 @@ pub enum CommandError {
     },
     /// A command ended with an error.
     #[error(
-        "{program} {arguments}: {said}\nhelp: run it by hand; `against` takes a program that knows the same commands"
+        "{program} {arguments}: {last_line}\nhelp: run it by hand; `against` takes a program that knows the same commands"
     )]
     Failed {
         /// Path of the program.
@@ -83,7 +83,7 @@ pub enum CommandError {
         /// Arguments of the command.
         arguments: String,
         /// Last line of its output.
-        said: String,
+        last_line: String,
     },
     /// The numerical part failed.
     #[error(transparent)]
@@ -202,18 +202,18 @@ pub fn time_commands(
     let mut commands = Vec::new();
     for row in ROWS.iter().chain((*long_hours > 0).then_some(&LONG)) {
         let mut took: Vec<Option<Took>> = vec![None; programs.len()];
-        let mut said = Vec::new();
+        let mut printed = Vec::new();
         for _ in 0..(*repeats).max(1) {
-            said.clear();
+            printed.clear();
             for ((program, place), least) in programs.iter().zip(&places).zip(&mut took) {
                 let (once, text) = run(program, place, row.arguments)?;
-                said.push(text);
+                printed.push(text);
                 *least = Some(least.map_or(once, |least| least.least(once)));
             }
         }
         done();
         let [this, before] = [0, 1].map(|place| took.get(place).copied().flatten());
-        let is_same = match &said[..] {
+        let is_same = match &printed[..] {
             [this, other] => Some((!row.prints || this == other) && is_same_file(row.writes, &places)?),
             _ => None,
         };
@@ -277,7 +277,7 @@ fn run(program: &Path, place: &Path, arguments: &str) -> Result<(Took, String), 
         return Err(CommandError::Failed {
             program: program.display().to_string(),
             arguments: arguments.to_owned(),
-            said: text.lines().last().unwrap_or("nothing said").to_owned(),
+            last_line: text.lines().last().unwrap_or("nothing said").to_owned(),
         });
     }
     let ResourceUsage { utime, stime, maxrss, .. } = ended.rusage;

@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn measures_every_part() {
+    fn benchmark_measures_every_part() {
         let settings = Settings { samples: 3000, max_lag: 3, repeats: 2, ..Settings::default() };
         let timings = measure(&settings).unwrap();
         assert_eq!((timings.candidates, timings.terms), (9, 9));

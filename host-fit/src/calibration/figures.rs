@@ -310,7 +310,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals_are_those_of_clopper_and_pearson() {
+    fn intervals_match_clopper_and_pearson() {
         // Clopper and Pearson 1934: 0 of 10, 3 of 10, 10 of 10.
         for (hit, [low, high]) in [(0, [0.0, 0.3085]), (3, [0.0667, 0.6525]), (10, [0.6915, 1.0])] {
             let found = interval(hit, 10);
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_misses_says_so_and_few_cases_leave_it_open() {
+    fn missed_goal_is_inconclusive_with_few_cases() {
         let goal = Goal::AtLeast(0.9, 0.95);
         let missed = rate("few", goal, [true, true, true, false]);
         assert!(!missed.holds() && missed.may_hold());

@@ -112,7 +112,7 @@ mod tests {
     use fos_simulate::Disturbance;
 
     #[test]
-    fn a_calibration_goes_on_where_it_was_broken_off() {
+    fn interrupted_calibration_resumes() {
         let folder = tempfile::tempdir().unwrap();
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
         let cases = |seed| Cases { seed, count: 3, world: Disturbance::Clean, every_axis: false };

@@ -289,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_content_under_two_names_is_found() {
+    fn finds_same_content_under_two_names() {
         let source = |path: &str, sha256: &str| Source { sha256: sha256.to_owned(), ..Source::made_by(path) };
         let sources = [source("a.csv", "01"), source("b.csv", "02"), source("copy.csv", "01")];
         assert_eq!(same_content(&sources), Some(["a.csv", "copy.csv"]));

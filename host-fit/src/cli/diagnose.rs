@@ -109,15 +109,15 @@ impl Diagnose {
             .extend(field.quality.empty_axes.iter().filter_map(|axis| Some(field.axis(axis).err()?.into())));
         for error in &refused {
             // The suggested help is the current command.
-            let said = error.to_string();
-            print_warning(&format!("excluded: {}", said.split("\nhelp: ").next().unwrap_or_default()));
+            let message = error.to_string();
+            print_warning(&format!("excluded: {}", message.split("\nhelp: ").next().unwrap_or_default()));
         }
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
         let answers = with_shared_signal(answers, &field)?;
-        let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
+        let mut notes: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
         let joined = field.alignment.as_ref().map_or_else(String::new, ToString::to_string);
-        said.extend(joined.lines().map(|line| format!("  {line}")));
-        Ok((answers, said))
+        notes.extend(joined.lines().map(|line| format!("  {line}")));
+        Ok((answers, notes))
     }
 
     fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {

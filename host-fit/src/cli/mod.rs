@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_subcommand_stands_in_one_group_of_the_help() {
+    fn every_subcommand_is_in_one_group_of_the_help() {
         let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
         grouped.sort_unstable();
         let mut all: Vec<String> =

@@ -102,7 +102,7 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
 
 /// An error in the terms of the command line: entries of a column map, and suggested maps, become arguments to paste.
 pub(super) fn in_words(failure: &Failure) -> String {
-    let said = failure.to_string();
+    let message = failure.to_string();
     if let Some(StudyError::NotAStudy { path, .. }) = failure.downcast_ref()
         && !path.ends_with(".json")
     {
@@ -114,17 +114,19 @@ pub(super) fn in_words(failure: &Failure) -> String {
         Some(RecordingError::Undecided { maps, .. }) => (maps, false),
         Some(RecordingError::NoHeader { maps, needs_rate, .. }) if !maps.is_empty() => (maps, *needs_rate),
         Some(RecordingError::GravityUnit { map, .. }) => {
-            return map.iter().fold(said, |said, entry| said.replace(entry, &format!("--map {entry}")));
+            return map
+                .iter()
+                .fold(message, |message, entry| message.replace(entry, &format!("--map {entry}")));
         }
         Some(RecordingError::NoTime { perhaps, .. } | RecordingError::NoAxes { perhaps, .. })
             if !perhaps.is_empty() =>
         {
-            return said.replace(&perhaps.join(", "), &map_arguments(perhaps));
+            return message.replace(&perhaps.join(", "), &map_arguments(perhaps));
         }
-        _ => return said,
+        _ => return message,
     };
     let arguments: Vec<String> = maps.iter().map(|map| map_arguments(map)).collect();
-    let problem = said.split("\nhelp: ").next().unwrap_or_default();
+    let problem = message.split("\nhelp: ").next().unwrap_or_default();
     let rate = if with_rate { "\n  with the sample rate, as in `rate_hz` 100" } else { "" };
     format!("{problem}\nhelp: choose one: {}{rate}", arguments.join("\n  or: "))
 }
@@ -139,7 +141,7 @@ pub(super) fn warning_in_words<'a>(
     warning: &Oddity,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
-    let said = match warning {
+    let message = match warning {
         Oddity::AssumedMap(map) => {
             format!(
                 "the file has no header; its values show {}. Check it, and pass it with the file",
@@ -148,7 +150,7 @@ pub(super) fn warning_in_words<'a>(
         }
         _ => warning.to_string(),
     };
-    with_flags(&said, arguments)
+    with_flags(&message, arguments)
 }
 
 /// Prints an error, with its label in colour on a terminal only.
@@ -163,11 +165,12 @@ const IN_WORDS: [(&str, &str); 2] = [("in the column map", "with --map"), ("the 
 /// Replaces the names of option fields in messages of the libraries, such as `` `max_lag` ``, by options of the command line: `--max-lag`.
 /// Other subcommands may have the option.
 pub(super) fn with_flags<'a>(
-    said: &impl ToString,
+    message: &impl ToString,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
-    let said = IN_WORDS.iter().fold(said.to_string(), |text, (words, option)| text.replace(words, option));
-    arguments.into_iter().fold(said, |text, argument| match argument.get_long() {
+    let message =
+        IN_WORDS.iter().fold(message.to_string(), |text, (words, option)| text.replace(words, option));
+    arguments.into_iter().fold(message, |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
         None => text,
     })
@@ -301,7 +304,7 @@ mod tests {
     use super::{first, grouped, sparkline};
 
     #[test]
-    fn a_remark_on_several_axes_stands_once() {
+    fn groups_equal_remarks_of_several_axes() {
         let remarks =
             [("gx", "short"), ("gy", "short"), ("gx", "hot")].map(|(axis, text)| (axis, text.to_owned()));
         assert_eq!(grouped(remarks.clone(), 2), ["short", "gx: hot"]);
@@ -309,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_staircase_that_falls_is_seen_to_fall() {
+    fn sparkline_shows_decreasing_values() {
         assert_eq!(sparkline(&[8.0, 3.0, 1.0]), "█▃▁");
         assert_eq!(sparkline(&[0.0, 0.0]), "▁▁");
         assert_eq!(sparkline(&[1.0, f64::NAN, 2.0]), "▄▁█");

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_those_of_the_log() {
+    fn terms_have_the_units_of_the_log() {
         let of = |column, logged: [&str; 2], transform| lines(column, logged, transform)[0].clone();
         let tau_s = 10.0;
         for (column, logged, transform, says) in [
@@ -205,16 +205,16 @@ mod tests {
             ("gx_rads", "temp_c", Transform::Time, "(°/s)/s of first"),
             ("wind", "temp_c", Transform::Identity, "-0.000400 ± 0.000200 /K of first"),
         ] {
-            let said = of(column, [logged, "supply_v"], transform);
-            assert!(said.contains(says), "{said}\n{says}");
+            let text = of(column, [logged, "supply_v"], transform);
+            assert!(text.contains(says), "{text}\n{says}");
         }
     }
 
     #[test]
-    fn a_product_is_told_per_both_of_its_units_and_about_what() {
-        let said = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
+    fn product_states_both_units_and_centres() {
+        let text = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
         let says = "-0.458 ± 0.229 (°/s)/(K·V) of first · second";
-        assert!(said.starts_with(says), "{said}");
-        assert!(said.ends_with(", about temp_c = 25.0 °C, supply_v = 3.30 V"), "{said}");
+        assert!(text.starts_with(says), "{text}");
+        assert!(text.ends_with(", about temp_c = 25.0 °C, supply_v = 3.30 V"), "{text}");
     }
 }

@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_time_that_is_none_is_refused() {
+    fn rejects_invalid_duration() {
         for seconds in [f64::INFINITY, f64::NAN, -1.0, 1e20] {
             assert!(end_of(seconds).is_err(), "{seconds}");
         }

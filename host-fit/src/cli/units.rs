@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn one_thing_is_singular() {
+    fn count_of_one_is_singular() {
         assert_eq!([counted(1, "segment"), counted(2, "segment")], ["1 segment", "2 segments"]);
     }
 }

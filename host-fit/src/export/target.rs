@@ -46,6 +46,7 @@ pub enum TableRefusal {
     Corrected {
         /// Path of the log.
         log: String,
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
         /// Accelerometers or gyros.
         sensor: &'static str,
@@ -62,6 +63,7 @@ pub enum TableRefusal {
     OtherFrame {
         /// Path of the log.
         log: String,
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
         /// Accelerometers or gyros.
         sensor: &'static str,
@@ -78,6 +80,7 @@ pub enum TableRefusal {
     NoInstance {
         /// Path of the log.
         log: String,
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
     },
     /// The autopilot has no such sensor.
@@ -86,6 +89,7 @@ pub enum TableRefusal {
         autopilot.name()
     )]
     NoSuchInstance {
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
         /// Requested number.
         instance: u8,

@@ -230,7 +230,7 @@ mod tests {
     const NOWHERE: SetApart = SetApart { label: "worst", worst_s: &[], moved: &NOTHING };
 
     #[test]
-    fn pieces_of_a_recording_share_one_label_and_stay_apart() {
+    fn pieces_of_a_recording_share_one_label() {
         let piece = |start: f64| Envelope {
             time_s: vec![start, start + 1.0],
             low: vec![-1.0, -2.0],
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn the_size_of_a_figure_does_not_grow_with_the_record() {
+    fn figure_size_is_independent_of_record_length() {
         let drawn = |samples: usize| {
             let series: Vec<f64> = (0..samples).map(|n| (n as f64 * 0.37).sin() * (n % 101) as f64).collect();
             let outline = envelope(&series, 0.0, 0.005, 1000, 1.0);
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_those_of_white_noise_and_lag_zero_is_left_out() {
+    fn bounds_are_those_of_white_noise_without_lag_zero() {
         let found = Autocorrelation { values: vec![1.0, 0.5, 0.0], samples: 100 };
         let panel = residual_autocorrelation(GYRO, &found, 0.005).panels.remove(0);
         let Shape::Level(bound) = panel.series[0].shape else { panic!("a level") };
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_squared_with_brackets_where_they_need_them() {
+    fn compound_units_are_squared_in_brackets() {
         assert_eq!(per_hertz("rad/s"), "(rad/s)²/Hz");
         assert_eq!(per_hertz("mg"), "mg²/Hz");
     }

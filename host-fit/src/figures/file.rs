@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn svg_holds_every_label_and_no_nan() {
+    fn svg_contains_every_label_and_no_nan() {
         let picture = svg(&everything(&[(1.0, 1.0), (2.0, f64::NAN), (4.0, 3.0)], Scale::Linear)).unwrap();
         for text in
             ["a figure", "a panel", "Time (s)", "Rate (rad/s)", "band", "line", "points", "bars", "stems"]
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn png_has_the_size_of_the_figure_and_ink_on_it() {
+    fn png_has_size_and_colours_of_the_figure() {
         let (width, height, pixels) =
             decoded(&png(&everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Log)).unwrap());
         assert_eq!((width, height), (1200, 748));
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_one_point_constants_and_absurd_values_are_drawn_without_panic() {
+    fn draws_empty_constant_and_extreme_series() {
         let cases: [&[(f64, f64)]; 7] = [
             &[],
             &[(1.0, 1.0)],
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn file_is_replaced_whole_and_nothing_is_left_beside_it() {
+    fn file_is_replaced_atomically() {
         let folder = tempfile::tempdir().unwrap();
         let figure = everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Linear);
         for _ in 0..2 {
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_not_there_is_named_in_the_error() {
+    fn error_names_missing_folder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("missing").join("a.svg");
         let error = write_svg(&Figure::default(), &path).unwrap_err();

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn every_unit_is_in_the_histogram_and_one_far_beyond_is_told() {
+    fn histogram_counts_every_unit_and_reports_far_ones() {
         let figure = of_coefficient(&drawn(&[-1.0, -0.5, 0.0, 0.1, 0.2, 1.5, 40.0], 2));
         let Shape::Cells(bins) = &figure.panels[0].series[0].shape else { panic!("bins") };
         assert_eq!(bins.iter().map(|(.., count)| *count as usize).sum::<usize>(), 6);
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_width_no_number_or_no_unit_is_drawn_all_the_same() {
+    fn draws_degenerate_populations() {
         for (values, scatter) in [(&[0.0; 3][..], 0.0), (&[f64::NAN, 1.0, f64::INFINITY], 1.0), (&[], 1.0)] {
             for lots in [0, 2] {
                 let of = OfCoefficient { scatter, error: 0.0, ..drawn(values, lots) };
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_lots_as_many_are_named_as_have_room() {
+    fn labels_as_many_lots_as_fit() {
         for (lots, named) in [(4, 4..5), (90, 9..16)] {
             let picture = svg(&of_coefficient(&drawn(&[0.0; 90], lots))).expect("drawn");
             let found = (0..lots).filter(|lot| picture.contains(&format!("2026-W{lot}\n"))).count();

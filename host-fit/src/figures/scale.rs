@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_marked_as_in_the_table_that_the_page_is_held_to() {
+    fn ticks_match_the_table_of_the_page() {
         let cases: Vec<Case> = serde_json::from_str(include_str!("ticks.json")).unwrap();
         for Case { scale, low, high, count, values, labels } in cases {
             let scale = if scale == "Log" { Scale::Log } else { Scale::Linear };
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_get_a_range_around_them() {
+    fn constant_values_get_a_range_around_them() {
         for (value, scale) in
             [(0.0, Scale::Linear), (9.81, Scale::Linear), (-3.0, Scale::Linear), (1e-9, Scale::Log)]
         {
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_has_no_place() {
+    fn undrawable_values_have_no_position() {
         let extent = Extent::of([f64::NAN, 1.0, 100.0, -5.0, 0.0].into_iter(), Scale::Log, 0.0).unwrap();
         assert_eq!(
             (extent.position(10.0), extent.position(-5.0), extent.position(f64::NAN)),

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_unit_was_moved_is_shaded_and_named_once_in_each_panel() {
+    fn motion_is_shaded_with_one_legend_entry_per_panel() {
         let log = knocked(false);
         let moved = moved(&log, &stillness::find(&log));
         let [knock] = &moved.ranges[..] else { panic!("one knock: {moved:?}") };
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_as_any_other_row_or_lasts_is_not_shaded() {
+    fn included_rows_and_lasting_vibration_are_not_shaded() {
         let log = knocked(true);
         let none = moved(&log, &stillness::find(&log));
         assert_eq!(none.ranges, []);
@@ -145,7 +145,7 @@ mod tests {
 
     /// Regression test: motion found by the detector of stillness was described incompletely.
     #[test]
-    fn what_is_shaded_is_left_out() {
+    fn shaded_rows_are_excluded_rows() {
         for (disturbance, seed) in
             [(Disturbed::Knocks, 1), (Disturbed::Handling, 1), (Disturbed::Handling, 8)]
         {
@@ -159,8 +159,8 @@ mod tests {
             let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
             let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
             assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
-            let told = stillness.disturbances.iter().filter(|one| one.is_left_out());
-            assert!(told.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
+            let excluded = stillness.disturbances.iter().filter(|one| one.is_left_out());
+            assert!(excluded.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
             let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);
             let is_hand = moved.ranges.iter().any(|range| range.says.starts_with("handling"));
             assert_eq!(is_hand && longest > 8.0, disturbance == Disturbed::Handling, "{:?}", moved.ranges);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_beyond_the_panel_is_cut_to_it() {
+    fn shading_is_clipped_to_the_panel() {
         let log = knocked(false);
         let beyond = ShadedRange { from: -1e3, to: 10.0, ..ShadedRange::default() };
         let outside = ShadedRange { from: 1e3, to: 2e3, ..ShadedRange::default() };

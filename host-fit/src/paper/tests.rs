@@ -38,7 +38,7 @@ fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
 }
 
 #[test]
-fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do_not() {
+fn only_fos_reaches_the_innovation_of_a_quadratic_truth() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     for axis in ["ay", "gy"] {
@@ -72,7 +72,7 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
 }
 
 #[test]
-fn the_residuals_are_those_of_fos_core() {
+fn residuals_equal_those_of_fos_core() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     let (comparison, split) = compared(&recording, &stillness, "gy", &settings()).unwrap();
@@ -94,7 +94,7 @@ fn the_residuals_are_those_of_fos_core() {
 }
 
 #[test]
-fn a_log_too_short_for_three_parts_is_refused() {
+fn rejects_log_too_short_for_three_parts() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     let long = Settings { train_s: 500.0, ..settings() };

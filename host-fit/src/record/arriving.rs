@@ -204,13 +204,13 @@ mod tests {
 
     impl Read for Silent {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let Some(said) = self.0.take() else {
+            let Some(received) = self.0.take() else {
                 loop {
                     thread::park();
                 }
             };
-            buffer[..said.len()].copy_from_slice(&said);
-            Ok(said.len())
+            buffer[..received.len()].copy_from_slice(&received);
+            Ok(received.len())
         }
     }
 
@@ -222,27 +222,27 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_falls_silent_does_not_keep_a_recording() {
+    fn silent_device_does_not_block_the_recording() {
         let until = Instant::now() + Duration::from_millis(200);
-        let mut said = Vec::new();
-        arriving(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut said).unwrap();
-        assert_eq!(said, b"said");
+        let mut received = Vec::new();
+        arriving(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut received).unwrap();
+        assert_eq!(received, b"said");
         let mut whole = Vec::new();
         arriving(&[7; 10_000][..], None).read_to_end(&mut whole).unwrap();
         assert_eq!(whole, [7; 10_000]);
     }
 
     #[test]
-    fn the_end_stays_the_end() {
+    fn read_after_the_end_returns_nothing() {
         // Regression test: a second read after the end waited forever.
         let mut stream = arriving(&b"0123"[..], None);
-        let mut said = Vec::new();
-        stream.read_to_end(&mut said).unwrap();
-        assert_eq!((said.as_slice(), stream.read(&mut [0; 8]).unwrap()), (&b"0123"[..], 0));
+        let mut received = Vec::new();
+        stream.read_to_end(&mut received).unwrap();
+        assert_eq!((received.as_slice(), stream.read(&mut [0; 8]).unwrap()), (&b"0123"[..], 0));
     }
 
     #[test]
-    fn a_stream_that_never_stops_ends_when_the_time_is_over() {
+    fn endless_stream_ends_at_the_time_limit() {
         let until = Instant::now() + Duration::from_millis(100);
         let mut stream = arriving(io::repeat(7), Some(until));
         let read = io::copy(&mut stream, &mut io::sink()).unwrap();
@@ -250,18 +250,18 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_a_stream_that_does_not_open_is_told() {
+    fn notifies_of_a_stream_that_does_not_open() {
         let until = Instant::now() + PATIENCE_TO_OPEN + Duration::from_millis(300);
-        let mut told = Vec::new();
+        let mut notices = Vec::new();
         let never = || -> io::Result<io::Empty> {
             loop {
                 thread::park();
             }
         };
-        let notify = |notice: &Notice| told.push(format!("{notice:?}"));
+        let notify = |notice: &Notice| notices.push(format!("{notice:?}"));
         let mut stream = Arriving::of(never, Some(until), None, notify).unwrap();
         assert_eq!(stream.read(&mut [0; 8]).unwrap(), 0);
         drop(stream);
-        assert_eq!(told, ["NotOpen"]);
+        assert_eq!(notices, ["NotOpen"]);
     }
 }

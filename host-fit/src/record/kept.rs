@@ -129,14 +129,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_another_recording_left_or_is_writing_stays() {
+    fn preserves_files_of_other_recordings() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("field.parquet");
         let (first, left) = Kept::beside(&output).unwrap();
         assert_eq!(left, [""; 0].map(PathBuf::from));
         first.writer().unwrap().write_all(b"first").unwrap();
-        let said = Kept::beside(&output).unwrap_err().to_string();
-        assert!(said.contains("another recording") && said.contains("help: "), "{said}");
+        let message = Kept::beside(&output).unwrap_err().to_string();
+        assert!(message.contains("another recording") && message.contains("help: "), "{message}");
         // The process was killed.
         let path = first.path().to_owned();
         drop(first);

@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stream_becomes_a_log_and_lost_frames_become_gaps() {
+    fn lost_frames_become_gaps_of_the_log() {
         let mut bytes = stream(&[Frame::Start(START)]);
         [0, 1, 2, 5, 6].map(sample).iter().for_each(|frame| bytes.extend(frame));
         let recorded = read(&bytes);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_a_cable_was_pulled_is_a_log() {
+    fn failed_stream_gives_a_log_of_its_start() {
         struct Pulled<'a>(&'a [u8]);
         impl io::Read for Pulled<'_> {
             fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_stay_as_they_are_from_the_first_sample_on() {
+    fn columns_are_fixed_by_the_first_sample() {
         let nothing = StartFrame { axes: "", quantities: "", ..START };
         let empty = SampleFrame {
             tick: 1,
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn any_damage_costs_no_more_than_its_frame() {
+    fn damage_costs_only_the_damaged_frame() {
         let mut whole = stream(&[Frame::Start(START)]);
         let start = whole.len();
         (0..20).map(sample).for_each(|frame| whole.extend(frame));
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn who_joins_late_waits_for_what_the_samples_hold() {
+    fn late_start_waits_for_a_start_frame() {
         let mut bytes = sample(0)[3..].to_vec();
         bytes.extend(sample(1));
         bytes.extend(stream(&[Frame::Start(START)]));
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_wraps_and_a_device_restarts() {
+    fn distinguishes_wrapped_counter_from_restart() {
         let mut bytes = stream(&[Frame::Start(START)]);
         [u32::MAX - 1, u32::MAX, 0, 1].map(sample).iter().for_each(|frame| bytes.extend(frame));
         let wrapped = read(&bytes);
@@ -374,13 +374,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_telemetry_says_so() {
+    fn rejects_other_data_than_telemetry() {
         let noise: Vec<u8> = (0..20_000_u32).map(|n| (n * n % 251) as u8).collect();
-        let said = record(&noise[..]).expect_err("nothing in it").to_string();
-        assert!(said.contains("baud rate"), "{said}");
+        let message = record(&noise[..]).expect_err("nothing in it").to_string();
+        assert!(message.contains("baud rate"), "{message}");
         // Detected before the end of the stream.
-        let said = record(io::BufReader::new(io::repeat(b'x'))).expect_err("nothing in it").to_string();
-        assert!(said.contains("no frame of telemetry in the first 262144 bytes\nhelp: "), "{said}");
+        let message = record(io::BufReader::new(io::repeat(b'x'))).expect_err("nothing in it").to_string();
+        assert!(message.contains("no frame of telemetry in the first 262144 bytes\nhelp: "), "{message}");
         assert!(matches!(record(&[][..]), Err(RecordError::Silent)));
         let other = stream(&[Frame::Start(StartFrame { version: 9, ..START })]);
         assert!(matches!(record(&other[..]), Err(RecordError::Version { found: 9 })));

@@ -84,7 +84,7 @@ mod tests {
     const FOLDER: &str = "7 fsync(9</w>)    = 0\n";
 
     #[test]
-    fn bytes_name_folder_is_the_order() {
+    fn requires_order_of_syncs_and_rename() {
         assert!(in_order(&[BYTES, NAME, FOLDER].concat(), "/w", "unit.fosm"));
         for other in [
             [BYTES, FOLDER, NAME],

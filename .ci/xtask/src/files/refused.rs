@@ -27,15 +27,15 @@ fn is_refused_whole(
     ended: &Output,
     state: &str,
 ) -> Result<bool, Box<dyn Error>> {
-    let said = String::from_utf8_lossy(&ended.stderr);
-    let names = |target: &String| said.contains(target.rsplit('/').next().unwrap_or(target));
+    let message = String::from_utf8_lossy(&ended.stderr);
+    let names = |target: &String| message.contains(target.rsplit('/').next().unwrap_or(target));
     let as_it_must = ended.status.code() == Some(1)
         && writer.targets.iter().any(names)
-        && said.contains("help: ")
+        && message.contains("help: ")
         && writer.content(place)? == writer.old
         && writer.beside(place).is_empty();
     if !as_it_must {
-        eprintln!("{}, {state}: {}: {said}", writer.name, ended.status);
+        eprintln!("{}, {state}: {}: {message}", writer.name, ended.status);
     }
     Ok(as_it_must)
 }

@@ -44,11 +44,11 @@ impl Bench {
             .collect())
     }
 
-    /// Each process removes the step of one axis; `told`: refused ones state the reason.
+    /// Each process removes the step of one axis; `require_reason`: refused ones state the reason.
     fn round(
         &self,
         command: impl Fn(&str) -> Command,
-        told: bool,
+        require_reason: bool,
         tally: &mut Tally,
     ) -> Result<(), Box<dyn Error>> {
         fs::write(self.shared(), self.read("grown.json")?)?;
@@ -65,12 +65,12 @@ impl Bench {
             let taken_back = !grown.iter().any(|other| other == axis);
             tally.lost += usize::from(taken_back != ended.status.success());
             *(if ended.status.success() { &mut tally.done } else { &mut tally.refused }) += 1;
-            let said = String::from_utf8_lossy(&ended.stderr);
-            if told
+            let message = String::from_utf8_lossy(&ended.stderr);
+            if require_reason
                 && !ended.status.success()
-                && !(said.contains("shared.json: changed meanwhile") && said.contains("help:"))
+                && !(message.contains("shared.json: changed meanwhile") && message.contains("help:"))
             {
-                return Err(format!("refused without a reason: {said}").into());
+                return Err(format!("refused without a reason: {message}").into());
             }
         }
         Ok(())

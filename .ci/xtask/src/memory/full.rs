@@ -86,8 +86,8 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
         mega(text.peak),
         mega(ended.peak)
     );
-    let (said, succeeded) = flat()?;
-    println!("\n`cargo test --release -p host-fit --test flat_memory`: {said}.\n{control}");
+    let (summary, succeeded) = flat()?;
+    println!("\n`cargo test --release -p host-fit --test flat_memory`: {summary}.\n{control}");
     let starved =
         starved(limited, &["fit", "log.parquet", "--axis", "all", "-o", "unit.json"], all_axes_took)?;
     Ok(starved && found_out && good && succeeded)
@@ -98,17 +98,17 @@ fn flat() -> Result<(String, bool), Box<dyn Error>> {
     let arguments = ["test", "--release", "-p", "host-fit", "--test", "flat_memory", "--", "--nocapture"];
     let ended = Command::new("cargo").args(arguments).stderr(Stdio::inherit()).output()?;
     let printed = String::from_utf8(ended.stdout)?;
-    let said: Vec<&str> = printed
+    let summary: Vec<&str> = printed
         .lines()
         .filter(|line| line.contains("in one process") || line.starts_with("skipped"))
         .collect();
-    Ok((said.concat(), ended.status.success() && said.len() == 1))
+    Ok((summary.concat(), ended.status.success() && summary.len() == 1))
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
-    fn a_line_goes_through_what_lies_on_one() {
+    fn line_fits_collinear_points() {
         let (base, slope) = super::line(&[(1, 13), (2, 23), (4, 43)]);
         assert!((base - 3.0).abs() < 1e-9 && (slope - 10.0).abs() < 1e-9);
     }

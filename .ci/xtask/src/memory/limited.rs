@@ -125,9 +125,9 @@ impl Limited {
         let peak = used.rusage.maxrss;
         eprintln!("  {}: {how}, {} MB, {} s", arguments.join(" "), mega(peak), began.elapsed().as_secs());
         if !used.status.success() {
-            let mut said = String::new();
-            File::open(&error)?.take(300).read_to_string(&mut said)?;
-            eprintln!("    {}", said.lines().next().unwrap_or("nothing said"));
+            let mut output = String::new();
+            File::open(&error)?.take(300).read_to_string(&mut output)?;
+            eprintln!("    {}", output.lines().next().unwrap_or("nothing said"));
         }
         Ok(Ended {
             status: (!is_late).then_some(used.status),

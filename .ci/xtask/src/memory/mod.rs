@@ -53,7 +53,7 @@ fn short(limited: &Limited) -> Result<bool, Box<dyn Error>> {
         good &= ended.is_success() && holds(arguments[0], ended.peak, log.rows);
         fit_took = fit_took.max(if arguments == fit { ended.peak } else { 0 });
     }
-    let (found_out, said) = four_times(limited, &log)?;
-    println!("{said}");
+    let (found_out, description) = four_times(limited, &log)?;
+    println!("{description}");
     Ok(starved(limited, &fit, fit_took)? && found_out && good)
 }

@@ -59,7 +59,7 @@ pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String),
     let arguments = ["fit", log.name, log.name, log.name, log.name, "--axis", "gx", "-o", "four.json"];
     let ended = limited.run(&arguments)?;
     let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
-    let said = format!(
+    let description = format!(
         "\nNegative control: `fos {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
         arguments.join(" "),
         log.rows,
@@ -67,5 +67,5 @@ pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String),
         if found_out { "above" } else { "BELOW" },
         mega(at_most("fit", log.rows))
     );
-    Ok((found_out, said))
+    Ok((found_out, description))
 }

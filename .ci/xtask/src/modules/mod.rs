@@ -58,8 +58,8 @@ pub(crate) fn run(print: Print, root: &Path) -> Result<(), Box<dyn Error>> {
     if circles.is_empty() && refused.is_empty() {
         return Ok(());
     }
-    for told in circles.iter().chain(&refused) {
-        eprintln!("{told}");
+    for problem in circles.iter().chain(&refused) {
+        eprintln!("{problem}");
     }
     Err(summary.into())
 }

@@ -80,9 +80,9 @@ fn blind(program: &Path) -> Result<String, Box<dyn Error>> {
     }
     fs::write(&kept, lines)?;
     let done = calibrate().output()?;
-    let said = String::from_utf8_lossy(&done.stderr).trim().lines().last().unwrap_or("nothing").to_owned();
-    match said.split_once("not as it must be: ") {
+    let message = String::from_utf8_lossy(&done.stderr).trim().lines().last().unwrap_or("nothing").to_owned();
+    match message.split_once("not as it must be: ") {
         Some((_, missed)) if done.status.code() == Some(1) => Ok(missed.to_owned()),
-        _ => Err(format!("a diagnosis that finds nothing passes: {said}").into()),
+        _ => Err(format!("a diagnosis that finds nothing passes: {message}").into()),
     }
 }

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tail_is_what_counting_gives() {
+    fn tail_matches_counting() {
         // At least 0, 1, 2, 3 heads with three coins: 1, 7/8, 4/8, 1/8.
         for (at_least, wanted) in [1.0, 0.875, 0.5, 0.125].into_iter().enumerate() {
             assert!((tail(at_least, 3, 0.5) - wanted).abs() < 1e-12);
@@ -71,14 +71,14 @@ mod tests {
 
     /// Clopper and Pearson (1934), and R's binom.test(0, 150), (176, 178) to four digits.
     #[test]
-    fn the_interval_is_that_of_the_textbook() {
+    fn interval_matches_textbook() {
         assert!((upper_end(0, 150) - 0.02429).abs() < 5e-6);
         assert!(check(0.0, (0.0, 0.02429), 150).is_ok());
         assert!(check(0.9888, (0.96, 0.9986), 178).is_ok());
     }
 
     #[test]
-    fn a_digit_off_is_refused() {
+    fn rejects_wrong_digit() {
         for (value, interval) in
             [(0.9887, (0.96, 0.9986)), (0.9888, (0.961, 0.9986)), (0.9888, (0.96, 0.9985))]
         {

@@ -57,9 +57,9 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
 /// Checks that the sentence of README and the summary of the page follow from the table of the first seed.
 fn check(readme: &str, page: &str) -> Result<(), Box<dyn Error>> {
     for (text, path, wanted) in [(readme, README, headline(page)?), (page, CALIBRATION, summary(page)?)] {
-        let said = &text[section(text, "calibration", path)?];
-        if said != wanted {
-            return Err(format!("{path} says\n{said}but {CALIBRATION} gives\n{wanted}").into());
+        let current = &text[section(text, "calibration", path)?];
+        if current != wanted {
+            return Err(format!("{path} says\n{current}but {CALIBRATION} gives\n{wanted}").into());
         }
     }
     Ok(())

@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_says_what_calibrate_gave() {
+    fn table_contains_output_of_calibrate() {
         let of = |goal: &str| {
             format!(
                 r#"{{"name": "  all", "value": 0.98765, "interval": [0.96, 1], "cases": 178, "goal": {goal}}}"#
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_must_be_is_read() {
+    fn parses_requirements() {
         for (value, must, wanted) in [
             (0.9, "≥ 0.9", true),
             (0.89, "≥ 0.9", false),

@@ -130,9 +130,9 @@ pub(crate) fn advisories(program: &Path, folder: &Path, root: &Path) -> Result<S
     fs::write(made_up.join("crates/crc/RUSTSEC-2020-0001.md"), MADE_UP)?;
     commit(&made_up)?;
     let text = |done: &Output| String::from_utf8_lossy(&done.stderr).trim().to_owned();
-    let said = advisories_in(program, &folder.join("made-up"), folder, root, false)?;
-    if said.status.success() || !text(&said).contains("RUSTSEC-2020-0001") {
-        return Err(format!("a made-up advisory is not found: {}", text(&said)).into());
+    let result = advisories_in(program, &folder.join("made-up"), folder, root, false)?;
+    if result.status.success() || !text(&result).contains("RUSTSEC-2020-0001") {
+        return Err(format!("a made-up advisory is not found: {}", text(&result)).into());
     }
     let (done, by) = match env::var_os("FOS_ADVISORY_DB") {
         Some(copy) => {

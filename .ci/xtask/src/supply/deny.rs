@@ -58,12 +58,12 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
         .report
         .push(format!("`{version}` refuses none of these crates, and of the controls each by its check."));
     if form == Form::Full {
-        let said = controls::advisories(&program, folder.path(), root)?;
+        let result = controls::advisories(&program, folder.path(), root)?;
         findings.controls.push("a made-up advisory");
-        if said.starts_with("skipped") {
-            eprintln!("{said}");
+        if result.starts_with("skipped") {
+            eprintln!("{result}");
         }
-        findings.report.push(said);
+        findings.report.push(result);
         if findings.problems.is_empty() {
             judged::write(root)?;
         }

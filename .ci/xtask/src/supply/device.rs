@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_word_counts_where_it_is_code() {
+    fn finds_unsafe_in_code_only() {
         for source in [
             "fn f() { unsafe { g() } }",
             "macro_rules! m { () => { unsafe impl T for U {} } }",
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_review_is_its_table() {
+    fn parses_table_of_the_review() {
         let text =
             "| crate | does | unsafe |\n| `a 1.0.0` | sums | yes | who |\n| `b 2.0.0` | no | no | who |\n";
         let reviewed = review_of(text);

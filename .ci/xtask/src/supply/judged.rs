@@ -57,14 +57,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn crates_of_others_are_those_with_a_source() {
+    fn third_party_crates_have_a_source() {
         let lock = "version = 4\n\n[[package]]\nname = \"a\"\nversion = \"1.2.0\"\nsource = \"registry+https://x\"\n\n\
                     [[package]]\nname = \"fos-core\"\nversion = \"0.1.0\"\ndependencies = [\n \"a\",\n]\n";
         assert_eq!(locked(lock).collect::<Vec<_>>(), ["a 1.2.0"]);
     }
 
     #[test]
-    fn what_is_new_is_told_and_what_is_gone_is_not() {
+    fn reports_added_crates_but_not_removed_ones() {
         let now = BTreeSet::from(["a 1.2.0".to_owned(), "b 2.0.0".to_owned()]);
         assert_eq!(unjudged(&now, "a 1.2.0\nc 1.0.0\n"), ["b 2.0.0"]);
     }

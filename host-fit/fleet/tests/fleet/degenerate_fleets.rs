@@ -198,8 +198,8 @@ fn duplicate_log_counts_once() {
     let (fleet, with_copies) = (fleet_of(&sound), fleet_of(&copied));
     assert_eq!(with_copies.parts, fleet.parts, "the same populations, and nothing odd");
     assert_eq!((with_copies.units, with_copies.duplicates.len()), (13, 5));
-    let said = with_copies.duplicates[0].to_string();
-    assert_eq!(said, "v0 is the same log as u00000000: counted once.");
+    let message = with_copies.duplicates[0].to_string();
+    assert_eq!(message, "v0 is the same log as u00000000: counted once.");
 
     // In another part the same log belongs to another device.
     copied.iter_mut().skip(8).for_each(|row| row.part = "another".to_owned());
@@ -215,9 +215,9 @@ fn three_devices_are_not_conclusive_for_odd_ones() {
     for units in [1, 2, 3, 5] {
         let part = part(units);
         assert!(part.odd.is_empty(), "{:?}", part.odd);
-        let (needed, said) = (part.units_needed.expect("too few"), part.not_conclusive().expect("said"));
-        assert!(needed > units && said.contains(&format!("at least {needed}")), "{said}");
-        assert!(units < 3 || said.contains(&format!("{units} devices")), "{said}");
+        let (needed, message) = (part.units_needed.expect("too few"), part.not_conclusive().expect("said"));
+        assert!(needed > units && message.contains(&format!("at least {needed}")), "{message}");
+        assert!(units < 3 || message.contains(&format!("{units} devices")), "{message}");
     }
     assert_eq!(part(30).units_needed, None);
 }

@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_unit_has_a_file_of_its_own_in_the_folder() {
+    fn every_unit_has_its_own_file() {
         let units = ["w7/01", "w7_01", "W7_01", "../../etc", ".", "", "ü"].map(|unit| ShippedUnit {
             unit: unit.to_owned(),
             lot: None,
