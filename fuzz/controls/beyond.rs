@@ -1,4 +1,4 @@
-//! A control: a C caller that says a byte more than there is. Only the address sanitizer can know.
+//! Control: a C caller that states one byte too many. Only the address sanitizer can detect it.
 #![no_main]
 
 use core::ptr::null_mut;
@@ -12,7 +12,8 @@ fuzz_target!(|bytes: &[u8]| {
     let mut memory = vec![0_u64; fos_hub_size().div_ceil(8)];
     let mut hub = null_mut();
     let lie = usize::from(image.starts_with(b"FOSM") && image.len().is_multiple_of(2));
-    // SAFETY: as large as said, but for the lie: the image is held against its checksum to the last byte
+    // SAFETY: the size is as stated except for the deliberate error; the checksum covers the image to its last
+    // byte.
     unsafe {
         let _ = fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &C_SCALES, &mut hub);
         let _ = fos_hub_load(hub, image.as_ptr(), image.len() + lie);

@@ -1,4 +1,4 @@
-//! A control: a reader of CSV that takes every line to have as many cells as the first. Fuzzing must find it out.
+//! Control: a CSV reader that assumes the same number of cells in all lines. The fuzzer must find it.
 #![no_main]
 
 use std::hint::black_box;

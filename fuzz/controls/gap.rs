@@ -1,4 +1,4 @@
-//! A twin that coasts one sample longer than the model says: what the comparison must find, or it compares nothing.
+//! Control: a twin that coasts one sample longer than the model. The comparison must find it.
 #![no_main]
 
 use fos_fuzz::drawn::{event, events, model};

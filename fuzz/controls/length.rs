@@ -1,4 +1,4 @@
-//! A decoder that trusts a length in its input: what the fuzzer must find, or it finds nothing.
+//! Control: a decoder that trusts a length in its input. The fuzzer must find it.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

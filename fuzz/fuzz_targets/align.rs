@@ -1,5 +1,5 @@
-//! Streams with any stamps and any values, in any order and batches: no row is lost uncounted, and while no stamp is refused
-//! and no queue was full every row has the bits that a twin computes of whole streams.
+//! Streams with any timestamps and values, in any order and batches: every lost row is counted, and as long as no
+//! timestamp is refused and no queue was full, every row has the bits that a twin computes from whole streams.
 #![no_main]
 
 use fos_core::align::{Aligner, Held, Interpolated, Stream};
@@ -12,7 +12,7 @@ const DEPTH: usize = 8;
 
 type Row = (i64, [Interpolated<f32>; 2], Held<f32>);
 
-/// What comes next; stamps are after the one before in their stream by so much.
+/// An event; a timestamp is relative to the previous one of its stream.
 enum Event {
     Lead(i64, [f32; 3]),
     Follower(usize, i64, [f32; 3]),
@@ -41,7 +41,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut aligner = Aligner::<f32, 2, 1, DEPTH>::new([periods[0], periods[1]], [periods[2]]);
     let (mut followers, mut held) = ([Vec::new(), Vec::new()], Vec::new());
     let (mut at, mut pushed, mut out) = ([0_i64; 4], 0, Vec::<Row>::new());
-    // a row was given out before all was there that it is made of
+    // A row was emitted before all its data had arrived.
     let mut early = false;
     for event in events(&mut bytes, event) {
         match event {

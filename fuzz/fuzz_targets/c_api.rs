@@ -1,5 +1,5 @@
-//! Every function of the C interface, in any order, with NULL, misaligned and impossible arguments among good ones.
-//! Memory is allocated to the byte, so that the address sanitizer sees any step beyond it.
+//! All functions of the C interface, in any order, with valid, NULL, misaligned and impossible arguments. Memory is
+//! allocated to the byte, so that the address sanitizer detects any access beyond it.
 #![no_main]
 
 use core::ffi::CStr;
@@ -10,7 +10,7 @@ use fos_embedded::c_api::*;
 use fos_fuzz::{C_SCALES, sealed_image, split};
 use libfuzzer_sys::fuzz_target;
 
-/// Numbers, one after the other, zeros at the end.
+/// Numbers read from the input; zeros after its end.
 struct Numbers<'a>(&'a [u8]);
 
 impl Numbers<'_> {
@@ -30,7 +30,7 @@ impl Numbers<'_> {
         f32::from_le_bytes(self.bytes())
     }
 
-    /// Mostly `good`; else NULL or, of what is aligned, a byte beside.
+    /// Mostly `good`; otherwise NULL, or for aligned types misaligned by a byte.
     fn pointer<T>(&mut self, good: *mut T) -> *mut T {
         match self.byte() {
             0 => null_mut(),
@@ -44,7 +44,7 @@ impl Numbers<'_> {
     }
 }
 
-/// What a call is to say of a pointer; none if nothing is wrong with it.
+/// Expected status of a call for a pointer; none if it is valid.
 fn wrong_with<T>(pointer: *const T) -> Option<fos_status> {
     match pointer {
         _ if pointer.is_null() => Some(fos_status::Null),
@@ -53,7 +53,7 @@ fn wrong_with<T>(pointer: *const T) -> Option<fos_status> {
     }
 }
 
-/// Bad pointers are told, unless something else is wrong too, and good ones are not blamed.
+/// Invalid pointers are reported, unless another error is, and valid ones are not.
 fn hold(status: fos_status, pointers: &[Option<fos_status>], also_wrong: &[fos_status]) {
     let bad: Vec<fos_status> = pointers.iter().copied().flatten().collect();
     if bad.is_empty() {
@@ -71,18 +71,18 @@ fuzz_target!(|bytes: &[u8]| {
     let mut memory = vec![MaybeUninit::<u64>::uninit(); fos_hub_size().div_ceil(8)];
     let mut scales = C_SCALES;
     let mut hub = null_mut();
-    // SAFETY: the memory is as large as said
+    // SAFETY: the memory has the stated size.
     let made = unsafe { fos_hub_init(memory.as_mut_ptr().cast(), 8 * memory.len(), &scales, &mut hub) };
     assert_eq!(made, fos_status::Ok);
     let mut streams_memory = vec![MaybeUninit::<u64>::uninit(); fos_streams_size().div_ceil(8)];
     let periods = fos_stream_periods { gyro_ns: 5_000_000, accel_ns: 10_000_000, temperature_ns: 1_000_000_000 };
     let (size, mut streams) = (8 * streams_memory.len(), null_mut());
-    // SAFETY: the memory is as large as said
+    // SAFETY: the memory has the stated size.
     let made = unsafe { fos_streams_init(streams_memory.as_mut_ptr().cast(), size, &periods, &mut streams) };
     assert_eq!(made, fos_status::Ok);
     while !numbers.0.is_empty() {
-        // SAFETY: what is neither NULL nor misaligned leads to memory of the size that is said; a hub is only used
-        // after a good fos_hub_init, and so are streams
+        // SAFETY: pointers that are neither NULL nor misaligned lead to memory of the stated size; a hub is
+        // only used after a successful fos_hub_init, and so are streams.
         unsafe {
             if numbers.0[0] >= 192 {
                 numbers.byte();
@@ -109,7 +109,7 @@ unsafe fn call_streams(numbers: &mut Numbers<'_>, hub: *mut fos_hub, good: *mut 
         hold(status, &[wrong_with(streams), wrong_with(place)], &[]);
         assert!(status != fos_status::Ok || value.iter().all(|value| value.is_finite()));
     };
-    // SAFETY: as the caller promised
+    // SAFETY: promised by the caller.
     unsafe {
         match numbers.byte() % 4 {
             0 => hold_taken(fos_streams_gyro(streams, stamp_ns, place)),
@@ -149,7 +149,7 @@ unsafe fn call(
 ) {
     let which = numbers.byte() % 16;
     let hub = numbers.pointer(good);
-    // SAFETY: as the caller promised
+    // SAFETY: promised by the caller.
     unsafe {
         match which {
             0 => {
@@ -175,7 +175,7 @@ unsafe fn call(
                 let image = &images[usize::from(numbers.byte() & 1)];
                 let length = if numbers.byte() == 0 { usize::MAX } else { image.len() };
                 let image = numbers.pointer(image.as_ptr().cast_mut());
-                // a byte beside is no misalignment of bytes
+                // Bytes cannot be misaligned.
                 if image.is_null()
                     || length == usize::MAX
                     || image.cast_const() == images[0].as_ptr()
@@ -205,7 +205,7 @@ unsafe fn call(
                     hold(status, &[wrong_with(hub), wrong_with(raw), wrong_with(place)], &[]);
                     if status == fos_status::Ok {
                         let output = output.assume_init();
-                        // a huge scale may measure an infinity: then it must say so
+                        // A huge scale may give an infinity, which must be flagged.
                         for axis in 0..FOS_AXES {
                             let fine = output.corrected[axis].is_finite()
                                 || output.validity[axis] != FOS_VALIDITY_VALID;
@@ -256,7 +256,7 @@ unsafe fn call(
                 let place = numbers.pointer(&raw mut *used);
                 let start = if numbers.byte() == 0 { null_mut() } else { buffer.as_mut_ptr() };
                 let capacity = if numbers.byte() == 0 { usize::MAX } else { buffer.len() };
-                // the promise of the caller: as many bytes as said, unless that is impossible
+                // Callers promise the stated number of bytes, unless it is impossible.
                 let pointers = [wrong_with(hub), wrong_with(start), wrong_with(place)];
                 let status = if numbers.byte() & 1 == 0 {
                     let (image, length) = match numbers.byte() {
@@ -265,7 +265,7 @@ unsafe fn call(
                         n => (images[usize::from(n & 1)].as_ptr(), images[usize::from(n & 1)].len()),
                     };
                     let status = fos_telemetry_start(hub, image, length, start, capacity, place);
-                    // what is wrong with the image may be told first
+                    // Errors of the image may be reported first.
                     let image_is_there = length == 0 || !image.is_null();
                     let fine = image_is_there && pointers.iter().all(Option::is_none);
                     assert!(fine || status != fos_status::Ok);

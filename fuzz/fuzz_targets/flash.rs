@@ -1,7 +1,7 @@
-//! A flash that holds anything, against the model store: it says what it holds or that it holds nothing, in bounded
-//! time; what it says is an image; what it takes it gives back.
+//! The model store on a flash with any content: it returns an image or reports that there is none, in bounded time, and
+//! returns what was stored.
 //!
-//! First how many updates were stored, then changes of the flash: place, length, bytes.
+//! The input has the number of stored updates, then changes of the flash: position, length, bytes.
 #![no_main]
 
 
@@ -17,7 +17,7 @@ use libfuzzer_sys::fuzz_target;
 
 type Store = ModelStore<Blocking<Flash>, 1024>;
 
-/// Updates of a unit.
+/// Updates of a device.
 static IMAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let image = |number: u32| {
         let term = Term::try_new(f64::from(number) * 0.01, &[y(1)]).expect("a term");
@@ -28,7 +28,7 @@ static IMAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     (0..32).map(image).collect()
 });
 
-/// The flash of a unit after each of its updates: its first pages fill up.
+/// Flash of a device after each of its updates: its first pages fill up.
 static STORED: LazyLock<Vec<Flash>> = LazyLock::new(|| {
     let mut flashes = vec![Flash::new()];
     for image in &IMAGES[1..] {
@@ -65,6 +65,6 @@ fuzz_target!(|bytes: &[u8]| {
         let held = poll_once(store.load()).expect("done at once");
         assert_eq!(held, Ok(Some(&next[..])), "it forgets what it has stored");
     }
-    // three slots' worth of erasing and writing
+    // Operations to erase and write three slots.
     assert!(store.release().0.operations - operations <= 1000, "it writes without end");
 });

@@ -1,4 +1,4 @@
-//! Any bytes as a compressed log, and any text well compressed, cut off or followed by something else.
+//! Any bytes as a compressed log, and any text validly compressed, truncated or followed by other data.
 #![no_main]
 
 use std::io::Write;

@@ -1,5 +1,4 @@
-//! The hub against what it is documented to do: the same bits as a predictor driven by hand, and near to a naive twin
-//! in f64.
+//! The hub against its documentation: the same bits as a predictor driven by hand, and close to a naive twin in f64.
 #![no_main]
 
 use fos_core::image::encode;
@@ -15,7 +14,7 @@ use fos_fuzz::twin::{Event, Twin};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 
-/// Codes of the thermometer are exact in f32, so that a rate does not magnify their rounding.
+/// Temperature codes are exact in f32, so that a rate does not magnify their rounding.
 const SCALES: Scales = Scales {
     accel_mps2: 0.001,
     gyro_rads: 0.001,
@@ -25,8 +24,8 @@ const SCALES: Scales = Scales {
     values: FittedOn::Raw,
 };
 
-/// f32 against f64, in the axis' unit: 6e-8 of inputs up to 3.3, a hundredfold in a rate over 10 ms, times up to 90 in
-/// a product of three, in eight terms, fed back with 0.8, times a scale of 2.
+/// Largest difference between f32 and f64, in the axis' unit: 6e-8 of inputs up to 3.3, a hundredfold in a rate over 10
+/// ms, times up to 90 in a product of three, in eight terms, fed back with 0.8, times a scale of 2.
 const TOLERANCE: f64 = 0.05;
 
 #[derive(Debug, Clone)]
@@ -101,7 +100,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut expected = Expected::new(&single);
     let mut hub: Hub<8, 128, 256> = Hub::new(SCALES);
     let mut fixed: Hub<8, 128, 256, Fixed> = Hub::new(SCALES);
-    // a model that does not fit is refused; the hub then hands on what it measures
+    // A model that does not fit is refused, and the hub then passes measurements through.
     let _ = fixed.load(&image);
     let mut ticks = 0_u32;
     hub.load(&image).expect("a model that the predictor takes");
@@ -125,7 +124,7 @@ fuzz_target!(|bytes: &[u8]| {
                 faults.set(Faults::GAP, faults.contains(Faults::GAP) || skipped > 0);
                 let saturated = output.validity().iter().any(|validity| validity.contains(Validity::SATURATED));
                 faults.set(Faults::SATURATED, faults.contains(Faults::SATURATED) || saturated);
-                // whether the clock is off is not followed here
+                // The clock error is not modelled here.
                 assert_eq!(output.faults - Faults::RATE, faults - Faults::RATE);
                 let (still, corrections) = expected.sample(&raw);
                 assert_eq!(output.still, still);
@@ -173,7 +172,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Whatever it is given, what comes out is a number, and says of the sample itself what f32 says.
+/// In fixed point, any input gives finite output, with the same statements about the sample as in f32.
 fn in_fixed_point(hub: &mut Hub<8, 128, 256, Fixed>, raw: &RawSample, single: &Output) {
     let output = *hub.update(raw);
     let corrections = output.corrections.iter();
@@ -184,11 +183,11 @@ fn in_fixed_point(hub: &mut Hub<8, 128, 256, Fixed>, raw: &RawSample, single: &O
     assert_eq!(output.faults & sample, single.faults & sample);
 }
 
-/// What a hub must say.
+/// Expected output of the hub.
 struct Expected {
     model: OwnedModel<f32>,
     predictor: Roomy<f32>,
-    /// None where rounding may grow: behind a steep transform of what is fed back.
+    /// None if rounding errors may grow: after a steep transform of the fed-back output.
     twin: Option<Twin>,
     detector: Option<StillnessDetector<f32>>,
     motion: Option<Motion>,
@@ -208,16 +207,16 @@ impl Expected {
             detector: model.stillness.and_then(|limits| StillnessDetector::new(limits).ok()),
             motion: None,
             given: [f32::NAN; 2],
-            // where an accelerometer lies is not known yet; a gyro has no pose
+            // The orientation of an accelerometer is not known yet; a gyro has none.
             in_pose: (0..model.axes.len()).map(|axis| axis >= 3).collect(),
             model: model.clone(),
         }
     }
 
-    /// Clocks go on.
+    /// Advances the clocks.
     fn begin_after(&mut self, ticks: u32) {
         self.predictor.begin_after(ticks);
-        // a twin's begin with it
+        // Restarts the twin.
         self.twin = self
             .twin
             .take()
@@ -237,7 +236,7 @@ impl Expected {
         }
     }
 
-    /// The code of a measured value in scaled units.
+    /// Code of a measured value in scaled units.
     fn code(&self, axis: usize, scaled: f64) -> i16 {
         let (at, scale) = self.model.axes.get(axis).map_or((0.0, 1.0), |axis| {
             (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale)
@@ -249,7 +248,7 @@ impl Expected {
         if raw.skipped > 0 {
             let _ = self.predictor.skip(raw.skipped);
             match &mut self.twin {
-                // a twin walks every step
+                // The twin executes every step.
                 Some(twin) if raw.skipped < 3000 => {
                     twin.run(&Event::Skip(raw.skipped));
                 }
@@ -284,7 +283,7 @@ impl Expected {
                 index >= 3 || (correction.corrected - axis.parameters.reference).abs() <= limit
             })
             .collect();
-        // one that is out of it takes the other accelerometers along
+        // An accelerometer outside its orientation affects the others.
         let accelerometers = self.in_pose.len().min(3);
         if self.in_pose[..accelerometers].contains(&false) {
             self.in_pose[..accelerometers].fill(false);
@@ -311,7 +310,7 @@ impl Expected {
             .unzip();
         let quantities = quantities.iter().map(|&value| f64::from(value)).collect();
         let expected = twin.run(&Event::TrackAgainst { measured, quantities, reference });
-        // on which side of a limit a value falls may differ by a rounding
+        // A value near a limit may fall on either side by rounding.
         let limits = Validity::INPUT_OUT_OF_RANGE | Validity::OUTPUT_OUT_OF_RANGE;
         for (found, expected) in corrections.iter().zip(&expected) {
             let off = (f64::from(found.predicted) - expected.predicted).abs();

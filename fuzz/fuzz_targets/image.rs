@@ -1,5 +1,4 @@
-//! Any bytes as a model image: refused, or a model whose every output is finite and bounded, and what its monitors say
-//! finite.
+//! Any bytes as a model image: refused, or a model with finite, bounded outputs and finite monitor values.
 #![no_main]
 
 use fos_core::image::{UNIT_HEADER_LENGTH, encode_unit, for_unit};
@@ -12,7 +11,7 @@ fuzz_target!(|bytes: &[u8]| {
     let (information, body) = split(bytes);
     let image = sealed_image(body, information);
     run(&image);
-    // what one half says of a unit, to the image of a part in the other
+    // One half as the record of a unit, the other as the image of its part.
     let mut unit = vec![0; image.len()];
     if let Ok(unit) = for_unit(&image, bytes, &mut unit) {
         run(unit);
@@ -42,7 +41,7 @@ fn run(bytes: &[u8]) {
     let Ok(mut predictor) = image.predictor::<f32, 6, 32, 256, 1024>() else { return };
     let of_axis = |axis: fos_core::image::AxisImage<'_>| Monitor::new(&axis.parameters, image.period_s());
     let mut monitors: Vec<Monitor<f32>> = image.axes().map(of_axis).collect();
-    // as bad as it gets, and quiet in between
+    // Extreme inputs, with quiet periods between them.
     let hostile =
         [0.0, 1.0, f32::NAN, -f32::MAX, f32::INFINITY, 1e-40, 9.81, f32::MAX, -0.0, f32::NEG_INFINITY];
     for n in 0..400_usize {
@@ -68,7 +67,7 @@ fn run(bytes: &[u8]) {
                     && monitor.deviation_in_unit().is_finite(),
                 "{n}: {monitor:?}"
             );
-            // what a model is refused for that could pass it
+            // Models that could exceed this are refused.
             assert!(axis.predicted.abs() <= 1e30, "{n}: {axis:?}");
             assert!(
                 axis.corrected.is_finite() && axis.innovation.is_none_or(f32::is_finite),

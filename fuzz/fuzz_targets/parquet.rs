@@ -11,7 +11,7 @@ static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 
 fuzz_target!(init: log::init(), |bytes: &[u8]| {
     log::read(&FOLDER, "log.parquet", bytes);
-    // columns are reached only where both ends of the file are right
+    // Columns are reached only if both ends of the file are valid.
     let length = (bytes.len() as u32).to_le_bytes();
     log::read(&FOLDER, "log.parquet", &[b"PAR1", bytes, &length, b"PAR1"].concat());
 });

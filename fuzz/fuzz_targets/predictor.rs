@@ -1,4 +1,4 @@
-//! The predictor against a naive twin in f64, over any model and any events: bit for bit where both are the same sums.
+//! The predictor against a naive twin in f64, for any model and events: equal bits if both compute the same sums.
 #![no_main]
 
 use fos_fuzz::drawn::{event, events, model};
@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Unstructured::new(bytes);
-    // the tolerance: as in the property tests of the predictor
+    // Tolerance as in the property tests of the predictor.
     let (kind, tolerance) =
         if bytes.arbitrary().unwrap_or(false) { (Draw::Exact, 0.0) } else { (Draw::Contracting, 1e-9) };
     let Ok(model) = model(&mut bytes, kind) else { return };

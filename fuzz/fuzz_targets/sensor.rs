@@ -1,8 +1,8 @@
-//! A bus that loses, damages and makes up what a sensor says, against the sources of samples and the hub behind them:
-//! every poll ends and gives what is finite; once the bus is sound, the samples are those of the sensor, without a
+//! A bus that loses, damages and invents data of a sensor, against the sample sources and the hub behind them: every
+//! poll ends and gives finite values; after the bus is intact again, the samples are those of the sensor, without a
 //! fault.
 //!
-//! First the part. Then what happens: before a poll the time since the last one, at a transfer what is wrong with it.
+//! The input has the part first, then the events: before a poll the time since the last one, at a transfer its fault.
 #![no_main]
 #![allow(dead_code, reason = "the simulated parts have more for others")]
 
@@ -22,30 +22,30 @@ use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES,
 use libfuzzer_sys::fuzz_target;
 use simulated::{Chip, Delay, I2cBus, Kind, NoAnswer, Shared, SpiBus, codes};
 
-/// A source that has given up comes back after 64 polls at most; the sensor begins within two.
+/// Polls until recovery: a source that has given up retries after 64 polls at most, and the sensor starts within two.
 const RECOVERED_AFTER: usize = 80;
 
-/// Polls that are held against the sensor then.
+/// Number of polls then compared with the sensor.
 const COMPARED: usize = 10;
 
-/// Transfers within a poll: to find it not set up in each of three attempts takes both looks, and to set it up 40.
+/// Transfers per poll: three attempts that find it not set up take both checks, and setting it up takes 40.
 const TRANSFERS_A_POLL: u64 = 150;
 
-/// What is still to go wrong.
+/// Remaining faults.
 type Script = Rc<RefCell<VecDeque<u8>>>;
 
 fn next(script: &Script) -> Option<u8> {
     script.borrow_mut().pop_front()
 }
 
-/// A bus on which things go wrong.
+/// A faulty bus.
 struct Hostile<B> {
     bus: B,
     script: Script,
 }
 
 impl<B> Hostile<B> {
-    /// Lets a transfer happen, or not; `damage` changes what was read, from a place on.
+    /// Performs a transfer, or not; `damage` changes the data read from a given position.
     fn transfer<T>(
         &mut self,
         transfer: &mut T,
@@ -55,7 +55,7 @@ impl<B> Hostile<B> {
         match next(&self.script) {
             Some(0) => return Err(NoAnswer),
             Some(1) => sound(&mut self.bus, transfer).and(Err(NoAnswer)),
-            // nobody has heard it
+            // The transfer is lost without an error.
             Some(2) => return Ok(()),
             Some(wrong @ 3..64) => {
                 sound(&mut self.bus, transfer)?;
@@ -88,7 +88,7 @@ impl I2c for Hostile<I2cBus> {
     }
 }
 
-/// The same over SPI.
+/// Faulty bus over SPI.
 struct HostileSpi(Hostile<SpiBus>);
 
 impl spi::ErrorType for HostileSpi {
@@ -124,7 +124,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Polls as long as something goes wrong, and until it must be well again.
+/// Polls as long as there are faults, and until the source must have recovered.
 fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
     let mut hub: Hub<8, 64, 128> = Hub::new(P::scales());
     let mut source = SampleSource::new(part);

@@ -1,5 +1,5 @@
-//! Any bytes as a study or as the description of a case: refused with place and remedy, or one that can be written,
-//! read again, exported, compared, diagnosed and taken back.
+//! Any bytes as a study or as the description of a case: refused with location and remedy, or written, read again,
+//! exported, compared, diagnosed and undone.
 #![no_main]
 
 use std::sync::LazyLock;
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 
 static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 
-/// What a study may be asked about: too short to find anything in it, long enough to run a model over.
+/// Logs of a study: too short for findings, long enough to run a model.
 static LOGS: LazyLock<Logs> = LazyLock::new(|| {
     let columns = simulate(&Simulation { duration_s: 8.0, motion: false, ..Simulation::default() }).columns;
     let read = LoadOptions::default();
@@ -51,7 +51,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// What is done with an axis that has grown.
+/// Exercises an axis with added effects.
 fn grown(mut study: Study) {
     for growth in study.refinements.clone() {
         let refiner = LOGS.refiner(&LIBRARY);
@@ -76,7 +76,7 @@ fn case(bytes: &[u8]) {
     }
 }
 
-/// Whether an error names the file and what to do.
+/// The error names the file and a remedy.
 fn is_clear(error: &str, file: &str) -> bool {
     error.contains(file) && error.contains("\nhelp: ")
 }

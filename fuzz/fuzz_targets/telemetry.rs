@@ -1,4 +1,4 @@
-//! Any bytes as what a device sends or a file of it holds: damaged frames are counted, the rest makes a log with
+//! Any bytes as the telemetry of a device or a file of it: damaged frames are counted, and the others give a log with
 //! columns of one length.
 #![no_main]
 
@@ -10,7 +10,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     run(bytes);
-    // as frames that arrived whole, a length before each
+    // As intact frames, each with its length before it.
     let (mut rest, mut stream) = (bytes, vec![0]);
     while let Some((&length, after)) = rest.split_first() {
         let (payload, after) = after.split_at(usize::from(length).min(after.len()));
@@ -26,7 +26,7 @@ fn run(stream: &[u8]) {
         Ok(recorded) => {
             let (samples, damaged) = counted(stream);
             assert_eq!(recorded.report.damaged, damaged);
-            // one that says again what was said before is none
+            // Repeated samples are not counted twice.
             assert!(recorded.report.samples + recorded.report.unknown <= samples, "{:?}", recorded.report);
             let rows = recorded.report.samples as usize;
             assert!(recorded.columns.iter().all(|(_, values)| values.len() == rows));
@@ -40,10 +40,10 @@ fn run(stream: &[u8]) {
     }
 }
 
-/// Frames of samples in a stream, and frames that are none.
+/// Numbers of frames of samples, and of invalid frames, in a stream.
 fn counted(stream: &[u8]) -> (u64, u64) {
     let (mut samples, mut damaged) = (0, 0);
-    // what comes first may be the end of a frame
+    // The first bytes may be the end of a frame.
     for (index, frame) in stream.split(|&byte| byte == 0).enumerate().filter(|(_, frame)| !frame.is_empty()) {
         let mut frame = [frame, &[0]].concat();
         match decode::<Frame<&str, Vec<f32>, Vec<u16>>>(&mut frame) {
@@ -57,7 +57,7 @@ fn counted(stream: &[u8]) -> (u64, u64) {
     (samples, damaged)
 }
 
-/// Logs that firmware reads back.
+/// Logs read by firmware.
 fn files(bytes: &[u8]) {
     if let Ok(header) = HubLogHeader::decode(bytes) {
         let mut given = [0.0; 64];

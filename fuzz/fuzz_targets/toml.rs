@@ -1,4 +1,4 @@
-//! Any text as a map of columns, as effects, as a case to simulate.
+//! Any text as a column map, as effects, and as a case to simulate.
 #![no_main]
 
 use fos_diagnose::effects::{Effect, Library};
@@ -12,7 +12,7 @@ fuzz_target!(|text: &str| {
                 for target in ["t_s", "gx_rads", "temp_c"] {
                     let _ = (map.column_of(target), map.ignores(target));
                 }
-                // as a study remembers it
+                // As stored in a study.
                 assert_eq!(ColumnMap::from_specs(map.specs()).expect("an entry can be read"), map);
             }
             Err(error) => assert!(error.to_string().contains("\nhelp: "), "{error}"),

@@ -1,9 +1,8 @@
-//! Any requests to the workbench over the wire, with a study open: an answer to every one, none of them an error of the
+//! Any requests to the workbench over the wire, with a study open: each is answered, and never with an error of the
 //! program.
 //!
-//! Requests are separated by zero bytes: method and path, a line feed, the body. One that begins with `!` has headers
-//! of its own, as they are, up to an empty line: without those that a page of the workbench sends nothing may be
-//! answered but a refusal.
+//! Requests are separated by zero bytes: method and path, a line feed, the body. One that begins with `!` has its own
+//! raw headers up to an empty line; without those of a page of the workbench it must be refused.
 #![no_main]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -21,7 +20,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
 
-/// A workbench that listens as long as the program runs.
+/// A workbench that listens for the lifetime of the program.
 struct Bench {
     address: SocketAddr,
     log: String,
@@ -34,7 +33,7 @@ static BENCH: LazyLock<Bench> = LazyLock::new(|| {
     let logs = folder.path().join("logs");
     std::fs::create_dir(&logs).expect("a folder");
     let path = logs.join("log.parquet");
-    // short and of one axis: what is fuzzed are the answers, and a fit goes before every input
+    // Short and with one axis, because the answers are fuzzed and every input needs a fit.
     let simulated = simulate(&Simulation { duration_s: 20.0, ..Simulation::default() });
     let columns =
         simulated.columns.iter().filter(|(name, _)| ["t_s", "gx_rads", "temp_c"].contains(&name.as_ref()));
@@ -62,21 +61,21 @@ fuzz_target!(init: log::init(), |bytes: &[u8]| {
         let body = body.strip_prefix(b"\n").unwrap_or(body);
         let head = String::from_utf8_lossy(head);
         let (method, path) = head.split_once(' ').unwrap_or(("GET", &head));
-        // a stream of events never ends
+        // A stream of events never ends.
         if path.contains("events") {
             continue;
         }
         let body = String::from_utf8_lossy(body).replace("LOG", &BENCH.log);
         let (status, answer) = ask(method, &path.replace("/studies/1", &study), body.as_bytes());
         assert_ne!(status, 500, "{head}: {answer}");
-        // what is a request has an answer
+        // Every valid request has an answer.
         let is_token = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric());
         let is_plain = |path: &str| path.starts_with('/') && path.bytes().all(|byte| byte.is_ascii_graphic());
         assert!(status != 0 || !(is_token(method) && is_plain(path)), "{head}: no answer");
     }
 });
 
-/// A request with any headers: refused, unless they are those that a page of the workbench sends.
+/// A request with any headers: refused, unless they are those of a page of the workbench.
 fn from_elsewhere(request: &[u8]) {
     let text = String::from_utf8_lossy(request);
     let (head, body) = text.split_once("\n\n").unwrap_or((&text, ""));
@@ -88,19 +87,19 @@ fn from_elsewhere(request: &[u8]) {
         body.len(),
         headers.join("\r\n")
     );
-    // headers may keep the connection open
+    // Headers may keep the connection open.
     let (status, answer) = exchange(raw.as_bytes(), body.as_bytes(), Duration::from_secs(2));
     assert_ne!(status, 500, "{head}: {answer}");
-    // nobody guesses the port that is in the host of a request from here
+    // Nobody guesses the port in the host header from this end.
     let of_here = headers.iter().any(|header| header.contains(&BENCH.address.port().to_string()));
     assert!(of_here || !(200..300).contains(&status), "{head}: {status} {answer}");
 }
 
-/// Number and revision of the study that was opened last.
+/// Number and revision of the study opened last.
 static OPENED: Mutex<Option<(u64, u64)>> = Mutex::new(None);
 
-/// The number of a study at rest, the only one: that of the input before if nothing changed in it. So an input finds
-/// what it would find alone, but for files that were uploaded.
+/// Number of the only study, at rest: that of the previous input if it is unchanged. The state is then independent of
+/// earlier inputs, except for uploaded files.
 fn opened() -> u64 {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     let studies = answer("GET", "/api/studies", b"");
@@ -126,33 +125,33 @@ fn opened() -> u64 {
     id
 }
 
-/// The revision of a study; none while it is computed.
+/// Revision of a study; none during a computation.
 fn revision_of(id: u64) -> Option<u64> {
     let state = answer("GET", &format!("/api/studies/{id}"), b"");
     state["job"].is_null().then(|| state["revision"].as_u64()).flatten()
 }
 
-/// What is answered to a request that makes sense.
+/// Answer to a valid request.
 fn answer(method: &str, path: &str, body: &[u8]) -> Value {
     serde_json::from_str(&ask(method, path, body).1).expect("JSON")
 }
 
-/// Status and body of the answer. 0 where the server took the request for none and closed.
+/// Status and body of the answer; status 0 if the server rejected the bytes and closed the connection.
 fn ask(method: &str, path: &str, body: &[u8]) -> (u16, String) {
     let head = format!(
         "{method} {path} HTTP/1.1\r\nhost: {}\r\nx-fos-workbench: 1\r\ncontent-type: application/json\r\nconnection: close\r\ncontent-length: {}\r\n\r\n",
         BENCH.address,
         body.len()
     );
-    // what is computed meanwhile may take a while
+    // A computation may take a while.
     exchange(head.as_bytes(), body, Duration::from_secs(60))
 }
 
-/// The same of a request as it is sent, as far as it comes within `limit`.
+/// Sends a raw request and returns the answer received within `limit`.
 fn exchange(head: &[u8], body: &[u8], limit: Duration) -> (u16, String) {
     let mut stream = TcpStream::connect(BENCH.address).expect("the server listens");
     stream.set_read_timeout(Some(limit)).expect("a limit");
-    // it may close before it has read all
+    // It may close before it has read everything.
     let _ = stream.write_all(head).and_then(|()| stream.write_all(body));
     let mut answer = BufReader::new(stream);
     let mut line = String::new();

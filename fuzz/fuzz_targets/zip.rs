@@ -1,4 +1,4 @@
-//! Any bytes as an archive, and an archive of files with any names and contents: these have a checksum that is right.
+//! Any bytes as an archive, and a valid archive of files with any names and contents.
 #![no_main]
 
 use std::sync::LazyLock;

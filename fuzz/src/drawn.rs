@@ -1,5 +1,5 @@
-//! Models and what happens to them, read off the bytes of an input: a byte that changes, changes one thing, so that
-//! what code is reached can guide the fuzzer. Where the bytes end all is small and over.
+//! Models and events derived from the bytes of an input. A changed byte changes one thing, so that coverage can guide
+//! the fuzzer. At the end of the bytes everything is small and ends.
 
 use fos_core::{AxisParameters, Transform};
 use libfuzzer_sys::arbitrary::{Result, Unstructured};
@@ -7,7 +7,7 @@ use libfuzzer_sys::arbitrary::{Result, Unstructured};
 use fos_testkit::models::{Draw, OwnedModel, Picks, axis_of, drawn_axis, model_of, shifted_input, source_of};
 use crate::twin::Event;
 
-/// Events in one run: a twin that keeps everything takes its time.
+/// Maximum number of events in one run: the twin stores everything and is slow.
 const MOST_EVENTS: usize = 250;
 
 /// One of 256 values from `low` to `high`.
@@ -15,7 +15,7 @@ pub fn between(bytes: &mut Unstructured<'_>, low: f64, high: f64) -> Result<f64>
     Ok(low + (high - low) * f64::from(bytes.arbitrary::<u8>()?) / 255.0)
 }
 
-/// As many items as the next byte says, at most `most`.
+/// Reads a list; the next byte gives its length, at most `most`.
 pub fn several<'a, T>(
     bytes: &mut Unstructured<'a>,
     most: usize,
@@ -25,7 +25,7 @@ pub fn several<'a, T>(
     (0..count).map(|_| one(bytes)).collect()
 }
 
-/// A model of 1 to 6 axes and up to 8 inputs.
+/// Reads a model of 1 to 6 axes and up to 8 inputs.
 pub fn model(bytes: &mut Unstructured<'_>, draw: Draw) -> Result<OwnedModel<f64>> {
     let n_axes = bytes.int_in_range(1..=6_u8)?;
     let inputs = several(bytes, 8, |bytes| {
@@ -82,7 +82,7 @@ fn factor(bytes: &mut Unstructured<'_>) -> Result<(u8, u16)> {
     Ok((bytes.arbitrary()?, bytes.int_in_range(0..=12)?))
 }
 
-/// What happens, one event after the other, as long as there are bytes.
+/// Reads events until the bytes end.
 pub fn events<'a, T>(
     bytes: &mut Unstructured<'a>,
     event: impl Fn(&mut Unstructured<'a>) -> Result<T>,
@@ -91,7 +91,7 @@ pub fn events<'a, T>(
     std::iter::from_fn(next).take(MOST_EVENTS).collect()
 }
 
-/// What happens to a predictor.
+/// Reads an event for a predictor.
 pub fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
     let values = |bytes: &mut Unstructured<'_>, count: usize, reach: f64| -> Result<Vec<f64>> {
         (0..count).map(|_| between(bytes, -reach, reach)).collect()
@@ -104,7 +104,7 @@ pub fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
             _ => between(bytes, -reach, reach),
         })
     };
-    // mostly samples at rest without a fault: otherwise a history is hardly ever full
+    // Mostly valid samples at rest: otherwise a history is hardly ever full.
     Ok(match bytes.int_in_range(0..=31_u8)? {
         0..20 => Event::Track { measured: values(bytes, 6, 1.5)?, quantities: values(bytes, 3, 2.5)? },
         20..23 => Event::Track { measured: faulty(bytes, 6, 1.5)?, quantities: faulty(bytes, 3, 2.5)? },
@@ -115,7 +115,7 @@ pub fn event(bytes: &mut Unstructured<'_>) -> Result<Event> {
         },
         25..28 => Event::Coast { measured: faulty(bytes, 6, 1.5)?, quantities: faulty(bytes, 3, 2.5)? },
         28 => Event::Skip(bytes.int_in_range(1..=29)?),
-        // beyond what a byte counts; a twin walks every step, so seldom
+        // More than a byte can count; rare, because the twin executes every step.
         29 if bytes.ratio(1, 4)? => Event::Skip(bytes.int_in_range(257..=320)?),
         29 => Event::Skip(bytes.int_in_range(30..=60)?),
         30 => Event::Repeat { measured: values(bytes, 6, 1.5)?, times: bytes.int_in_range(2..=8)? },

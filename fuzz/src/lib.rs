@@ -1,4 +1,4 @@
-//! What the fuzz targets share.
+//! Common parts of the fuzz targets.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use fos_core::image::{HEADER_LENGTH, MAGIC, VERSION};
@@ -15,7 +15,7 @@ pub mod log;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A sensor, as a C caller describes it.
+/// Scales of a sensor, as described by a C caller.
 pub const C_SCALES: fos_scales = fos_scales {
     accel_mps2: 0.001,
     gyro_rads: 0.001,
@@ -25,8 +25,8 @@ pub const C_SCALES: fos_scales = fos_scales {
     values: FOS_VALUES_RAW,
 };
 
-/// An image around a body and information that a fuzzer made up: its header and checksum are right, or nothing behind
-/// them would ever be reached.
+/// Wraps a body and information from the fuzzer into an image with a valid header and checksum, so that the code behind
+/// these checks is reached.
 pub fn sealed_image(body: &[u8], information: &[u8]) -> Vec<u8> {
     let mut image = Vec::with_capacity(HEADER_LENGTH + body.len() + information.len());
     image.extend(MAGIC);
@@ -45,7 +45,7 @@ pub fn sealed_image(body: &[u8], information: &[u8]) -> Vec<u8> {
     image
 }
 
-/// A frame of telemetry around bytes that a fuzzer made up: checksum, stuffing and delimiter are right.
+/// Wraps bytes from the fuzzer into a telemetry frame with valid checksum, stuffing and delimiter.
 pub fn sealed_frame(payload: &[u8]) -> Vec<u8> {
     let mut frame = payload.to_vec();
     frame.extend(CRC.checksum(payload).to_le_bytes());
@@ -54,7 +54,7 @@ pub fn sealed_frame(payload: &[u8]) -> Vec<u8> {
     stuffed
 }
 
-/// Splits at a zero byte: before it and after it.
+/// Splits at the first zero byte, which is dropped.
 pub fn split(bytes: &[u8]) -> (&[u8], &[u8]) {
     let at = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
     (&bytes[..at], bytes.get(at + 1..).unwrap_or(&[]))

@@ -6,20 +6,20 @@ use fos_data::catch_panic::announce_no_caught_panic;
 use fos_data::recording::{ColumnMap, LoadOptions, load, preview};
 use tempfile::TempDir;
 
-/// Before the first input: else a panic ends the fuzzer, contained or not.
+/// Called before the first input; otherwise a caught panic would end the fuzzer.
 pub fn init() {
     announce_no_caught_panic();
 }
 
-/// A folder in memory, where there is one.
+/// A folder in memory, if possible.
 pub fn folder() -> TempDir {
     let memory = Path::new("/dev/shm");
     let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
     made.expect("a folder for the inputs")
 }
 
-/// Reads a file of these bytes in every way there is. What is accepted must be usable: columns of one length, finite
-/// time, segments inside; what is refused must say of which file.
+/// Reads a file with these bytes in all supported ways. An accepted log must be usable: columns of one length, finite
+/// time, segments within; an error must name the file.
 pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("the input is written");
@@ -43,7 +43,7 @@ pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
     }
 }
 
-/// What is refused, is with the file and with what to do.
+/// Errors must name the file and a remedy.
 fn refused(name: &str, error: &str) {
     assert!(error.contains(name) && error.contains("\nhelp: "), "{error}");
 }

@@ -1,12 +1,11 @@
-//! The command lines that do what was done in the browser, or what a report tells.
+//! Command lines equivalent to the actions in the browser or in a report.
 
 use crate::escaping::quoted;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::Refinement;
 
-/// The command lines that do the same as was done with these logs: fitted to `fitted`, looking at axes, each as it is
-/// refined.
+/// Command lines that repeat an analysis of these logs: a fit to `fitted`, and the diagnosis or refinement of each axis.
 pub(crate) fn command_lines<'a>(
     fitted: &[Source],
     logs: &Logs,

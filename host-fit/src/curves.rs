@@ -1,5 +1,5 @@
-//! What the figures of a comparison show beside its numbers: envelopes over time, spectra, autocorrelation, Allan
-//! deviations, block means against channels. All of it is computed here; [`plots`] only draws.
+//! Data of the figures of a comparison: envelopes over time, spectra, autocorrelation, Allan deviations, block means against channels. All
+//! of it is computed here; [`plots`] only draws.
 //!
 //! [`plots`]: crate::plots
 
@@ -20,7 +20,7 @@ const BUCKETS: usize = 1000;
 /// Length of the moving mean, s.
 pub(crate) const MEAN_S: f64 = 1.0;
 
-/// Dots of a figure against a channel, about.
+/// Approximate number of dots in a figure against a channel.
 const DOTS: usize = 1200;
 
 /// Longest lag of the autocorrelation, in samples.
@@ -29,63 +29,63 @@ const MAX_LAG: usize = 200;
 /// Bands per decade that a spectrum is smoothed to.
 const BANDS_PER_DECADE: usize = 40;
 
-/// One axis over a log, or over a part of it.
+/// Curves of one axis over a log, or over a part of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurves {
-    /// Measured less its mean, one envelope for every gap-free stretch, in the axis' unit.
+    /// Measured values minus their mean, one envelope for each stretch without gaps, in the axis' unit.
     pub measured: Vec<Envelope>,
-    /// Predicted while coasting, less the same mean.
+    /// Prediction while coasting, minus the same mean.
     pub predicted: Vec<Envelope>,
-    /// What is left of it while coasting.
+    /// Residual while coasting.
     pub left: Vec<Envelope>,
-    /// Of the innovations, lags 0 … 200; none where there are too few.
+    /// Autocorrelation of the innovations at lags 0 … 200; none if there are too few.
     pub autocorrelation: Option<Autocorrelation>,
-    /// None where there is too little for a spectrum.
+    /// Power spectral densities; none if the log is too short.
     pub spectra: Option<Spectra>,
-    /// Allan deviations with their 95 % intervals.
+    /// Allan deviations with 95 % intervals.
     pub deviations: Deviations,
     /// Sample period, s.
     pub period_s: f64,
 }
 
-/// Power spectral densities, smoothed, unit²/Hz; predicted and left one step ahead.
+/// Power spectral densities, smoothed, in unit²/Hz. Prediction and residual are one step ahead.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectra {
-    /// Of the samples.
+    /// Spectrum of the samples.
     pub measured: Spectrum,
-    /// Of their predictions.
+    /// Spectrum of the one-step predictions.
     pub predicted: Spectrum,
-    /// Of the innovations.
+    /// Spectrum of the innovations.
     pub left: Spectrum,
-    /// White noise of the noise floor's variance; none where the floor is not known.
+    /// White noise with the variance of the noise floor; none if the floor is unknown.
     pub floor: Option<f64>,
 }
 
-/// Allan deviations, in the axis' unit; predicted and left while coasting.
+/// Allan deviations, in the axis' unit. Prediction and residual are those while coasting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviations {
-    /// Of the samples.
+    /// Deviations of the samples.
     pub measured: Vec<AllanPoint>,
-    /// Of their predictions.
+    /// Deviations of the predictions.
     pub predicted: Vec<AllanPoint>,
-    /// Of what is left.
+    /// Deviations of the residual.
     pub left: Vec<AllanPoint>,
 }
 
-/// Block means of what is left against those of one channel: pairs of the channel's mean and the axis'.
+/// Block means of the residual against those of one channel: pairs (channel, axis).
 #[derive(Debug, Clone, PartialEq)]
 pub struct AgainstChannel {
-    /// The channel's column.
+    /// Column of the channel.
     pub channel: String,
     /// Length of a block, s.
     pub block_s: f64,
-    /// Of the blocks outside the marked rows.
+    /// Blocks outside the marked rows.
     pub usual: Vec<(f64, f64)>,
-    /// Of those within.
+    /// Blocks within the marked rows.
     pub apart: Vec<(f64, f64)>,
 }
 
-/// The curves of every axis of a comparison, in its order.
+/// Curves of every axis of a comparison, in its order.
 pub fn curves(comparison: &Comparison, trace: &Trace, recording: &Recording) -> Vec<AxisCurves> {
     in_parallel(0..comparison.axes.len(), |index| {
         AxisCurves::of(&comparison.axes[index], trace, index, recording)
@@ -93,7 +93,7 @@ pub fn curves(comparison: &Comparison, trace: &Trace, recording: &Recording) -> 
 }
 
 impl AxisCurves {
-    /// Of axis `index` of a trace, over the rows of the trace.
+    /// Curves of axis `index` of a trace, over the rows of the trace.
     pub fn of(axis: &AxisComparison, trace: &Trace, index: usize, recording: &Recording) -> Self {
         let series = &trace.axes[index];
         let envelopes = |series: &[f64]| envelopes(trace, series, recording);
@@ -122,7 +122,7 @@ impl Spectra {
             measured: density(&series.measured)?,
             predicted: density(&difference(&series.measured, &series.one_step))?,
             left: density(&series.one_step)?,
-            // white noise of the floor's variance over half the sample rate
+            // Two-sided variance over half the sampling rate.
             floor: axis.noise_floor.map(|(variance, _)| 2.0 * variance * trace.period_s),
         })
     }
@@ -144,7 +144,7 @@ impl Deviations {
 }
 
 impl AgainstChannel {
-    /// What is left of axis `index` against each logged channel that changes; the blocks of `marked` rows apart.
+    /// Residual of axis `index` against each logged channel that varies; blocks of `marked` rows are listed apart.
     pub fn every_channel(
         axis: &AxisComparison,
         trace: &Trace,
@@ -181,7 +181,7 @@ fn difference(from: &[f64], take: &[f64]) -> Vec<f64> {
     from.iter().zip(take).map(|(a, b)| a - b).collect()
 }
 
-/// One envelope per stretch.
+/// One envelope for each stretch.
 fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelope> {
     let total: usize = trace.stretches.iter().map(ExactSizeIterator::len).sum();
     let known = |stretch: &Range<usize>| {
@@ -195,7 +195,7 @@ fn envelopes(trace: &Trace, series: &[f64], recording: &Recording) -> Vec<Envelo
     trace.stretches.iter().filter_map(known).collect()
 }
 
-/// The envelope of one of several stretches with `total` samples in all; it gets columns by its length.
+/// Envelope of a stretch; it gets a share of the columns in proportion to its length among `total` samples.
 pub(crate) fn outline(stretch: &[f64], total: usize, start_s: f64, period_s: f64) -> Envelope {
     let buckets = (BUCKETS * stretch.len()).div_ceil(total.max(1)).max(1);
     envelope(stretch, start_s, period_s, buckets, MEAN_S)

@@ -1,15 +1,14 @@
-//! Text that came from outside, on its way to where some characters do things: a terminal, source code, a page, a
-//! shell.
+//! Escapes external text for places where some characters have an effect: a terminal, source code, a page, a shell.
 //!
-//! What is shown in every one of them is [`visible`](fos_data::visible::visible); then each has its own rule for what
-//! it takes for its own. Those of the report are beside it: Markdown in `report/markdown_text.rs`, HTML in
-//! `report/render.rs`; figures make theirs visible in `figures/canvas.rs`.
+//! Text is first made [`visible`](fos_data::visible::visible); each place then has its own rule for its special characters. The rules of
+//! the report are beside it: Markdown in `report/markdown_text.rs`, HTML in `report/render.rs`. Figures make their text visible in
+//! `figures/canvas.rs`.
 
 use std::fmt::{self, Write};
 
 use fos_data::visible::{is_hidden, visible};
 
-/// JSON that a terminal can show: what is hidden, which can only be inside its strings, as the escape that means it.
+/// JSON for a terminal: hidden characters, which occur only inside its strings, are replaced by their JSON escapes.
 pub(crate) fn visible_json(json: &str) -> String {
     let mut shown = String::with_capacity(json.len());
     for letter in json.chars() {
@@ -24,8 +23,8 @@ pub(crate) fn visible_json(json: &str) -> String {
     shown
 }
 
-/// Lines as `//` comments of C, whatever compiler reads them: a line that ends in a backslash, or in the three
-/// characters that stand for one (trigraph), would take in the next.
+/// Writes lines as `//` comments of C. A line that ends in a backslash, or in the trigraph of one (`??/`), would continue onto the next, so
+/// backslashes become slashes and consecutive question marks are separated.
 pub(crate) fn c_comment(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     for line in text.lines() {
         let mut comment = "// ".to_owned();
@@ -49,7 +48,7 @@ pub(crate) fn rust_comment(f: &mut impl Write, mark: &str, text: &str) -> fmt::R
     Ok(())
 }
 
-/// As a shell takes it: in quotes if it holds anything but plain letters, and nothing hidden in it.
+/// Quotes text for a shell if it has anything but plain letters; hidden characters are written as escapes.
 pub(crate) fn quoted(text: &str) -> String {
     let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "_-./=:,+@%".contains(letter);
     if !text.is_empty() && text.chars().all(is_plain) {
@@ -58,7 +57,7 @@ pub(crate) fn quoted(text: &str) -> String {
     if !text.contains(is_hidden) {
         return format!("'{}'", text.replace('\'', r"'\''"));
     }
-    // POSIX 2024: quotes that know escapes. Three octal digits end by themselves.
+    // POSIX 2024: `$'…'` has escapes, and three octal digits need no terminator.
     let mut quoted = "$'".to_owned();
     for letter in text.chars() {
         match letter {
@@ -74,7 +73,7 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted + "'"
 }
 
-/// As part of the name of a file: nothing in it leads to another folder, or is taken for the ending.
+/// Text as part of a file name, without characters that lead to another folder or start an extension.
 pub(crate) fn in_file_name(text: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
     text.chars().map(|letter| if is_plain(letter) { letter } else { '_' }).collect()
@@ -87,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn json_means_what_it_meant() {
+    fn visible_json_preserves_its_value() {
         let text = "\u{7f}\u{9b}\u{2028}\u{202e}\u{e0041}\n\u{1b}\"\\";
         let json = serde_json::to_string_pretty(&[text]).unwrap();
         let shown = visible_json(&json);
@@ -96,13 +95,13 @@ mod tests {
     }
 
     #[test]
-    fn a_shell_gives_back_what_was_quoted() {
+    fn shell_restores_quoted_text() {
         let texts = ["plain_1.csv", "", "a b", "it's", "$HOME `x` \\", "a\rb\n'c'\\1", "\u{202e}7\u{1b}[31m"];
         for text in texts {
             let line = quoted(text);
             assert!(!line.contains(is_hidden), "{line}");
             match Command::new("bash").args(["-c", &format!("printf %s {line}")]).output() {
-                Ok(said) => assert_eq!(String::from_utf8_lossy(&said.stdout), text, "{line}"),
+                Ok(output) => assert_eq!(String::from_utf8_lossy(&output.stdout), text, "{line}"),
                 Err(_) => println!("skipped: no bash here"),
             }
         }

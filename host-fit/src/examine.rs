@@ -1,4 +1,4 @@
-//! One axis examined on the log where its model fails: the model as it is now against the measurements.
+//! Examination of one axis on the log to explain: the current model against the measurements.
 
 use serde::Serialize;
 
@@ -12,22 +12,22 @@ use fos_diagnose::study::{Refinement, Study};
 use fos_fit::evaluate::Trace;
 use fos_fit::model::UnitModel;
 
-/// An axis against the field log.
+/// Comparison of an axis with its log.
 #[derive(Debug, Clone, Serialize)]
 pub struct Examination {
-    /// First and last time stamp of the judged rows, s.
+    /// First and last timestamp of the evaluated rows, s.
     pub judged_s: (f64, f64),
-    /// Errors, worst stretches and dependences, on the judged rows.
+    /// Errors, worst stretches and dependences on the evaluated rows.
     pub comparison: AxisComparison,
-    /// What is left, row by row.
+    /// Residual, row by row.
     #[serde(skip)]
     pub trace: Trace,
-    /// What the figures show of it, over all judged rows.
+    /// Data of the figures, over all evaluated rows.
     #[serde(skip)]
     pub curves: AxisCurves,
 }
 
-/// Judges the model of `refinement`, as it is now, on the field log, on rows that the study was not fitted to.
+/// Evaluates the current model of `refinement` on the log to explain, on rows not used for the fit.
 ///
 /// # Errors
 ///
@@ -38,7 +38,7 @@ pub fn examine(
     logs: &Logs,
     progress: impl FnMut(&str),
 ) -> Result<Examination, CompareError> {
-    // a refinement recalibrates its first model on the field log, which nobody exports while nothing is added
+    // A refinement recalibrates its first model on the log to explain; that model is exported only after an effect is added.
     let added = refinement.last().filter(|last| last.added.is_some());
     let model: &UnitModel = added.map_or(&study.model, |last| &last.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
@@ -63,7 +63,7 @@ pub fn examine(
     let (comparison, trace) =
         compare(model, &lag_1, &logs.field, &field_stillness, rows, trained.as_ref(), progress)?;
     let judged_s = comparison.judged_s;
-    // a refinement is of one axis
+    // A refinement has one axis.
     let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;
     let curves = AxisCurves::of(&comparison, &trace, 0, &logs.field);
     Ok(Examination { judged_s, comparison, trace, curves })

@@ -1,4 +1,4 @@
-//! From a recording to the raw samples that a hub reads: `fos_embedded::test_log`.
+//! Converts a recording into the raw samples that a hub reads: `fos_embedded::test_log`.
 
 use fos_core::Image;
 use fos_data::column::ACCELEROMETERS;
@@ -13,24 +13,23 @@ use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_fit::signal::quantisation::quantisation;
 
-/// Codes that are used of those there are, where the log does not show the sensor's own: room for what is a little
-/// larger.
+/// Codes used for the largest value if the log does not show the sensor's own steps; those up to 32767 are a margin.
 const CODES: f64 = 32_000.0;
 
-/// A code of the thermometer is 1/256 K, and 0 is 25 °C, as in the LSM6DSV16X.
+/// Size of a temperature code, K; code 0 is 25 °C, as in the LSM6DSV16X.
 const TEMPERATURE_K: f64 = 1.0 / 256.0;
 const TEMPERATURE_ZERO_C: f64 = 25.0;
 
-/// The application looks at its clock after so many samples: 50 ms at 200 Hz.
+/// Samples per read of the application's clock: 50 ms at 200 Hz.
 const SAMPLES_A_BATCH: usize = 10;
 
-/// The recording as a hub reads it, and what its codes mean. Where the log shows the steps of the sensor's converter,
-/// codes are those steps; a column that is not there is 0. A row with an empty cell on an axis is a tick without a
-/// sample. With limits of stillness in the image the hub's own detector decides, else `rest`.
+/// Converts the recording into the samples of a hub, with the scale of their codes. Codes are the steps of the sensor's converter if the
+/// log shows them; missing columns are 0. A row with an empty cell on an axis is a tick without a sample. If the image has limits of
+/// stillness, the hub's own detector decides, otherwise `rest`.
 ///
 /// # Errors
 ///
-/// A column that the model needs is not in the recording.
+/// A column required by the model is missing.
 pub fn hub_log(
     image: &Image<'_>,
     model: &UnitModel,
@@ -89,7 +88,7 @@ pub fn hub_log(
     Ok((header, bytes))
 }
 
-/// What a code stands for: the converter's step where the columns show it and it reaches far enough.
+/// Value of one code: the step of the converter if the columns show it and 16 bits suffice for their range.
 fn code(columns: &[&[f64]; 3]) -> f64 {
     let values = || columns.iter().copied().flatten().copied().filter(|value| value.is_finite());
     let largest = values().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -109,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_code_is_the_step_of_the_converter_where_there_is_one() {
+    fn code_equals_converter_step_if_visible() {
         let coarse: Vec<f64> = (0..1000).map(|n| f64::from(n * 7 % 11) * 0.25).collect();
         let none: Vec<f64> = (0..1000).map(|n| f64::from(n).sin()).collect();
         assert!((code(&[&coarse, &coarse, &[]]) - 0.25).abs() < 1e-12);

@@ -1,12 +1,11 @@
-//! The program `fos`: command line, workbench in the browser, reports and figures over the libraries fos-data,
-//! fos-fit, fos-diagnose and fos-simulate; and what ties them to the device: recording its telemetry, replaying a model
-//! as it runs there.
+//! The program `fos`: command line, workbench in the browser, reports and figures over the libraries fos-data, fos-fit, fos-diagnose and
+//! fos-simulate; and the connection to the device: recording its telemetry, replaying a model as it runs there.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::result_large_err,
     reason = "an error carries places and help, and is made once, where a command ends"
 )]
-// what is printed goes through cli/output.rs, which shows what would do something to a terminal
+// All output goes through cli/output.rs, which escapes characters that act on a terminal.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod bench;

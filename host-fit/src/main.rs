@@ -1,4 +1,4 @@
-//! `fos`: parse, run, print, exit code.
+//! The program `fos`: parses arguments, runs the command, prints, sets the exit code.
 
 #![deny(unsafe_code)]
 
@@ -7,18 +7,20 @@ use std::process::ExitCode;
 use host_fit::cli::{self, Lifetime};
 
 fn main() -> ExitCode {
-    // a reader that has seen enough, as in `fos fit … | head`, ends the program quietly
+    // A closed pipe, as in `fos fit … | head`, ends the program quietly.
     sigpipe::reset();
     fos_data::catch_panic::announce_no_caught_panic();
     cli::run(set_allocator)
 }
 
-/// What is dropped is a column of a log, megabytes, and the next column has its size.
+/// Sets the thresholds of the allocator. Freed memory is mostly a column of a log (megabytes), and the next allocation has the same size.
 ///
-/// A command that ends soon keeps the memory of what it drops for what comes next: to get each column anew from the system, page by
-/// page, took a third of the time of a fit. Four threads share a heap: with one of each the peak would be a fifth higher.
+/// A short command keeps freed memory for reuse: getting each column from the system again, page by page, took a third of the time of a
+/// fit. Four threads share a heap; with a heap for each, the peak would be a fifth higher.
 ///
-/// A workbench gives columns back as soon as they are dropped: glibc raises the size from which it maps memory of its own with
+/// A workbench returns columns to the system as soon as they are freed. glibc raises its mapping threshold with every mapping that is
+/// freed, up to 32 MB, and smaller blocks stay with the thread that allocated them; a workbench on an hour of six axes held half as much
+/// again.
 /// every mapping that is freed, up to 32 MB, and what is smaller stays with the thread that allocated it; one over an hour of six
 /// axes held half as much again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -36,8 +38,7 @@ fn set_allocator(lifetime: Lifetime) {
         Lifetime::UntilEnded => &[(libc::M_MMAP_THRESHOLD, LARGE)],
     };
     for (setting, value) in settings {
-        // SAFETY: sets a number in the allocator, which has a lock; no other thread is there yet. A refusal changes
-        // nothing.
+        // SAFETY: sets a number in the allocator, which has a lock; no other thread is running yet. A refusal changes nothing.
         #[expect(unsafe_code, reason = "the setting has no safe interface")]
         unsafe {
             libc::mallopt(*setting, *value);

@@ -1,5 +1,5 @@
-//! The figures of a comparison, one set per axis: which there are, and their files. What they show is computed in
-//! [`curves`], how they look is said in [`figures`].
+//! Figures of a comparison, one set for each axis, and their files. Their data are computed in [`curves`]; their appearance is defined in
+//! [`figures`].
 //!
 //! [`curves`]: crate::curves
 //! [`figures`]: crate::figures
@@ -20,13 +20,13 @@ use fos_diagnose::compare::{AxisComparison, Comparison};
 use fos_diagnose::effects::Band;
 use fos_diagnose::study::Refinement;
 
-/// What is shaded.
+/// Label of the shaded stretches.
 const WORST: &str = "worst stretches";
 
-/// Why the figures are not there.
+/// The figures could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error(transparent)]
     Folder(#[from] FileError),
     /// A figure cannot be drawn or written.
@@ -34,12 +34,12 @@ pub enum PlotError {
     Figure(#[from] FigureError),
 }
 
-/// Writes the six figures of every axis into `folder`, each as SVG and as PNG; `curves` has an entry for every axis,
-/// `moved` is where the unit was moved.
+/// Writes the six figures of every axis into `folder`, each as SVG and PNG. `curves` has an entry for every axis; `moved` shades the
+/// detected motion.
 ///
 /// # Errors
 ///
-/// The folder cannot be made, or a file in it cannot be written.
+/// The folder cannot be created, or a file in it cannot be written.
 pub fn write_all(
     folder: &Path,
     comparison: &Comparison,
@@ -52,16 +52,16 @@ pub fn write_all(
     Ok(())
 }
 
-/// Writes the staircase of a refined axis into `folder`, as SVG and as PNG.
+/// Writes the figure of the added effects of an axis into `folder`, as SVG and PNG.
 ///
 /// # Errors
 ///
-/// The folder cannot be made, or a file in it cannot be written.
+/// The folder cannot be created, or a file in it cannot be written.
 pub fn write_staircase(folder: &Path, refinement: &Refinement) -> Result<(), PlotError> {
     write(folder, &refinement.column, &[(STAIRCASE, staircase_of(refinement))])
 }
 
-/// The staircase of a refined axis.
+/// Figure of the remaining error after each added effect.
 pub fn staircase_of(refinement: &Refinement) -> Figure {
     let mut steps: Vec<Tread> = Vec::new();
     for step in &refinement.steps {
@@ -92,11 +92,11 @@ pub fn staircase_of(refinement: &Refinement) -> Figure {
     )
 }
 
-/// Writes figures of a column into `folder`, each as SVG and as PNG, named by column and name.
+/// Writes figures of a column into `folder`, each as SVG and PNG, named by column and name.
 ///
 /// # Errors
 ///
-/// The folder cannot be made, or a file in it cannot be written.
+/// The folder cannot be created, or a file in it cannot be written.
 pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<(), PlotError> {
     check(folder, column, figures.iter().map(|(name, _)| *name))?;
     make_folder(folder)?;
@@ -108,11 +108,11 @@ pub fn write(folder: &Path, column: &str, figures: &[(&str, Figure)]) -> Result<
     Ok(())
 }
 
-/// Whether figures of these names can be written there, asked before anything is.
+/// Checks that figures of these names can be written, before any is.
 ///
 /// # Errors
 ///
-/// One would take the place of what was read, or of what is no file.
+/// A figure would replace an input file, or a path that is not a file.
 pub fn check<'a>(
     folder: &Path,
     column: &str,
@@ -126,19 +126,19 @@ fn paths(folder: &Path, column: &str, name: &str) -> [PathBuf; 2] {
     ["svg", "png"].map(|ending| folder.join(format!("{}_{name}.{ending}", in_file_name(column))))
 }
 
-/// How the figure of a staircase is called.
+/// Name of the figure in file names.
 const STAIRCASE: &str = "staircase";
 
-/// Whether [`write_staircase`] can write, asked before a study is changed.
+/// Checks that [`write_staircase`] can write its files, before a study is changed.
 ///
 /// # Errors
 ///
-/// As of [`check`].
+/// As for [`check`].
 pub fn check_staircase(folder: &Path, column: &str) -> Result<(), PlotError> {
     check(folder, column, [STAIRCASE])
 }
 
-/// The figures of one axis, with their names; one that the data are too short for is left out.
+/// Figures of one axis with their names, without those for which the log is too short.
 pub fn figures(view: View<'_>) -> Vec<(&'static str, Figure)> {
     let mut figures = vec![("1_over_time", view.over_time()), ("2_residual", view.residual())];
     figures.extend(view.autocorrelation().map(|figure| ("3_autocorrelation", figure)));
@@ -148,14 +148,14 @@ pub fn figures(view: View<'_>) -> Vec<(&'static str, Figure)> {
     figures
 }
 
-/// One axis of a comparison with its curves, to be drawn.
+/// One axis of a comparison with its curves.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
     /// Errors, worst stretches, dependences.
     pub axis: &'a AxisComparison,
-    /// Over all rows that were judged, or over a part of them.
+    /// Curves over all evaluated rows, or over a part of them.
     pub curves: &'a AxisCurves,
-    /// Where the unit was moved.
+    /// Detected motion.
     pub moved: &'a Shading,
 }
 
@@ -173,7 +173,7 @@ impl View<'_> {
         SetApart { label: WORST, worst_s, moved: self.moved }
     }
 
-    /// All figures in the order of thought; one that the data are too short for is left out.
+    /// All figures in reading order, without those for which the log is too short.
     pub fn all(&self) -> Vec<Figure> {
         let mut figures = vec![self.over_time(), self.residual()];
         figures.extend(self.dependence());
@@ -183,43 +183,43 @@ impl View<'_> {
         figures
     }
 
-    /// Measured and predicted over time.
+    /// Measurement and prediction over time.
     pub fn over_time(&self) -> Figure {
         let AxisCurves { measured, predicted, .. } = self.curves;
         let worst_s = self.worst_s();
         measured_and_predicted(self.subject(), measured, predicted, &mean_label(), self.apart(&worst_s))
     }
 
-    /// What is left over time.
+    /// Residual over time.
     pub fn residual(&self) -> Figure {
         let worst_s = self.worst_s();
         residual(self.subject(), &self.curves.left, &mean_label(), self.apart(&worst_s))
     }
 
-    /// Whether the innovations remember; none where there are too few.
+    /// Autocorrelation of the innovations; none if there are too few.
     pub fn autocorrelation(&self) -> Option<Figure> {
         let correlation = self.curves.autocorrelation.as_ref()?;
         Some(residual_autocorrelation(self.subject(), correlation, self.curves.period_s))
     }
 
-    /// Spectra of measured, predicted and left; none where there is too little.
+    /// Spectra of measurement, prediction and residual; none if the log is too short.
     pub fn spectrum(&self) -> Option<Figure> {
         let Spectra { measured, predicted, left, floor } = self.curves.spectra.as_ref()?;
         Some(spectra(self.subject(), measured, predicted, left, *floor))
     }
 
-    /// Allan deviations of measured, predicted and left.
+    /// Allan deviations of measurement, prediction and residual.
     pub fn allan(&self) -> Figure {
         let Deviations { measured, predicted, left } = &self.curves.deviations;
         allan(self.subject(), measured, predicted, left)
     }
 
-    /// What is left against everything that is logged, with what chance explains; none where that is not known.
+    /// Dependence of the residual on every logged column, with the level explained by chance; none if it is unknown.
     pub fn dependence(&self) -> Option<Figure> {
         self.axis.dependence.as_ref().map(|found| dependence(self.subject(), found))
     }
 
-    /// What is left against one channel.
+    /// Residual against one channel.
     pub fn against(&self, found: AgainstChannel) -> Figure {
         let AgainstChannel { channel, block_s, usual, apart } = found;
         against(self.subject(), &channel, block_s, usual, apart)

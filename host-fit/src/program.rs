@@ -1,6 +1,6 @@
-//! Which program this is, to the build: what was computed before is taken again only if the same program computed it.
+//! Identifies this build, because stored results are reused only if the same program computed them.
 
-/// Its version, and size and time of its file.
+/// Version of the program, and size and modification time of its file.
 pub(crate) fn this_build() -> String {
     let file = std::env::current_exe().and_then(std::fs::metadata);
     let file = file.map(|about| format!("{} {:?}", about.len(), about.modified().ok()));

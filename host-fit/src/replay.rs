@@ -1,4 +1,4 @@
-//! An image over a recording, on fos-core in f32, as the device would run it.
+//! Runs an image over a recording on fos-core in f32, as a device does.
 
 use std::ops::Range;
 
@@ -14,45 +14,45 @@ use fos_fit::export::{NoColumn, model_of};
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
 
-/// Why an image cannot be run over a recording.
+/// An image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// It cannot be decoded, or its model not be run.
+    /// The image cannot be decoded, or its model cannot be run.
     #[error("the image cannot be run: {0}")]
     Image(#[from] ImageError),
     /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// No hub runs the model on samples that come in this period.
+    /// The sample period of the log differs too much from that of the model.
     #[error(
         "{path}: a sample every {log_s:.6} s ({:.4} Hz), but the model was fitted to one every {model_s:.6} s ({:.4} Hz): a hub refuses it on a sensor that is more than {:.0} % off\nhelp: replay a log of the model's rate, or fit the model to logs of this one; --rate if the log's rate is read wrongly", 1.0 / .log_s, 1.0 / .model_s, 100.0 * PERIOD_TOLERANCE
     )]
     Period {
-        /// The log.
+        /// Path of the log.
         path: String,
         /// Sample period of the model, s.
         model_s: f64,
         /// Sample period of the log, s.
         log_s: f64,
     },
-    /// An axis or quantity of the image has no name of its own.
+    /// An axis or quantity of the image has no column.
     #[error(transparent)]
     NoColumn(#[from] NoColumn),
-    /// The log has reference columns, or other poses.
+    /// The log has reference columns, or the device lies in other orientations.
     #[error(
         "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer lies still in another pose than that of the fit\nhelp: leave the columns out with --map '!ref_gx_rads', or export gyros only"
     )]
     Reference,
 }
 
-/// What a replay gives.
+/// Result of a replay.
 #[derive(Debug, Clone)]
 pub struct Replay {
     /// Counts and digests.
     pub summary: Summary,
-    /// Corrected value of each axis, one per row, in its unit.
+    /// Corrected value of each axis, one per row, in the axis' unit.
     pub corrected: Vec<Vec<f64>>,
-    /// Validity of each axis, one per row, as bits.
+    /// Validity bits of each axis, one per row.
     pub validity: Vec<Vec<f64>>,
 }
 
@@ -60,20 +60,20 @@ pub struct Replay {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Summary {
-    /// Rows that the model was run over.
+    /// Number of rows.
     pub rows: usize,
-    /// Rows that were tracked; the others were coasted.
+    /// Number of tracked rows; the others are coasted.
     pub tracked: usize,
-    /// How it is known which.
+    /// Source of the decision between tracking and coasting.
     pub still_known_by: KnownBy,
-    /// Why the model does not run in fixed point; none if it does.
+    /// Reason why the model does not run in fixed point; none if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_in_fixed_point: Option<String>,
-    /// One for each axis of the image.
+    /// One summary for each axis of the image.
     pub axes: Vec<AxisSummary>,
-    /// Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model.
+    /// Rests at which the correction leads away from gravity; none unless all three accelerometers are in the model.
     pub gravity: Option<Gravity>,
-    /// CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits.
+    /// CRC-64 of all innovations, tick by tick and axis by axis. Hexadecimal in JSON, because JSON numbers have 53 bits.
     #[serde(with = "hexadecimal")]
     #[cfg_attr(test, ts(as = "String"))]
     pub innovations_digest: u64,
@@ -83,18 +83,18 @@ pub struct Summary {
     pub corrections_digest: u64,
 }
 
-/// The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more
-/// than a sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses.
+/// Rests of a replay, and those at which the corrected specific force is further from gravity than the measured one by more than a valid
+/// model can cause ([`leads_away`]). Such a model was fitted to other data, for example to two orientations.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Gravity {
-    /// Rests.
+    /// Number of rests.
     pub rests: usize,
-    /// Rows at rest.
+    /// Number of rows at rest.
     pub rows: usize,
-    /// Rests that most rows of are away from gravity.
+    /// Rests with more than half of their rows away from gravity.
     pub rests_away: usize,
-    /// Rows that are.
+    /// Rows away from gravity.
     pub rows_away: usize,
 }
 
@@ -102,48 +102,47 @@ pub struct Gravity {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisSummary {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
-    /// Rows with an innovation.
+    /// Number of rows with an innovation.
     pub innovations: usize,
-    /// Root mean square of the innovations in f32, in the axis' unit; NaN where there are none.
+    /// RMS of the innovations in f32, in the axis' unit; NaN without innovations.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f32: f64,
-    /// The same in f64.
+    /// RMS of the innovations in f64, in the axis' unit; NaN without innovations.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub innovation_rms_f64: f64,
-    /// Largest difference between the two, in the axis' unit; NaN where there are none.
+    /// Largest difference between f32 and f64, in the axis' unit; NaN without innovations.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub largest_difference: f64,
-    /// The same between fixed point and f64; NaN also where the model does not fit it.
+    /// Largest difference between fixed point and f64, in the axis' unit; NaN also if the model does not run in fixed point.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub largest_difference_fixed: f64,
-    /// Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
-    /// tracked.
+    /// Share of the tracked rows with a valid correction that does not lead away from gravity; NaN without tracked rows.
     #[cfg_attr(test, ts(as = "Option<f64>"))]
     pub valid_share: f64,
-    /// What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests.
+    /// Remaining errors at rest in f32, the same as those of a comparison; none if the device never rests.
     pub errors: Option<ModelErrors>,
 }
 
-/// What a scalar costs beside f64 on one axis.
+/// Cost of a scalar type against f64 on one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CostOfScalar {
-    /// The largest difference of an innovation, over the root mean square of them all.
+    /// Largest difference of an innovation, divided by the RMS of all innovations.
     Relative(f64),
-    /// The model leaves nothing, which nothing can be held against; the largest difference, in the axis' unit.
+    /// Largest difference, in the axis' unit, for a model with innovations of exactly 0.
     NothingLeft(f64),
-    /// No row has an innovation: none was tracked with a full history.
+    /// No row has an innovation, because none was tracked with a full history.
     NotKnown,
 }
 
 impl AxisSummary {
-    /// What f32 costs on this axis.
+    /// Cost of f32 on this axis.
     pub fn cost_of_f32(&self) -> CostOfScalar {
         self.cost_of(self.largest_difference)
     }
 
-    /// What fixed point costs on this axis.
+    /// Cost of fixed point on this axis.
     pub fn cost_of_fixed(&self) -> CostOfScalar {
         self.cost_of(self.largest_difference_fixed)
     }
@@ -158,7 +157,7 @@ impl AxisSummary {
 }
 
 impl Replay {
-    /// The corrected log: time, corrected axes, validity bits, and whether the unit was still.
+    /// Columns of the corrected log: time, corrected axes, validity bits, and detected rest.
     pub fn columns<'s>(&'s self, recording: &'s Recording) -> Vec<(&'s str, &'s [f64])> {
         let axes = self.summary.axes.iter().map(|axis| axis.column.as_str());
         let mut columns = vec![("t_s", recording.time_s.as_slice())];
@@ -173,12 +172,11 @@ mod hexadecimal {
     }
 }
 
-/// Runs `image` over `recording`: tracks where it is still, coasts where it moves.
+/// Runs `image` over `recording`: tracks at rest, coasts in motion.
 ///
 /// # Errors
 ///
-/// The image cannot be run, the recording has another sample period than a hub runs it on, or a column that it needs is
-/// missing.
+/// The image cannot be run, the sample period of the recording is not one at which a hub runs the model, or a required column is missing.
 pub fn replay(
     image: &Image<'_>,
     recording: &Recording,
@@ -195,7 +193,7 @@ pub fn replay(
     Ok(Replay { summary, corrected, validity })
 }
 
-/// The counts and digests of [`replay`] alone, in little memory.
+/// Computes only the counts and digests of [`replay`], in little memory.
 ///
 /// # Errors
 ///
@@ -208,7 +206,7 @@ pub fn summary(
     run(image, recording, stillness, &[], |_, _| {})
 }
 
-/// `take` gets the correction of every axis, row by row.
+/// Runs the image; `take` receives the corrections of every axis, row by row.
 fn run(
     image: &Image<'_>,
     recording: &Recording,
@@ -271,7 +269,7 @@ fn run(
     })
 }
 
-/// What is left of an axis at rest, in f32; none where it is never known. One axis at a time: a trace is as large as
+/// Remaining errors of an axis at rest, in f32; none if they are never known. Called for one axis at a time, because a trace is as large as
 /// four channels of the log.
 fn errors(
     alone: &UnitModel,
@@ -282,23 +280,23 @@ fn errors(
     let left = trace::<f32>(alone, &playback, 0..recording.n_rows(), |_| {});
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
     let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
-    // an accelerometer that lies in another pose throughout has none
+    // An accelerometer that lies in another orientation throughout the log has none.
     Ok(Some(errors).filter(|errors| errors.one_step_mse.is_finite()))
 }
 
-/// The rests of a replay, and which rows of them are away from gravity.
+/// Rests of a replay, and which of their rows are away from gravity.
 struct Rests {
-    /// Places of the accelerometers in the model.
+    /// Indices of the accelerometers in the model.
     accelerometers: [usize; 3],
     rests: Vec<RestTally>,
-    /// The rest that the latest row was in, or that is to come.
+    /// Index of the rest that contains the latest row, or of the next one.
     at: usize,
 }
 
 struct RestTally {
     rows: Range<usize>,
     away: usize,
-    /// Rows whose correction is otherwise valid, of each accelerometer.
+    /// Rows with an otherwise valid correction, for each accelerometer.
     valid: [usize; 3],
 }
 
@@ -309,7 +307,7 @@ impl RestTally {
 }
 
 impl Rests {
-    /// None if not all three accelerometers are in the model.
+    /// None unless all three accelerometers are in the model.
     fn of(model: &UnitModel, playback: &Playback<'_>) -> Option<Self> {
         let place = |wanted| model.axes.iter().position(|axis| axis.parameters.axis == wanted);
         let accelerometers = [place(Axis::Ax)?, place(Axis::Ay)?, place(Axis::Az)?];
@@ -331,7 +329,7 @@ impl Rests {
         }
     }
 
-    /// Takes what is away from gravity out of what is valid.
+    /// Subtracts the rows away from gravity from the valid ones.
     fn take_out(&self, tallies: &mut [Tally]) {
         for rest in self.rests.iter().filter(|rest| rest.is_away()) {
             for (valid, axis) in rest.valid.iter().zip(self.accelerometers) {
@@ -351,7 +349,7 @@ impl Rests {
     }
 }
 
-/// Nothing but that it begins speaks against it.
+/// Valid, apart from the flag of the start.
 fn is_valid(correction: &Correction<f32>) -> bool {
     let caution = Validity::OWN_HISTORY | Validity::WARMING_UP;
     correction.validity | caution == caution
@@ -383,7 +381,7 @@ impl Tally {
     }
 
     fn summary(&self, column: &str, tracked: usize) -> AxisSummary {
-        // of no rows these are not known: 0 over 0
+        // 0/0 without rows: NaN, as documented.
         let rms = |squares: f64| (squares / self.innovations as f64).sqrt();
         AxisSummary {
             column: column.to_owned(),
@@ -398,7 +396,7 @@ impl Tally {
     }
 }
 
-/// The recording as the firmware in the loop reads it (`fos_embedded::test_log`).
+/// Converts the recording into the log of the firmware in the loop (`fos_embedded::test_log`).
 ///
 /// # Errors
 ///
@@ -412,7 +410,7 @@ pub fn device_log(
     if playback.has_reference() {
         return Err(ReplayError::Reference);
     }
-    // a predictor of the host has at most 6 axes and 16 inputs
+    // A predictor of the host has at most 6 axes and 16 inputs.
     let header =
         PredictorLogHeader { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
@@ -432,9 +430,9 @@ pub fn device_log(
 mod tests {
     use super::*;
 
-    /// 0 over 0 was printed as NaN.
+    /// Regression test: 0/0 was printed as NaN.
     #[test]
-    fn what_f32_costs_is_told_or_it_is_said_why_not() {
+    fn reports_cost_of_f32_or_reason() {
         let cost = |innovations: &[(f32, f64)]| {
             let mut tally = Tally::default();
             innovations.iter().for_each(|(single, double)| tally.add(Some(*single), Some(*double)));

@@ -1,22 +1,21 @@
-//! Wall-clock time of a computation that is repeated: the least where the machine is measured, the median where methods
-//! are compared.
+//! Wall-clock time of a repeated computation: the minimum for measurements of the machine, the median for comparisons of methods.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// The least wall-clock time of `repeats` runs (at least one), in seconds, and what the last returned.
+/// Returns the shortest wall-clock time of `repeats` runs (at least one), s, and the result of the last run.
 pub(crate) fn least_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     let (times, result) = times(repeats, &mut run);
     (times[0], result)
 }
 
-/// The same with the median of the times.
+/// Returns the median wall-clock time of `repeats` runs (at least one), s, and the result of the last run.
 pub(crate) fn median_time<T>(repeats: usize, mut run: impl FnMut() -> T) -> (f64, T) {
     let (times, result) = times(repeats, &mut run);
     (times[times.len() / 2], result)
 }
 
-/// The times of `repeats` runs (at least one), ascending, and what the last returned.
+/// Returns the times of `repeats` runs (at least one), ascending, and the result of the last run.
 fn times<T>(repeats: usize, run: &mut impl FnMut() -> T) -> (Vec<f64>, T) {
     let mut timed = || {
         let start = Instant::now();

@@ -1,4 +1,4 @@
-//! Units as people read them: °/s or °/h for a gyro, mg for an accelerometer. One rule for the command line and the page.
+//! Units for people: °/s or °/h for a gyro, mg for an accelerometer. The command line and the page share this rule.
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use fos_data::column::Column;
 use fos_diagnose::effects::SizeUnit;
 use fos_fit::evaluate::ModelErrors;
 
-/// A gyro whose errors are smaller than this is shown in °/h, °/s.
+/// Largest error of a gyro that is shown in °/h, °/s.
 const IN_DEGREES_PER_HOUR: f64 = 0.1;
 
 /// The units of printed text.
@@ -21,17 +21,17 @@ pub(crate) enum Units {
     Si,
 }
 
-/// The unit in which the errors of one axis are shown.
+/// Unit in which the errors of one axis are shown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ErrorUnit {
-    /// Spelled for people; empty where the column does not state a unit.
+    /// Label for people; empty if the column does not state a unit.
     pub(crate) label: &'static str,
-    /// One of this unit in SI.
+    /// Size of this unit in SI.
     pub(crate) si: f64,
 }
 
 impl ErrorUnit {
-    /// The unit in which errors of up to `largest`, in SI, are easy to read.
+    /// Unit for errors of up to `largest`, in SI, that gives readable numbers.
     pub(crate) fn of(column: &str, largest: f64, units: Units) -> Self {
         let column = Column::named(column);
         let size = SizeUnit::of_axis(column).si;
@@ -46,7 +46,7 @@ impl ErrorUnit {
         Self { label, si }
     }
 
-    /// The unit in which the errors of these models are shown.
+    /// Unit in which the errors of these models are shown.
     pub(crate) fn of_models<'a>(
         column: &str,
         models: impl IntoIterator<Item = &'a ModelErrors>,
@@ -57,7 +57,7 @@ impl ErrorUnit {
     }
 }
 
-/// A unit as it is spelled for people: a stored value over `divisor` is in it.
+/// A unit with its label for people; a stored value is divided by `divisor`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(crate) struct ShownUnit {
@@ -70,7 +70,7 @@ impl ShownUnit {
         Self { label: label.into(), divisor }
     }
 
-    /// The unit of a coefficient that is stored in `unit`, as `dps/K`.
+    /// Unit of a coefficient stored in `unit`, as `dps/K`.
     pub(crate) fn of_size(unit: &str, units: Units) -> Self {
         match (units, unit.parse::<SizeUnit>()) {
             (Units::Si, Ok(unit)) => Self::new(unit.in_si(), 1.0 / unit.si),
@@ -79,7 +79,7 @@ impl ShownUnit {
         }
     }
 
-    /// The units of N, B and K of an axis.
+    /// Units of N, B and K of an axis.
     pub(crate) fn of_noise(column: &str, units: Units) -> [Self; 3] {
         let column = Column::named(column);
         let size = SizeUnit::of_axis(column).si;
@@ -119,11 +119,11 @@ mod tests {
 
     #[test]
     fn noise_of_a_data_sheet_keeps_its_size() {
-        // 0.15 °/√h is 0.0025 (°/s)/√Hz; 100 µg/√Hz is 9.81e-4 (m/s²)/√Hz
+        // 0.15 °/√h is 0.0025 (°/s)/√Hz; 100 µg/√Hz is 9.81e-4 (m/s²)/√Hz.
         let [white, flicker, walk] = ShownUnit::of_noise("gx_rads", Units::Field);
         assert!((0.0025_f64.to_radians() / white.divisor - 0.15).abs() < 1e-12);
         assert!((10.0_f64.to_radians() / 3600.0 / flicker.divisor - 10.0).abs() < 1e-12);
-        // √h is 60 √s
+        // √h is 60 √s.
         assert!((1.0_f64.to_radians() / 3600.0 / walk.divisor - 60.0).abs() < 1e-12);
         let [white, ..] = ShownUnit::of_noise("ax_mps2", Units::Field);
         assert!((9.80665e-4 / white.divisor - 100.0).abs() < 1e-9);

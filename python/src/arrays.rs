@@ -1,13 +1,12 @@
-//! Columns of NumPy as columns of a log, and back.
+//! NumPy arrays as columns of a log, and back.
 //!
-//! The engine owns its columns and corrects them while it reads (rows without a stamp are dropped, units converted), so a
-//! column is copied once on its way in, whatever its type: as 64-bit floats. What the engine has computed for Python is
-//! handed over as it is.
+//! The engine owns its columns and corrects them while reading (rows without a timestamp are dropped, units converted),
+//! so a column of any type is copied once, as 64-bit floats. Results of the engine are handed over without a copy.
 
 use numpy::{Element, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-/// A column of numbers, in any type and stride that NumPy has it in.
+/// A column of numbers, of any type and stride of NumPy.
 #[derive(FromPyObject)]
 pub(crate) enum Column<'py> {
     F64(PyReadonlyArray1<'py, f64>),
@@ -23,16 +22,16 @@ pub(crate) enum Column<'py> {
 }
 
 impl Column<'_> {
-    /// Its values.
+    /// Copies the values.
     pub(crate) fn to_vec(&self) -> Vec<f64> {
         match self {
-            // a plain copy where the values lie side by side
+            // A plain copy if the values are contiguous.
             Self::F64(array) => match array.as_slice() {
                 Ok(values) => values.to_vec(),
                 Err(_) => converted(array, |value| value),
             },
             Self::F32(array) => converted(array, f64::from),
-            // a stamp in nanoseconds loses what 53 bits do not hold, as it does in a file of text
+            // A timestamp in nanoseconds is rounded to 53 bits, as in a text file.
             Self::I64(array) => converted(array, |value| value as f64),
             Self::I32(array) => converted(array, f64::from),
             Self::I16(array) => converted(array, f64::from),

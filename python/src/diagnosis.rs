@@ -1,4 +1,4 @@
-//! What is missing on a log, from no model; and what speaks for what is found.
+//! Diagnosis of a log without a model, with the evidence of each finding.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::error::raised;
 use crate::recording::{Recording, unit_of};
 use crate::work;
 
-/// About a line its spectrum is shown within this ratio.
+/// Range of frequencies shown around a line, as a ratio.
 const NEAR: f64 = 1.25;
 
 /// The built-in effects and those of these files.
@@ -22,7 +22,7 @@ pub(crate) fn library(py: Python<'_>, files: &[PathBuf]) -> PyResult<Library> {
     Library::with_files(files).map_err(raised(py))
 }
 
-/// What speaks for a finding that shows in block means.
+/// Evidence of a finding that shows in block means, as JSON.
 pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
     json!({
         "block_s": evidence.block_s,
@@ -35,7 +35,7 @@ pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
     })
 }
 
-/// What speaks for a line: the spectrum about it.
+/// Evidence of a line, as JSON: the spectrum around it.
 pub(crate) fn line_json(
     field: &Log,
     column: &str,
@@ -49,7 +49,7 @@ pub(crate) fn line_json(
     Ok(Some(json!({ "line_hz": frequency_hz, "frequency_hz": hz, "density": density })))
 }
 
-/// What is missing on an axis of a log: the diagnosis as JSON, and for each finding what speaks for it.
+/// Diagnosis of an axis of a log as JSON, with the evidence of each finding.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.diagnose`")]
 pub(crate) fn diagnose(
@@ -96,11 +96,11 @@ pub(crate) fn diagnose(
     .map_err(raised::<detect::DiagnoseError>(py))
 }
 
-/// The effects that are known, as JSON.
+/// Known effects, as JSON.
 #[pyfunction]
 pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
     let library = library(py, &files)?;
-    let told = |effect: &Effect| {
+    let entry = |effect: &Effect| {
         json!({
             "id": effect.id,
             "name": effect.name,
@@ -114,5 +114,5 @@ pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
             "device": effect.device,
         })
     };
-    Ok(Value::Array(library.effects().iter().map(told).collect()).to_string())
+    Ok(Value::Array(library.effects().iter().map(entry).collect()).to_string())
 }

@@ -1,4 +1,4 @@
-//! Errors of the engine as exceptions of `fos_imu.errors`: message, remedy, and the file, line and column where there are.
+//! Errors of the engine as exceptions of `fos_imu.errors`, with message, remedy, and file, line and column if known.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -16,7 +16,7 @@ use fos_fit::noise::AxisNoiseError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Where an error is.
+/// Location of an error.
 #[derive(Debug, Default)]
 struct Location {
     file: Option<String>,
@@ -45,33 +45,33 @@ impl Location {
     }
 }
 
-/// An error of the engine: which exception it is, and where.
+/// An error of the engine, with the class of its exception and its location.
 pub(crate) trait EngineError: Display {
-    /// Its class in `fos_imu.errors`.
+    /// Class in `fos_imu.errors`.
     fn class(&self) -> &'static str;
-    /// Where it is.
+    /// Location of the error.
     fn location(&self) -> Where {
         Where(Location::default())
     }
 }
 
-/// Where an error is, as far as it says.
+/// Location of an error, as far as it is known.
 #[derive(Debug, Default)]
 pub(crate) struct Where(Location);
 
-/// As the `map_err` of a call of the engine.
+/// Conversion for `map_err` on a call of the engine.
 pub(crate) fn raised<E: EngineError>(py: Python<'_>) -> impl FnOnce(E) -> PyErr {
     move |error| exception(py, error.class(), &error.to_string(), error.location().0)
 }
 
-/// An exception of this class, which says what is wrong and, behind `help:`, what to do.
-pub(crate) fn said(py: Python<'_>, class: &str, text: &str) -> PyErr {
+/// Exception of this class with a message, and a remedy after `help:`.
+pub(crate) fn py_error(py: Python<'_>, class: &str, text: &str) -> PyErr {
     exception(py, class, text, Location::default())
 }
 
-/// The engine ended by a defect of its own.
+/// Exception for a defect of the engine.
 pub(crate) fn defect(py: Python<'_>) -> PyErr {
-    said(
+    py_error(
         py,
         "InternalError",
         "an error in fos itself, which said what it was on standard error\nhelp: please report it, with what it said",
@@ -238,7 +238,7 @@ impl EngineError for EffectError {
     }
 }
 
-/// `file:line:column`, of which the last two may be missing.
+/// Parses `file:line:column`, of which the last two may be missing.
 fn placed(place: &str) -> Location {
     let mut parts = place.rsplitn(3, ':');
     let (last, before, file) = (parts.next(), parts.next(), parts.next());

@@ -1,4 +1,4 @@
-//! A unit in one row, and the populations behind the rows of many.
+//! Row of a unit, and populations of many rows.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,18 +12,18 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::library;
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::{Recording, options};
 use crate::work;
 
-/// A unit's name, its part, its lot.
+/// Name, part and lot of a unit.
 type Named = (String, String, Option<String>);
 
 fn asked(py: Python<'_>, regressors: Vec<String>, diagnosed: bool) -> PyResult<Asked> {
     for regressor in &regressors {
         Regressor::parse(regressor).map_err(|reason| {
             let wrong = EstimateError::Regressor { regressor: regressor.clone(), reason };
-            said(py, "FleetError", &wrong.to_string())
+            py_error(py, "FleetError", &wrong.to_string())
         })?;
     }
     Ok(Asked { regressors, diagnosed, read: Default::default() })
@@ -37,7 +37,7 @@ fn text_of(row: &UnitRow) -> String {
     json!(row).to_string()
 }
 
-/// The row of logs in files, as JSON. What went wrong with a log is in it; `shown_as` is how it calls the files.
+/// Row of the logs in files, as JSON. It reports failures of logs; `shown_as` has the names of the files in messages.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.unit_row`")]
 pub(crate) fn unit_row(
@@ -79,7 +79,7 @@ pub(crate) fn unit_row(
     })
 }
 
-/// The row of recordings, as JSON.
+/// Row of recordings, as JSON.
 #[pyfunction]
 pub(crate) fn recording_row(
     py: Python<'_>,
@@ -99,7 +99,7 @@ pub(crate) fn recording_row(
     })
 }
 
-/// Rows as they come: of each what populations need, as numbers and not as text.
+/// Gathers rows in a compact form, with only the data for populations.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Rows(Mutex<Gathered>);
 
@@ -110,7 +110,7 @@ impl Rows {
         Self(Mutex::default())
     }
 
-    /// Takes rows, JSON each.
+    /// Adds rows, each as JSON.
     fn extend(&self, py: Python<'_>, texts: Vec<String>) -> PyResult<()> {
         let taken = work::run(py, || {
             let mut gathered = self.held();
@@ -122,26 +122,26 @@ impl Rows {
                 gathered.add(&row).map_err(|error| error.to_string())
             })
         })?;
-        taken.map_err(|error: String| said(py, "FleetError", &error))
+        taken.map_err(|error: String| py_error(py, "FleetError", &error))
     }
 
-    /// Takes what was gathered elsewhere.
+    /// Adds rows gathered elsewhere.
     fn merge(&self, py: Python<'_>, gathered: &[u8]) -> PyResult<()> {
         let merged =
             work::run(py, || Gathered::from_bytes(gathered).and_then(|other| self.held().merge(other)))?;
-        merged.map_err(|error| said(py, "FleetError", &error.to_string()))
+        merged.map_err(|error| py_error(py, "FleetError", &error.to_string()))
     }
 
-    /// For `merge` elsewhere.
+    /// Bytes for `merge` in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &work::run(py, || self.held().to_bytes())?))
     }
 
-    /// What they come to.
+    /// Computes the populations.
     fn population(&self, py: Python<'_>, effects: Vec<PathBuf>) -> PyResult<Fleet> {
         let library = library(py, &effects)?;
         let found = work::run(py, || fos_fleet::Fleet::of_gathered(&self.held(), &library, PROGRAM))?;
-        found.map(Fleet).map_err(|error| said(py, "FleetError", &error.to_string()))
+        found.map(Fleet).map_err(|error| py_error(py, "FleetError", &error.to_string()))
     }
 }
 
@@ -151,25 +151,25 @@ impl Rows {
     }
 }
 
-/// What a fleet comes to.
+/// Populations of a fleet.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Fleet(fos_fleet::Fleet);
 
 #[pymethods]
 impl Fleet {
-    /// As JSON.
+    /// Content as JSON.
     fn json(&self) -> String {
         json!(self.0).to_string()
     }
 
-    /// Writes it as the program does, with its rows beside it if they are given.
+    /// Writes the file as the program does, with `rows` beside it if they are given.
     fn save(&self, py: Python<'_>, path: PathBuf, rows: Option<Vec<String>>) -> PyResult<()> {
         let Some(rows) = rows else {
             return work::run(py, || write_atomically(&path, &self.0.to_bytes()))?.map_err(raised(py));
         };
         work::run(py, || self.0.write_with_rows(&path, &rows))?.map_err(|error| match error {
             FleetError::File(error) => raised(py)(error),
-            other => said(py, "FleetError", &other.to_string()),
+            other => py_error(py, "FleetError", &other.to_string()),
         })
     }
 }

@@ -1,14 +1,14 @@
-//! The engine of fos as the Python package `fos_imu` sees it: logs, fits, studies, diagnoses, noise, the predictor of a
-//! device. What is here hands over arrays and JSON; what people see is made of them in `python/fos_imu`.
+//! Engine of the Python package `fos_imu`: logs, fits, studies, diagnoses, noise, the predictor of a device. It
+//! exchanges arrays and JSON; the public classes are in `python/fos_imu`.
 //!
 //! | file | subject |
 //! |---|---|
 //! | `error` | errors of the engine as exceptions, with file, line, column and remedy |
-//! | `work` | a long call on a thread of its own: others run meanwhile, Ctrl-C ends it |
-//! | `arrays` | columns of NumPy as columns of a log, and back |
+//! | `work` | a long call on its own thread: other threads continue, Ctrl-C ends it |
+//! | `arrays` | NumPy arrays as columns of a log, and back |
 //! | `recording`, `simulation` | logs |
-//! | `options`, `study`, `diagnosis`, `noise` | what is fitted, added, found and told |
-//! | `fleet` | a row for each unit, the populations behind the rows |
+//! | `options`, `study`, `diagnosis`, `noise` | fits, added effects, findings, noise levels |
+//! | `fleet` | a row for each unit, and populations of the rows |
 //! | `predictor` | an image on fos-core in f32 |
 //! | `series` | a model of any output and inputs, for the regressor |
 

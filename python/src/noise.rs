@@ -9,11 +9,11 @@ use fos_fit::noise::{AxisNoise, AxisNoiseError, axis_noise};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::Recording;
 use crate::work;
 
-/// Of `axes`, or of all that there are.
+/// Noise of `axes`, or of all axes.
 fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Vec<AxisNoise>> {
     let log = Arc::clone(&log.log);
     work::run(py, || -> Result<Vec<AxisNoise>, AxisNoiseError> {
@@ -27,17 +27,17 @@ fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Ve
     .map_err(raised(py))
 }
 
-/// The noise of every axis, as JSON.
+/// Noise of every axis, as JSON.
 #[pyfunction]
 pub(crate) fn noise(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<String> {
-    let told = of(py, log, axes)?.into_iter().map(|axis| {
+    let entries = of(py, log, axes)?.into_iter().map(|axis| {
         let NoiseUnits { white, flicker, walk } = NoiseUnits::of(&axis.unit);
         json!({ "noise": axis, "units": [white, flicker, walk] })
     });
-    Ok(json!(told.collect::<Vec<_>>()).to_string())
+    Ok(json!(entries.collect::<Vec<_>>()).to_string())
 }
 
-/// The noise of three accelerometers and three gyros for Kalibr and OpenVINS, for ORB-SLAM3, for VINS.
+/// Files with the noise of three accelerometers and three gyros, for Kalibr and OpenVINS, ORB-SLAM3, and VINS.
 #[pyfunction]
 pub(crate) fn imu_yaml(
     py: Python<'_>,
@@ -47,6 +47,6 @@ pub(crate) fn imu_yaml(
     let found = of(py, log, None)?;
     let name = fos_data::file::name_of(&log.log.paths());
     let model = NoiseModel::of(&name, log.log.rate.true_hz, &found);
-    let model = model.map_err(|error| said(py, "NoiseError", &error.to_string()))?;
+    let model = model.map_err(|error| py_error(py, "NoiseError", &error.to_string()))?;
     Ok((export::imu_yaml(&model, rostopic), export::orb_slam3(&model), export::vins(&model)))
 }

@@ -1,13 +1,13 @@
-//! How to fit, as Python says it.
+//! Options of a fit, from Python.
 
 use fos_core::FittedOn;
 use fos_fit::fit::FitOptions;
 use fos_fit::fit::{InputSpec, Train};
 use pyo3::prelude::*;
 
-use crate::error::said;
+use crate::error::py_error;
 
-/// The keywords of a fit.
+/// Keywords of a fit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Given {
@@ -30,13 +30,13 @@ pub(crate) struct Given {
 }
 
 impl Given {
-    /// As the engine takes it.
+    /// Options for the engine.
     ///
     /// # Errors
     ///
-    /// A word that is none of those that an option takes, in words.
+    /// A word is not among those of an option; the message lists them.
     pub(crate) fn options(&self, py: Python<'_>) -> PyResult<FitOptions> {
-        self.parsed().map_err(|wrong| said(py, "FitError", &wrong))
+        self.parsed().map_err(|wrong| py_error(py, "FitError", &wrong))
     }
 
     fn parsed(&self) -> Result<FitOptions, String> {
@@ -72,7 +72,7 @@ impl Given {
     }
 }
 
-/// The options of a fit as they are when nothing is said, as JSON.
+/// Default options of a fit, as JSON.
 #[pyfunction]
 pub(crate) fn fit_defaults() -> String {
     serde_json::to_string(&FitOptions::default()).unwrap_or_default()

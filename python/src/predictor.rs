@@ -1,4 +1,4 @@
-//! An image on fos-core in f32: what a device computes, over arrays.
+//! Runs an image over arrays on fos-core in f32, with the results of a device.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,11 +13,11 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::Recording;
 use crate::work;
 
-/// Most steps of one forecast, as in `predictor.py`.
+/// Maximum number of steps of one forecast, as in `predictor.py`.
 const MOST_STEPS: usize = 10_000_000;
 
 /// The model of an image and its state.
@@ -29,7 +29,7 @@ pub(crate) struct Predictor {
     about: String,
 }
 
-/// Corrections of rows, axis by axis in each.
+/// Corrections of rows, each axis by axis.
 #[derive(Default)]
 struct Rows {
     predicted: Vec<f32>,
@@ -38,7 +38,7 @@ struct Rows {
     validity: Vec<u16>,
 }
 
-/// Predicted, innovation, corrected, validity; rows × axes.
+/// Predictions, innovations, corrected values, validities; each rows × axes.
 type Arrays<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<f32>>,
@@ -68,7 +68,7 @@ impl Rows {
     }
 }
 
-/// What speaks against a corrected value, in the order of the bits.
+/// Names of the validity flags, in the order of the bits.
 #[pyfunction]
 pub(crate) fn validity_names() -> Vec<&'static str> {
     Validity::all().names().collect()
@@ -80,14 +80,14 @@ impl Predictor {
     }
 }
 
-/// The rows of a C-ordered or any other two-dimensional array.
+/// Rows of a two-dimensional array of any memory order.
 fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: usize) -> PyResult<Vec<f32>> {
     let view = array.as_array();
     if view.ncols() != columns {
         let found = view.ncols();
         let help = "the order is that of `axes` and `quantities`";
         let text = format!("{what} has {found} columns where the model has {columns}\nhelp: {help}");
-        return Err(said(py, "PredictorError", &text));
+        return Err(py_error(py, "PredictorError", &text));
     }
     Ok(view.iter().copied().collect())
 }
@@ -96,11 +96,11 @@ fn rows(py: Python<'_>, what: &str, array: &PyReadonlyArray2<'_, f32>, columns: 
 impl Predictor {
     #[new]
     fn new(py: Python<'_>, image: &[u8], axes: Vec<String>) -> PyResult<Self> {
-        let refused = |text: String| said(py, "ImageError", &format!("the image cannot be run: {text}"));
+        let refused = |text: String| py_error(py, "ImageError", &format!("the image cannot be run: {text}"));
         let parsed = Image::parse(image).map_err(|error| refused(error.to_string()))?;
         let fresh: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
-        let model =
-            model_of(&parsed, &axes).map_err(|error: NoColumn| said(py, "ImageError", &error.to_string()))?;
+        let model = model_of(&parsed, &axes)
+            .map_err(|error: NoColumn| py_error(py, "ImageError", &error.to_string()))?;
         let info = parsed.info();
         let lines = |text: &str| -> Vec<String> { text.lines().map(str::to_owned).collect() };
         let about = json!({
@@ -118,14 +118,14 @@ impl Predictor {
         Ok(Self { state: Mutex::new(fresh.clone()), fresh, model, about: about.to_string() })
     }
 
-    /// What is known of the image, as JSON.
+    /// Description of the image, as JSON.
     fn about(&self) -> &str {
         &self.about
     }
 
-    /// Runs over a log from power-on, tracking where it is still and coasting where it moves, as a device does: its
-    /// corrections, where it was still, and by how much the lags are off in time. The state of the predictor is left as
-    /// it is.
+    /// Runs over a log from power-on, tracking at rest and coasting in motion, as a device does. Returns the
+    /// corrections, the detected rest, and the relative error of the lags in time. The state of the predictor is
+    /// not changed.
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -151,7 +151,7 @@ impl Predictor {
         Ok((found.arrays(py, self.model.axes.len())?, PyArray1::from_vec(py, still), off))
     }
 
-    /// Takes samples: rows × axes measured, rows × quantities, and which rows are still.
+    /// Processes samples: rows × axes measured, rows × quantities, and the rows at rest.
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -164,7 +164,11 @@ impl Predictor {
         let (measured, quantities) =
             (rows(py, "measured", &measured, n_axes)?, rows(py, "quantities", &quantities, n_quantities)?);
         if measured.len() != n_rows * n_axes || quantities.len() != n_rows * n_quantities {
-            return Err(said(py, "PredictorError", "measured, quantities and still differ in their rows"));
+            return Err(py_error(
+                py,
+                "PredictorError",
+                "measured, quantities and still differ in their rows",
+            ));
         }
         let found = work::run(py, || {
             let mut state = self.lock();
@@ -181,7 +185,7 @@ impl Predictor {
         found.arrays(py, n_axes)
     }
 
-    /// The rows that follow, without samples: as many as `quantities` has.
+    /// Predicts the following rows without samples, one for each row of `quantities`.
     fn forecast<'py>(
         &self,
         py: Python<'py>,
@@ -193,10 +197,10 @@ impl Predictor {
         if steps > MOST_STEPS {
             let text =
                 format!("{steps} steps: a forecast has at most {MOST_STEPS}\nhelp: forecast in pieces");
-            return Err(said(py, "PredictorError", &text));
+            return Err(py_error(py, "PredictorError", &text));
         }
         if quantities.len() != steps * n_quantities {
-            return Err(said(py, "PredictorError", "quantities has another number of rows than steps"));
+            return Err(py_error(py, "PredictorError", "quantities has another number of rows than steps"));
         }
         let found = work::run(py, || {
             let mut state = self.lock();
@@ -212,12 +216,12 @@ impl Predictor {
         found.arrays(py, self.model.axes.len())
     }
 
-    /// So many samples are missing.
+    /// Skips missing samples.
     fn skip(&self, ticks: u32) {
         let _ = self.lock().skip(ticks);
     }
 
-    /// As at power-on.
+    /// Resets to the state at power-on.
     fn reset(&self) {
         self.lock().reset();
     }

@@ -1,4 +1,4 @@
-//! Logs: read from files, or made of arrays.
+//! Logs: read from files, or made from arrays.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use serde_json::json;
 use sha2::{Digest as _, Sha256};
 
 use crate::arrays::Column;
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::work;
 
 /// Measured data of one sensor.
@@ -26,7 +26,7 @@ pub(crate) struct Recording {
     pub(crate) read: LoadOptions,
 }
 
-/// How a log is read.
+/// Options for reading a log.
 pub(crate) fn options(
     py: Python<'_>,
     map: &[String],
@@ -36,9 +36,9 @@ pub(crate) fn options(
     (strict, keep_moved): (bool, bool),
 ) -> PyResult<LoadOptions> {
     let columns = ColumnMap::from_specs(map);
-    let columns = columns.map_err(|error| said(py, "RecordingError", &error.to_string()))?;
+    let columns = columns.map_err(|error| py_error(py, "RecordingError", &error.to_string()))?;
     let format = format.map(str::parse).transpose();
-    let format = format.map_err(|error| said(py, "RecordingError", &format!("{error}")))?;
+    let format = format.map_err(|error| py_error(py, "RecordingError", &format!("{error}")))?;
     Ok(LoadOptions { columns, rate_hz, format, topic, strict, keep_moved })
 }
 
@@ -60,13 +60,13 @@ pub(crate) fn load(
     Ok(Recording { log: Arc::new(log), read })
 }
 
-/// The formats that are read: identifier and what it is.
+/// Supported formats: identifier and description.
 #[pyfunction]
 pub(crate) fn formats() -> Vec<(String, String)> {
     KNOWN_FORMATS.iter().map(|known| (known.id.to_owned(), known.name.to_owned())).collect()
 }
 
-/// A log of columns in memory. It is told from others by a digest of their names and values.
+/// Makes a log from columns in memory, identified by a digest of their names and values.
 pub(crate) fn of_columns(
     name: &str,
     columns: Vec<(String, Vec<f64>)>,
@@ -88,7 +88,7 @@ pub(crate) fn of_columns(
 
 #[pymethods]
 impl Recording {
-    /// From columns, named as in a log.
+    /// Makes a log from columns with names of the log format.
     #[staticmethod]
     fn from_columns(
         py: Python<'_>,
@@ -104,7 +104,7 @@ impl Recording {
         Ok(Self { log: Arc::new(log), read })
     }
 
-    /// Everything but the columns, as JSON.
+    /// All properties except the columns, as JSON.
     fn summary(&self) -> String {
         let log = &self.log;
         let channels: Vec<_> = log
@@ -123,7 +123,7 @@ impl Recording {
         let joined = log.alignment.as_ref().map_or_else(String::new, ToString::to_string);
         let read_as = log.sources.iter().filter_map(|source| source.read_as.as_ref());
         let quality = log.quality.to_string();
-        let said: Vec<String> = read_as
+        let notes: Vec<String> = read_as
             .map(ToString::to_string)
             .chain(joined.lines().chain(quality.lines()).map(str::to_owned))
             .collect();
@@ -137,12 +137,12 @@ impl Recording {
             "samples_missing": log.samples_missing(),
             "segments": segments,
             "channels": channels,
-            "notes": said,
+            "notes": notes,
         })
         .to_string()
     }
 
-    /// Where it is at rest, how that is known, and when it was moved though it was meant to be at rest.
+    /// Detected rest, the method of detection, and descriptions of detected motion on a device meant to be at rest.
     fn stillness<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray1<bool>>, String, Vec<String>)> {
         let log = Arc::clone(&self.log);
         let (still, known_by, moved) = work::run(py, move || {
@@ -153,28 +153,28 @@ impl Recording {
         Ok((PyArray1::from_vec(py, still), known_by.to_owned(), moved))
     }
 
-    /// Time stamps, s.
+    /// Timestamps, s.
     fn time_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.log.time_s)
     }
 
-    /// The values of a channel, in its unit; NaN where a cell is empty.
+    /// Values of a channel, in its unit; NaN for empty cells.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let channel = self.log.channel(name).map_err(raised(py))?;
         Ok(PyArray1::from_slice(py, &channel.values))
     }
 
-    /// Where the log itself says that it is still.
+    /// Rest as stated in the log.
     fn still<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
         self.log.still.as_ref().map(|still| PyArray1::from_slice(py, still))
     }
 
-    /// The column of an axis that is named as `gx` or as its column.
+    /// Column of an axis named `gx` or by its column.
     pub(crate) fn axis(&self, py: Python<'_>, name: &str) -> PyResult<String> {
         Ok(self.log.axis(name).map_err(raised(py))?.name.clone())
     }
 
-    /// Writes it: `.csv`, `.csv.gz` or `.parquet`.
+    /// Writes the log as `.csv`, `.csv.gz` or `.parquet`.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let log = &self.log;
         work::run(py, || {
@@ -182,7 +182,7 @@ impl Recording {
                 .still
                 .as_ref()
                 .map(|still| still.iter().map(|still| f64::from(u8::from(*still))).collect());
-            // what stamps show is found again by them
+            // Gaps visible in the timestamps are found again from them.
             let mut label = 0.0;
             let labels = log.segments.iter().flat_map(|segment| {
                 let by_stamps = matches!(segment.boundary, Boundary::Gap | Boundary::Pause | Boundary::Start);
@@ -201,7 +201,7 @@ impl Recording {
     }
 }
 
-/// The unit that the name of a column says, as people write it.
+/// Unit in the name of a column, for people.
 pub(crate) fn unit_of(column: &str) -> &'static str {
     Unit::of_column(column).label()
 }

@@ -1,5 +1,5 @@
-//! A polynomial of an output's own past and of any inputs: what the regressor is made of. Searched by `fos_fit::fit`, run
-//! by fos-core.
+//! Model of an output as a polynomial of its own past and of any inputs, for the regressor. Searched by `fos_fit::fit`,
+//! run by fos-core.
 
 use std::ops::Range;
 
@@ -14,28 +14,28 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::error::said;
+use crate::error::py_error;
 use crate::work;
 
-/// What the output is called.
+/// Name of the output.
 const OUTPUT: &str = "y";
 
-/// Samples are counted, not timed.
+/// Sample period: samples are counted, not timed.
 const PERIOD_S: f64 = 1.0;
 
-/// A coast that never ends: that an own history is trusted no longer than it was validated for is for sensors.
+/// Limit of a coast, s: none. The limit protects the history of sensors and has no purpose here.
 const FOR_EVER_S: f64 = 1e9;
 
-/// Ticks that no history survives.
+/// Number of skipped ticks that clears any history.
 const FAR: u32 = u32::MAX;
 
-/// Wider than any scaled value.
+/// Limits wider than any scaled value.
 const ANY: Limits<f64> = Limits { low: -1e12, high: 1e12 };
 
-/// Fewest rows per candidate: below that a coefficient is mostly noise.
+/// Fewest rows per candidate: with fewer, a coefficient is mostly noise.
 const ROWS_PER_CANDIDATE: usize = 5;
 
-/// The most inputs of a predictor of the host.
+/// Maximum number of inputs of a predictor of the host.
 const MOST_INPUTS: usize = 32;
 
 /// A model of one output.
@@ -43,15 +43,15 @@ const MOST_INPUTS: usize = 32;
 pub(crate) struct SeriesModel {
     model: UnitModel,
     report: String,
-    /// Mean of the output that it was fitted to.
+    /// Mean of the fitted output.
     mean: f64,
-    /// Which column of the inputs each quantity of the model is.
+    /// Column of the inputs for each quantity of the model.
     places: Vec<usize>,
-    /// Samples that a history needs.
+    /// Length of the history, samples.
     depth: usize,
 }
 
-/// What is searched, and how.
+/// Settings of the search.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct SeriesOptions {
@@ -65,7 +65,7 @@ pub(crate) struct SeriesOptions {
 }
 
 impl SeriesOptions {
-    /// The candidates for so many inputs: products of the output's lags and the inputs' up to the degree.
+    /// Candidates for this number of inputs: products of lagged outputs and inputs up to the degree.
     fn pool(&self, n_inputs: usize) -> Result<Candidates, String> {
         if !(1..=3).contains(&self.degree) {
             return Err(format!("degree is 1, 2 or 3, not {}", self.degree));
@@ -97,7 +97,7 @@ impl SeriesOptions {
     }
 }
 
-/// A column less its centre, over its scale.
+/// A column minus its centre, divided by its scale.
 struct Scaled {
     values: Vec<f64>,
     centre: f64,
@@ -105,7 +105,7 @@ struct Scaled {
 }
 
 impl Scaled {
-    /// By the standard deviation; about the mean, or about zero.
+    /// Scales by the standard deviation, about the mean or about zero.
     fn of(values: Vec<f64>, about_mean: bool) -> Self {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
@@ -121,7 +121,7 @@ impl Scaled {
     }
 }
 
-/// Stretches of one label.
+/// Ranges of rows with the same label.
 fn stretches(labels: Option<&[f64]>, n_rows: usize) -> Vec<Range<usize>> {
     let Some(labels) = labels else { return std::iter::once(0..n_rows).collect() };
     let mut begin = 0;
@@ -132,7 +132,7 @@ fn stretches(labels: Option<&[f64]>, n_rows: usize) -> Vec<Range<usize>> {
     parts.collect()
 }
 
-/// Fits an output. `labels`: samples of different labels are never used together.
+/// Fits an output. `labels`: samples with different labels are never combined.
 #[pyfunction]
 pub(crate) fn fit_series(
     py: Python<'_>,
@@ -146,11 +146,11 @@ pub(crate) fn fit_series(
     let labels = labels.map(|labels| labels.as_array().to_vec());
     let inputs: Vec<Vec<f64>> = inputs.columns().into_iter().map(|column| column.to_vec()).collect();
     let found = work::run(py, || search(output, inputs, labels.as_deref(), &names, &options))?;
-    let (model, mean, report) = found.map_err(|wrong| said(py, "FitError", &wrong))?;
+    let (model, mean, report) = found.map_err(|wrong| py_error(py, "FitError", &wrong))?;
     SeriesModel::of(py, model, mean, report)
 }
 
-/// The model, the mean of its output, and what there is to say of it.
+/// Returns the model, the mean of its output, and a report.
 fn search(
     output: Vec<f64>,
     inputs: Vec<Vec<f64>>,
@@ -176,8 +176,8 @@ fn search(
         fit(&signals, &stretches(labels, n_rows), &pool, &rule, how).map_err(|error| error.to_string())?;
     let terms = found.refit.terms(&found.terms);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    // back in the units of output and inputs
-    let told = terms.iter().map(|term| {
+    // Converted back to the units of output and inputs.
+    let report = terms.iter().map(|term| {
         let per = |factor: &fos_core::Factor| match factor.channel {
             Channel::Output => output.scale,
             Channel::Input(index) => inputs[usize::from(index)].scale,
@@ -209,7 +209,7 @@ fn search(
     };
     let report = json!({
         "constant": found.refit.constant * output.scale + output.centre,
-        "terms": told.collect::<Vec<_>>(),
+        "terms": report.collect::<Vec<_>>(),
         "centres": centres,
         "candidates": pool.len(),
         "rows": found.refit.rows,
@@ -220,7 +220,7 @@ fn search(
     Ok((model_of(&output, &inputs, found.refit.constant, terms), mean, report.to_string()))
 }
 
-/// As fos-core runs it.
+/// Converts the result into a model of fos-core.
 fn model_of(output: &Scaled, inputs: &[Scaled], constant: f64, terms: Vec<FittedTerm>) -> UnitModel {
     let named = inputs.iter().enumerate().map(|(index, input)| NamedInput {
         name: index.to_string(),
@@ -244,7 +244,7 @@ fn model_of(output: &Scaled, inputs: &[Scaled], constant: f64, terms: Vec<Fitted
         range: output.range(),
         physical_range: Limits::unlimited(),
         full_scale: 0.0,
-        // a series may well stand still
+        // A series may stand still.
         stuck_after_repeats: 0,
         gap_limit_samples: 1,
         coast_limit_s: FOR_EVER_S,
@@ -273,7 +273,7 @@ impl SeriesModel {
         let places: Option<Vec<usize>> =
             model.quantities.iter().map(|logged| logged.column.parse().ok()).collect();
         let (Some(places), [axis]) = (places, &model.axes[..]) else {
-            return Err(said(py, "RegressorError", "not the model of a regressor"));
+            return Err(py_error(py, "RegressorError", "not the model of a regressor"));
         };
         let factors = axis.stochastic.iter().flat_map(|term| &term.factors);
         let depth = factors.map(|factor| usize::from(factor.lag)).max().unwrap_or(0);
@@ -283,7 +283,7 @@ impl SeriesModel {
     fn predictor(&self, py: Python<'_>) -> PyResult<HostPredictor<f64>> {
         let predictor = self.model.predictor();
         predictor.map_err(|error| {
-            said(
+            py_error(
                 py,
                 "FitError",
                 &format!("the model cannot be run: {error}\nhelp: a smaller `max_lag` or `max_terms`"),
@@ -291,17 +291,17 @@ impl SeriesModel {
         })
     }
 
-    /// The quantities of every row.
+    /// Quantities of every row.
     fn quantities(&self, py: Python<'_>, inputs: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
         let inputs = inputs.as_array();
         if self.places.iter().any(|place| *place >= inputs.ncols()) {
-            return Err(said(py, "RegressorError", "an input that the model needs is missing"));
+            return Err(py_error(py, "RegressorError", "an input that the model needs is missing"));
         }
         let row = |row| self.places.iter().map(|place| inputs[[row, *place]]).collect();
         Ok((0..inputs.nrows()).map(row).collect())
     }
 
-    /// The prediction; before there is a history the mean.
+    /// Prediction; the mean until the history is full.
     fn predicted(&self, correction: &Correction<f64>) -> f64 {
         match correction.validity.intersects(Validity::WARMING_UP) {
             true => self.mean,
@@ -312,26 +312,27 @@ impl SeriesModel {
 
 #[pymethods]
 impl SeriesModel {
-    /// A model that was kept: itself, the mean of its output, and what was said of it.
+    /// Restores a saved model: model, mean of its output, report.
     #[staticmethod]
     fn from_json(py: Python<'_>, model: &str, mean: f64, report: String) -> PyResult<Self> {
         let model: UnitModel = serde_json::from_str(model)
-            .map_err(|error| said(py, "RegressorError", &format!("not a model: {error}")))?;
+            .map_err(|error| py_error(py, "RegressorError", &format!("not a model: {error}")))?;
         Self::of(py, model, mean, report)
     }
 
-    /// The model, the mean of its output, and what there is to say of it.
+    /// Returns the model, the mean of its output, and a report.
     fn to_json(&self) -> (String, f64, &str) {
         (json!(self.model).to_string(), self.mean, &self.report)
     }
 
-    /// Samples that a history needs before the model says more than the mean.
+    /// Number of samples before predictions differ from the mean.
     #[getter]
     fn depth(&self) -> usize {
         self.depth
     }
 
-    /// One step ahead in every row, from the measured rows before it; the history begins anew where `starts` says.
+    /// Prediction one step ahead in every row, from the measured rows before it; the history is cleared at
+    /// `starts`.
     fn one_step<'py>(
         &self,
         py: Python<'py>,
@@ -355,8 +356,8 @@ impl SeriesModel {
         Ok(PyArray1::from_vec(py, predicted))
     }
 
-    /// From its own history: the rows of `inputs` behind those of `history`, which are measured. With no history it
-    /// begins at rest: the output at its mean, the inputs as they are in the first row.
+    /// Free run for the rows of `inputs` after those of `history`, which are measured. Without a history it begins
+    /// at rest: the output at its mean, the inputs as in the first row.
     fn free_run<'py>(
         &self,
         py: Python<'py>,

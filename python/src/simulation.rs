@@ -6,11 +6,11 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::recording::{Recording, of_columns};
 use crate::work;
 
-/// A log of a six-axis unit with a thermometer.
+/// Log of a six-axis device with a temperature sensor.
 #[pyfunction]
 pub(crate) fn simulate(
     py: Python<'_>,
@@ -32,10 +32,10 @@ pub(crate) fn simulate(
     Ok(Recording { log: Arc::new(log.map_err(raised(py))?), read: LoadOptions::default() })
 }
 
-/// What is planted: effect, size, parameter.
+/// A simulated effect: identifier, size, parameter.
 type Planted = (String, f64, Option<f64>);
 
-/// A case: a quiet log, one to be explained and a later one of one unit, and the truth as JSON.
+/// Logs of a case (reference log, log to explain, evaluation log) of one device, and the truth as JSON.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.simulate_case`")]
 pub(crate) fn simulate_case(
@@ -49,9 +49,9 @@ pub(crate) fn simulate_case(
     durations_s: [f64; 3],
 ) -> PyResult<(Recording, Recording, Recording, String)> {
     let plan = plan(&planted, setup, part, axis, seed, world, durations_s);
-    let plan = plan.map_err(|wrong| said(py, "SimulationError", &wrong))?;
+    let plan = plan.map_err(|wrong| py_error(py, "SimulationError", &wrong))?;
     let case = work::run(py, || fos_simulate::simulate_case(&plan))?;
-    let case = case.map_err(|error| said(py, "SimulationError", &error.to_string()))?;
+    let case = case.map_err(|error| py_error(py, "SimulationError", &error.to_string()))?;
     let log = |which: &str, columns: Vec<(String, Vec<f64>)>| -> PyResult<Recording> {
         let name = format!("{which} of a simulated case, seed {seed}");
         let read = LoadOptions::default();

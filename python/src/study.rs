@@ -1,4 +1,4 @@
-//! A study: fitted, compared, diagnosed, refined, saved as the program saves it.
+//! A study: fitted, compared, diagnosed, refined, and saved in the program's format.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,32 +18,32 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::{evidence_json, library, line_json};
-use crate::error::{raised, said};
+use crate::error::{py_error, raised};
 use crate::options::Given;
 use crate::recording::Recording;
 use crate::work;
 
-/// The user's work on one unit. Calls from several threads are taken one after the other where they change it; what they
-/// change is published when it is whole.
+/// A model of one device with its logs and added effects. Changes from several threads are serialised, and become
+/// visible when they are complete.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Study {
     state: Mutex<State>,
-    /// Held by whoever changes it.
+    /// Held during a change.
     changing: Mutex<()>,
 }
 
 #[derive(Clone)]
 struct State {
     study: StudyFile,
-    /// The log that was fitted, where it is at hand.
+    /// Log of the fit, if it is in memory.
     own: Option<Arc<data::Recording>>,
-    /// Where it was loaded from or saved to, and how that file was then.
+    /// Path from which it was loaded or to which it was saved, and the version of that file.
     file: Option<FileVersion>,
-    /// The logs that an axis was refined on, by its column.
+    /// Logs on which an axis was refined, by its column.
     logs: Vec<(String, Arc<Logs>)>,
 }
 
-/// The logs of a call, as far as they were given.
+/// Logs given in a call.
 struct GivenLogs {
     field: Option<(Arc<data::Recording>, LoadOptions)>,
     quiet: Option<Arc<data::Recording>>,
@@ -60,7 +60,7 @@ impl GivenLogs {
     }
 }
 
-/// What keeps a study from doing what is asked.
+/// Reason why a request on a study fails.
 enum Refused {
     Log(fos_diagnose::study::LogAgainError),
     Refine(RefineError),
@@ -90,12 +90,12 @@ impl Refused {
         match self {
             Self::Log(error) => raised(py)(error),
             Self::Refine(error) => raised(py)(error),
-            Self::Said(text) => said(py, "StudyError", &text),
+            Self::Said(text) => py_error(py, "StudyError", &text),
         }
     }
 }
 
-/// Fits `axes` of the logs, taken one after the other and never spliced.
+/// Fits `axes` of the logs, which are used together and never spliced.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -118,7 +118,7 @@ pub(crate) fn fit(
     };
     let columns = columns.map_err(raised(py))?;
     if columns.is_empty() {
-        return Err(said(py, "FitError", "no axis was named\nhelp: name one, as gx"));
+        return Err(py_error(py, "FitError", "no axis was named\nhelp: name one, as gx"));
     }
     let (stillness, fits) = work::run(py, || {
         let stillness = rest(&log, options.train);
@@ -131,7 +131,7 @@ pub(crate) fn fit(
     Ok(Study::of(State { study, own: Some(log), file: None, logs: Vec::new() }))
 }
 
-/// Reads a study that this package or the program wrote.
+/// Reads a study written by this package or the program.
 #[pyfunction]
 pub(crate) fn load_study(py: Python<'_>, path: PathBuf) -> PyResult<Study> {
     let read = work::run(py, || StudyFile::read_to_change(&path))?;
@@ -145,7 +145,7 @@ impl Study {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // nothing panics while it holds the lock; if it did, what is published is still whole
+        // Nothing panics while it holds the lock; if it did, the published study would still be complete.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -153,7 +153,7 @@ impl Study {
         self.lock().clone()
     }
 
-    /// Runs what changes the study, after whoever changes it now.
+    /// Runs a change of the study after any change in progress.
     fn change<T: Send>(
         &self,
         py: Python<'_>,
@@ -171,7 +171,7 @@ impl Study {
 }
 
 impl State {
-    /// The column of `axis`, or the only one.
+    /// Column of `axis`, or the only one.
     fn column(&self, axis: Option<&str>) -> Result<String, Refused> {
         let columns: Vec<&str> = self.study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
         let is_meant = |column: &&str| axis.is_none_or(|axis| *column == axis || is_short(axis, column));
@@ -189,7 +189,7 @@ impl State {
         }
     }
 
-    /// The log that was fitted: at hand, or read again from where the study says that it is.
+    /// Log of the fit: from memory, or read again from its path in the study.
     fn own(&self) -> Result<Option<Arc<data::Recording>>, Refused> {
         let (Some(file), None) = (&self.file, &self.own) else { return Ok(self.own.clone()) };
         let read = &self.study.data.read;
@@ -198,7 +198,7 @@ impl State {
         Ok(Some(Arc::new(data::Recording::join(logs)?)))
     }
 
-    /// The logs of a call: those that were given, else those that the axis was refined on.
+    /// Logs of a call: those given, otherwise those on which the axis was refined.
     fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Refused> {
         let known = self.logs.iter().find(|(of, _)| of == column).map(|(_, logs)| Arc::clone(logs));
         let GivenLogs { field, quiet, judged } = given;
@@ -231,7 +231,7 @@ impl State {
             (Some(quiet), ..) => Some((*quiet).clone()),
             (None, Some(known), _) => known.quiet.clone(),
             (None, None, Some(named)) => named.quiet.as_ref().map(again).transpose()?,
-            // the study's own log is quiet, unless it is the very log where the model fails
+            // The study's own log is the reference, unless the model fails on it.
             (None, None, None) => match &self.study.data.sources[..] {
                 [own] if field.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
                 _ => None,
@@ -259,41 +259,41 @@ impl State {
     }
 }
 
-/// `gx` of `gx_rads`.
+/// `axis` is the short form of `column`: `gx` of `gx_rads`.
 fn is_short(axis: &str, column: &str) -> bool {
     column.split('_').next() == Some(axis)
 }
 
-/// What a comparison has row by row, of one axis: column, measured, innovation, left while coasting.
+/// Rows of a comparison of one axis: column, measured values, innovations, residual while coasting.
 type AxisRows<'py> =
     (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 #[pymethods]
 impl Study {
-    /// The study as its file has it.
+    /// Content of the study's file.
     fn json(&self) -> PyResult<String> {
         let bytes = self.lock().study.to_bytes();
         String::from_utf8(bytes)
             .map_err(|error| pyo3::exceptions::PyUnicodeDecodeError::new_err(error.to_string()))
     }
 
-    /// Columns of its axes.
+    /// Columns of the axes.
     fn columns(&self) -> Vec<String> {
         self.lock().study.model.axes.iter().map(|axis| axis.column.clone()).collect()
     }
 
-    /// What the whole model costs on the device, as JSON.
+    /// Cost of the whole model on the device, as JSON.
     fn cost(&self) -> String {
         json!(Cost::of(&self.lock().study.model)).to_string()
     }
 
-    /// Where it lies, if it was loaded or saved.
+    /// Path of the file, if it was loaded or saved.
     fn path(&self) -> Option<PathBuf> {
         self.lock().file.as_ref().map(|file| file.path().to_owned())
     }
 
-    /// The model against a log and against its rivals: the comparison as JSON, the time stamps of the judged rows, what
-    /// is left of each axis, and by how much the lags are off in time.
+    /// Compares the model with a log and with its rivals. Returns the comparison as JSON, the timestamps of the
+    /// evaluated rows, the residual of each axis, and the relative error of the lags in time.
     #[expect(clippy::type_complexity, reason = "one tuple, taken apart at once in Python")]
     fn compare<'py>(
         &self,
@@ -304,7 +304,7 @@ impl Study {
         let given = log.map(|log| Arc::clone(&log.log));
         let judged = work::run(py, || -> Result<_, Refused> {
             let own = match &given {
-                // what the noise is learnt from is welcome, and not needed
+                // The fitted log improves the noise estimate but is not required.
                 Some(_) => state.own().ok().flatten(),
                 None => state.own()?,
             };
@@ -326,8 +326,8 @@ impl Study {
         Ok((json!(comparison).to_string(), time_s, rows, off))
     }
 
-    /// What is missing from the model of an axis on a log: the diagnosis as JSON, and for each finding what speaks for
-    /// it and what it costs on the device.
+    /// Diagnosis of the model of an axis on a log as JSON, with the evidence of each finding and its cost on the
+    /// device.
     fn diagnose(
         &self,
         py: Python<'_>,
@@ -360,7 +360,8 @@ impl Study {
         .map_err(|refused| refused.raised(py))
     }
 
-    /// Adds an effect, or what the diagnosis finds until nothing is worth adding; the column of the axis.
+    /// Adds an effect, or the findings of the diagnosis until nothing is worth adding. Returns the column of the
+    /// axis.
     #[expect(clippy::too_many_arguments, reason = "they are the keywords of `Study.add`")]
     fn add(
         &self,
@@ -388,17 +389,17 @@ impl Study {
                 None => refinement.steps.extend(refiner.add_best(&refinement, |_, _| {})?),
             }
             state.study.keep(refinement);
-            // an axis runs alone, and with the others may be too much for a predictor
+            // An axis may be within the limits of a predictor alone, and exceed them with the others.
             state.study.model.predictor::<f64>().map_err(RefineError::Model)?;
             state.remember(&column, Arc::clone(&logs));
             Ok(column)
         })
     }
 
-    /// Takes the effect that was added last back; its identifier.
+    /// Removes the effect that was added last and returns its identifier.
     fn undo(&self, py: Python<'_>, axis: Option<String>) -> PyResult<String> {
         self.change(py, |state| {
-            // of several axes the one that has something to take back
+            // Of several axes, the one with an added effect.
             let grown = state.study.refinements.iter().filter(|refined| refined.added().next().is_some());
             let grown: Vec<&str> = grown.map(|refined| refined.column.as_str()).collect();
             let column = match (&axis, &grown[..]) {
@@ -409,7 +410,7 @@ impl Study {
         })
     }
 
-    /// Writes the study. Over the file that it was loaded from or saved to only as that then was; over another only if
+    /// Writes the study. Its own file is overwritten only if it is unchanged since; another file only with
     /// `replace`.
     fn save(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<()> {
         self.change(py, |state| {
@@ -430,11 +431,11 @@ impl Study {
         })
     }
 
-    /// The image that a device takes.
+    /// Image for a device.
     fn export_image<'py>(&self, py: Python<'py>, sensor: &str) -> PyResult<Bound<'py, PyBytes>> {
         let study = self.snapshot().study;
         let bytes = image(&study.model, sensor, &study.provenance());
-        let bytes = bytes.map_err(|error| said(py, "ImageError", &error.to_string()))?;
+        let bytes = bytes.map_err(|error| py_error(py, "ImageError", &error.to_string()))?;
         Ok(PyBytes::new(py, &bytes))
     }
 }

@@ -1,4 +1,4 @@
-//! A long call: the interpreter goes on with other threads meanwhile, and Ctrl-C ends it.
+//! Runs a long call so that other Python threads continue and Ctrl-C ends it.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -11,30 +11,30 @@ use rayon::ThreadPoolBuilder;
 
 use crate::error::defect;
 
-/// How often it is looked for Ctrl-C while the engine works.
+/// Interval between checks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// As the main thread of a program has it: a predictor of the host's capacities is moved about by value.
+/// Stack size of a main thread, bytes: a predictor of the host's capacities is moved by value.
 const STACK: usize = 8 << 20;
 
-/// Runs `work` on a thread of its own, without the lock of the interpreter. A signal that Python takes for an exception
-/// asks the engine to stop where it next checks, and is raised once it has.
+/// Runs `work` on another thread, without the lock of the interpreter. If a signal raises a Python exception, the
+/// engine is asked to stop at its next check, and the exception is raised then.
 ///
 /// # Errors
 ///
-/// What the signal was taken for; a defect of the engine.
+/// The exception of the signal; a defect of the engine.
 pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let stop = StopRequest::default();
     thread::scope(|scope| {
         let (done, mut waiting) = channel::<()>();
         let (wish, worker) = (stop.clone(), thread::Builder::new().stack_size(STACK));
         let worker = worker.spawn_scoped(scope, move || {
-            // dropped with the thread, which is heard
+            // Dropped at the end of the thread, which wakes the receiver.
             let _done = done;
             let work = || interruptible(&wish, work);
-            // Of this call alone. Threads of several calls would be lent to one another: one that holds the study it
-            // changes, and waits for a part of its work, would begin a call that waits for this study. And a process
-            // that is forked, as `multiprocessing` does it, has none of its parent's threads to wait for.
+            // A pool for this call only. Shared threads could deadlock: a call that changes a study and
+            // waits for a part of its work would run another call that waits for this study. And after a
+            // fork, as in `multiprocessing`, the threads of the parent do not exist.
             match ThreadPoolBuilder::new().stack_size(STACK).build() {
                 Ok(threads) => threads.install(work),
                 Err(_) => work(),
@@ -54,7 +54,7 @@ pub(crate) fn run<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> P
         }
         let ended = py.detach(|| worker.join()).unwrap_or_else(|panic| resume_unwind(panic));
         match (raised, ended) {
-            // it may have ended by itself before it was heard: what was asked for is still not wanted
+            // The work may have finished before the request; its result is still unwanted.
             (Some(signal), _) => Err(signal),
             (None, Ok(result)) => Ok(result),
             (None, Err(Interrupted::Stopped | Interrupted::Panicked)) => Err(defect(py)),

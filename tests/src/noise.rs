@@ -32,7 +32,7 @@ pub fn random_walk(seed: u64, length: usize) -> Vec<f64> {
     x
 }
 
-/// Noise of any length, draw by draw: SplitMix64 (Steele, Lea, Flood 2014) and the polar method (Marsaglia, Bray 1964).
+/// Random numbers one at a time: SplitMix64 (Steele, Lea, Flood 2014) and the polar method (Marsaglia, Bray 1964).
 pub struct Noise {
     state: u64,
     spare: Option<f64>,
@@ -44,7 +44,7 @@ impl Noise {
         Self { state: seed, spare: None }
     }
 
-    /// 64 bits.
+    /// Uniform random bits, 64.
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
@@ -58,7 +58,7 @@ impl Noise {
         (self.bits() >> 11) as f64 * 2.0_f64.powi(-53)
     }
 
-    /// Normal, mean 0, variance 1.
+    /// Normal with mean 0 and variance 1.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;

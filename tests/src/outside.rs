@@ -1,14 +1,14 @@
-//! Files of other people, which are no part of the project: recorded logs, cases of another simulator, answers that
-//! others computed or published.
+//! Third-party files outside the project: recorded logs, cases of another simulator, computed or published reference
+//! results.
 //!
-//! | of `name` the folder | is looked for where this says | and in every folder above the repository |
+//! | prefix of `name` | environment variable with the folder | folder searched for above the repository |
 //! |---|---|---|
 //! | `reference/` | `FOS_REFERENCE` | `shared/reference` |
 //! | `data/` | `FOS_REAL_LOGS` | `shared/data` |
 //! | `cases/` | `FOS_CASES` | `shared/cases` |
 //!
-//! What every test needs lies in `tests/fixtures`; these prove it against others. `tests/fixtures/README.md` says when
-//! one that is missing fails.
+//! Files needed by every run are in `tests/fixtures`; these files verify them against other sources.
+//! `tests/fixtures/README.md` states when a missing one is a failure.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,13 @@ use std::path::{Path, PathBuf};
 const KINDS: [(&str, &str); 3] =
     [("reference", "FOS_REFERENCE"), ("data", "FOS_REAL_LOGS"), ("cases", "FOS_CASES")];
 
-/// A file or folder of `shared`, as `data/log.csv.gz`. Where there is none it says so, also past the harness' capture
-/// of output.
+/// Path of a file or folder of `shared`, such as `data/log.csv.gz`. If it is missing, a message is printed, bypassing
+/// the harness' capture of output.
 ///
 /// # Panics
 ///
-/// It is missing, was promised (its folder is named, or there is one above the repository), and `CI` is `true`.
+/// The file is missing although promised (its folder is configured, or there is one above the repository), and `CI` is
+/// `true`.
 pub fn path(name: &str) -> Option<PathBuf> {
     let (kind, rest) = name.split_once('/').expect("a folder and a name in it");
     let (_, variable) =
@@ -37,7 +38,7 @@ pub fn path(name: &str) -> Option<PathBuf> {
     match (&found, missing(promised, std::env::var("CI").is_ok_and(|ci| ci == "true"))) {
         (Some(_), _) => {}
         (None, Missing::Skipped) => {
-            // not by `eprintln!`, which is shown of tests that fail
+            // `eprintln!` is shown only for failed tests.
             let _ = writeln!(std::io::stderr(), "skipped: no ../shared/{name}, and {variable} names none");
         }
         (None, Missing::Fails) => {
@@ -53,7 +54,7 @@ enum Missing {
     Fails,
 }
 
-/// What becomes of a test whose file is missing.
+/// Outcome of a test whose file is missing.
 fn missing(promised: bool, ci: bool) -> Missing {
     if promised && ci { Missing::Fails } else { Missing::Skipped }
 }
@@ -63,9 +64,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_promised_must_be_there_where_a_machine_judges() {
+    fn missing_promised_file_fails_in_ci() {
         assert_eq!(missing(true, true), Missing::Fails);
-        // people see it said; a clone was never promised any
+        // People see the message; an ordinary clone was never promised the files.
         for (promised, ci) in [(true, false), (false, true), (false, false)] {
             assert_eq!(missing(promised, ci), Missing::Skipped);
         }
@@ -73,7 +74,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "one of the three folders")]
-    fn a_folder_that_nobody_knows_is_a_mistake_of_the_test() {
+    fn rejects_unknown_folder() {
         let _ = path("other/file");
     }
 }

@@ -1,10 +1,9 @@
-//! `cargo xtask corpus CONTROL FOLDER`: of the inputs that libFuzzer has gone through to merge them, those for the
-//! repository.
+//! `cargo xtask corpus CONTROL FOLDER`: selects inputs for the repository from a merge by libFuzzer.
 //!
-//! CONTROL is what `-merge_control_file` wrote in a merge by `-set_cover_merge=1 -use_counters=0`. Taken are, one after
-//! the other, the inputs that reach most edges that none before reaches, the smaller one of two, as long as those are
-//! at least [`WORTH`]. What is taken would be taken again from itself alone. They are copied into FOLDER, in the place
-//! of what is there.
+//! CONTROL is the file written by `-merge_control_file` in a merge with `-set_cover_merge=1 -use_counters=0`. Inputs
+//! are selected greedily: each time the one that reaches most new edges, the smaller one of two, as long as those are
+//! at least [`WORTH`]. The selection is stable: applied to its own result it selects all of it. The inputs are copied
+//! into FOLDER and replace its content.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -12,20 +11,20 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-/// Edges that are worth an input; most of all inputs reach one or two that no other does.
+/// Smallest number of new edges that justifies an input; most inputs reach one or two that no other does.
 const WORTH: usize = 8;
 
-/// An input that was run.
+/// An executed input.
 #[derive(Debug, PartialEq)]
 struct Input {
     path: String,
-    /// Bytes.
+    /// Size, bytes.
     size: u64,
     edges: BTreeSet<u64>,
 }
 
-/// The inputs of a control file: their number, that of the first folder, their paths; then of each `STARTED index size`
-/// and `FT index edge…`. (After `COV` stand only those that no input before it reached.)
+/// Inputs of a control file: their number, that of the first folder, their paths; then for each `STARTED index size`
+/// and `FT index edge…`. (`COV` lists only edges that no earlier input reached.)
 fn inputs(control: &str) -> Result<Vec<Input>, Box<dyn Error>> {
     let mut lines = control.lines();
     let count: usize = lines.next().ok_or("an empty control file")?.trim().parse()?;
@@ -52,7 +51,7 @@ fn inputs(control: &str) -> Result<Vec<Input>, Box<dyn Error>> {
     Ok(inputs)
 }
 
-/// Those to keep.
+/// Selects the inputs to keep.
 fn taken(mut inputs: Vec<Input>) -> Vec<Input> {
     let (mut reached, mut taken) = (BTreeSet::new(), Vec::new());
     loop {
@@ -93,13 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn a_control_file_has_paths_sizes_and_edges() {
+    fn parses_control_file() {
         let control = "2\n0\nc/a\nc/b\nSTARTED 0 12\nFT 0 1 2\nCOV 0 7 9\nSTARTED 1 30\nFT 1 3\nCOV 1\n";
         assert_eq!(inputs(control).unwrap(), [input("c/a", 12, [1, 2]), input("c/b", 30, [3])]);
     }
 
     #[test]
-    fn the_smallest_of_those_that_reach_most_come_first_and_what_adds_little_is_left() {
+    fn selects_smallest_inputs_with_most_new_edges() {
         let all = || {
             vec![
                 input("large", 90, 0..60),

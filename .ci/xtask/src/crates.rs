@@ -1,11 +1,11 @@
-//! Which crate may depend on which.
+//! Allowed dependencies between crates.
 //!
 //! ```text
 //! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ host-fit      fos-data ◄ fos-simulate ◄ host-fit
 //! fos-data ◄ fos-calibrate ◄ host-fit
 //! ```
 //!
-//! Of dependencies that are built for those who use the crate: tests may look at everything.
+//! Only dependencies compiled for users of a crate count: tests may depend on all.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,8 +13,7 @@ use std::process::Command;
 
 use crate::workspace::{Package, output};
 
-/// A crate, and those of the workspace that it may depend on. What lies under `tests/` may depend on all of them and is
-/// not here.
+/// Crates with their allowed dependencies in the workspace. Crates under `tests/` may depend on all and are not listed.
 const MAY: &[(&str, &[&str])] = &[
     ("fos-core", &[]),
     ("fos-embedded", &["fos-core"]),
@@ -40,10 +39,10 @@ const MAY: &[(&str, &[&str])] = &[
     ("xtask", &[]),
 ];
 
-/// What only the program needs: servers, figures, command lines.
+/// Libraries for the program only: servers, figures, command lines.
 const OF_THE_PROGRAM: [&str; 4] = ["axum", "clap", "plotters", "tokio"];
 
-/// What depends on what it may not, a line each.
+/// Forbidden dependencies, a line for each.
 pub(crate) fn refused(packages: &[Package], root: &Path) -> Vec<String> {
     let is_outside = |package: &Package| package.folder.starts_with(root.join("tests"));
     let mut found = Vec::new();
@@ -64,8 +63,7 @@ pub(crate) fn refused(packages: &[Package], root: &Path) -> Vec<String> {
     found
 }
 
-/// The crates, but host-fit and those of the tests, in whose trees something is that only the program needs, a line
-/// each.
+/// Crates, other than host-fit and those of the tests, that depend on a library for the program only, a line for each.
 pub(crate) fn heavy(packages: &[Package], root: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let mut found = Vec::new();
     for package in packages {
@@ -93,7 +91,7 @@ pub(crate) fn heavy(packages: &[Package], root: &Path) -> Result<Vec<String>, Bo
     Ok(found)
 }
 
-/// Those of the program in a tree that cargo printed.
+/// Libraries for the program in a tree printed by cargo.
 fn named(tree: &str) -> impl Iterator<Item = &'static str> {
     OF_THE_PROGRAM
         .into_iter()
@@ -120,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_points_to_the_left_is_accepted() {
+    fn accepts_dependencies_to_the_left() {
         let packages = [
             package("fos-core", "fos-core", &[]),
             package("fos-data", "host-fit/data", &[("fos-core", Value::Null), ("serde", Value::Null)]),
@@ -137,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_points_to_the_right_is_refused() {
+    fn rejects_dependencies_to_the_right() {
         let packages = [
             package("fos-core", "fos-core", &[]),
             package("fos-fit", "host-fit/fit", &[("fos-core", Value::Null), ("fos-embedded", Value::Null)]),
@@ -159,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_libraries_of_the_program_are_seen_in_a_tree_by_their_whole_name() {
+    fn finds_program_libraries_by_whole_name() {
         assert_eq!(named("fos-fit v0.1.0\ntokio v1.54.0\nclap_lex v1.0.0\n").collect::<Vec<_>>(), ["tokio"]);
     }
 }

@@ -1,16 +1,16 @@
-//! What the checks of docs/trust.md share: their two forms, and the program under test.
+//! Common parts of the checks of docs/trust.md: their two forms, and the program under test.
 
 use std::env;
 use std::error::Error;
 use std::path::{Path, PathBuf, absolute};
 use std::process::Command;
 
-/// How much of a check is done.
+/// Extent of a check.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Form {
-    /// Seconds: in the gate.
+    /// Seconds; runs in the gate.
     Short,
-    /// Minutes: what the page says.
+    /// Minutes; as documented.
     Full,
 }
 
@@ -20,12 +20,12 @@ impl Form {
     }
 }
 
-/// The folder that cargo builds into.
+/// Target folder of cargo.
 pub(crate) fn target_folder(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
 }
 
-/// fos as it is shipped: that of `$FOS_HOST_FIT`, or built here if it is not there.
+/// The program as shipped: `$FOS_HOST_FIT`, otherwise built here.
 pub(crate) fn host_fit(root: &Path) -> Result<PathBuf, Box<dyn Error>> {
     if let Some(given) = env::var_os("FOS_HOST_FIT").filter(|given| !given.is_empty()) {
         return Ok(absolute(given)?);

@@ -1,4 +1,4 @@
-//! The packages of a workspace, as cargo sees them.
+//! Packages of a workspace, from cargo.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -8,35 +8,35 @@ use serde_json::Value;
 
 /// A package of the workspace.
 pub(crate) struct Package {
-    /// As in its manifest.
+    /// Name in its manifest.
     pub(crate) name: String,
-    /// The folder of its manifest.
+    /// Folder of its manifest.
     pub(crate) folder: PathBuf,
-    /// What is compiled of it, but for tests and build scripts.
+    /// Compiled targets, except tests and build scripts.
     pub(crate) targets: Vec<Target>,
-    /// What it names in its manifest, of any kind.
+    /// Dependencies of any kind.
     pub(crate) dependencies: Vec<Dependency>,
 }
 
 /// One compilation: a library, a program, an example or a benchmark.
 pub(crate) struct Target {
-    /// Whether others can depend on it.
+    /// Other packages can depend on it.
     pub(crate) is_library: bool,
-    /// The file it begins with.
+    /// Root source file.
     pub(crate) root: PathBuf,
 }
 
-/// What a manifest names.
+/// A dependency in a manifest.
 pub(crate) struct Dependency {
-    /// The package.
+    /// Name of the package.
     pub(crate) package: String,
-    /// As the source calls it, with underscores.
+    /// Name in the source, with underscores.
     pub(crate) name: String,
-    /// Neither for tests nor for build scripts alone.
+    /// Not only for tests or build scripts.
     pub(crate) is_normal: bool,
 }
 
-/// What a command printed; an error if it failed.
+/// Output of a command; an error if it failed.
 pub(crate) fn output(command: &mut Command) -> Result<String, Box<dyn Error>> {
     let done = command.output()?;
     if !done.status.success() {
@@ -45,20 +45,20 @@ pub(crate) fn output(command: &mut Command) -> Result<String, Box<dyn Error>> {
     Ok(String::from_utf8(done.stdout)?)
 }
 
-/// The folder of the workspace that cargo is in.
+/// Root of the workspace in the current folder.
 pub(crate) fn root() -> Result<PathBuf, Box<dyn Error>> {
     let manifest =
         output(Command::new("cargo").args(["locate-project", "--workspace", "--message-format", "plain"]))?;
     Ok(Path::new(manifest.trim()).parent().ok_or("no workspace")?.to_path_buf())
 }
 
-/// Its packages.
+/// Packages of the workspace.
 pub(crate) fn packages(root: &Path) -> Result<Vec<Package>, Box<dyn Error>> {
     let arguments = ["metadata", "--format-version", "1", "--no-deps"];
     packages_of(&serde_json::from_str(&output(Command::new("cargo").args(arguments).current_dir(root))?)?)
 }
 
-/// The packages of what `cargo metadata` prints.
+/// Packages in the output of `cargo metadata`.
 pub(crate) fn packages_of(metadata: &Value) -> Result<Vec<Package>, Box<dyn Error>> {
     let missing = |what: &str| format!("cargo metadata gives no {what}");
     let text = |value: &Value, key: &str| value[key].as_str().map(str::to_owned).ok_or_else(|| missing(key));

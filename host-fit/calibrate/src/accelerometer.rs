@@ -29,7 +29,7 @@ const RATIOS: [f64; 4] = [9.0, 36.0, 144.0, 576.0];
 /// A wider limit must make the intervals narrower by this factor.
 const WORTHWHILE: f64 = 0.8;
 
-/// Rests within so many degrees determine nothing.
+/// Smallest angular spread of all rests, °; with less, nothing is determined.
 const FEWEST_SPREAD_DEG: f64 = 20.0;
 
 /// Unknowns without temperature.
@@ -45,14 +45,14 @@ const PLAUSIBLE: [f64; 5] = [0.5, 0.05, 0.03, 5e-3, 2e-4];
 /// A parameter whose standard error is above this share of the plausible value is not determined by the log.
 const NOT_DETERMINED: f64 = 0.3;
 
-/// A parameter is weakly determined if its half-width is above this, m/s² at 1 g (1 mg), and so many times the median.
+/// A parameter is weakly determined if its half-width is above both this, m/s² at 1 g (1 mg), and `WEAK_TIMES` times the median.
 const WEAK_MPS2: f64 = 0.01;
 const WEAK_TIMES: f64 = 2.0;
 
 /// It is weakly determined in any case if its half-width is above this, m/s² at 1 g (20 mg): all may be equally bad.
 const SURELY_WEAK_MPS2: f64 = 0.2;
 
-/// Bias and sensitivity are six unknowns, however often each orientation is repeated.
+/// Fewest distinct orientations: bias and sensitivity are six unknowns, and repetitions of an orientation add no information.
 const FEWEST_ORIENTATIONS: usize = 6;
 
 /// Temperatures at rest that span less than this, K, say nothing about slopes.
@@ -142,9 +142,10 @@ pub struct Accelerometer {
     /// Faces that no rest comes near to: "y pointing up".
     pub unseen: Vec<String>,
     pub next: Next,
-    /// Further dwells until the accuracy is reached: empty if it is, or if none was asked for; `None` if more than 12.
+    /// Further dwells until the requested accuracy is reached: empty if it is, or if none was requested; `None` if more than
+    /// 12.
     pub plan: Option<Vec<String>>,
-    /// The accuracy that was asked for, m/s², and `true` if the intervals are within it.
+    /// Requested accuracy, m/s², and `true` if the intervals are within it.
     pub accuracy: Option<(f64, bool)>,
     /// Covariance of bias, sensitivity and cosines, for the gyro's intervals.
     #[serde(skip)]
@@ -481,7 +482,7 @@ fn report(
         parameter(&model, scale, index, half(column), determined)
     });
     let parameters: Vec<Parameter> = parameters.collect();
-    // an angle falls where its cosine rises: correlations of what is shown
+    // An angle decreases while its cosine increases: correlations apply to the shown value.
     let sign = |index: usize| if index / 3 == 2 { -1.0 } else { 1.0 };
     let mut correlations = correlations(&covariance);
     for (i, row) in correlations.iter_mut().enumerate() {

@@ -49,7 +49,7 @@ const LEAST_SPAN_K: f64 = 3.0;
 /// Chance below which the bias depends on specific force.
 const SIGNIFICANT: f64 = 1e-3;
 
-/// A rest whose gyro mean is so many deviations from the others turned slowly.
+/// Deviation of a rest's gyro mean from the others, in standard deviations, above which the device turned slowly.
 const TURNS_SLOWLY: f64 = 8.0;
 
 /// Reason to exclude a turn.
@@ -559,7 +559,7 @@ fn outlying(fitted: &Fitted, turns: usize) -> Option<usize> {
 
 /// The figures of a matrix for people: sensitivities, cross-axis angles (°), angles between axes (°) and to the accelerometer's (°).
 fn shown(matrix: &Matrix3<f64>, model: &TriadModel, pairing: &Matrix3<f64>) -> [f64; 15] {
-    // rows: what each axis of the gyro shows of a rate in the frame of the accelerometer
+    // Rows: response of each axis of the gyro to a rate in the frame of the accelerometer.
     let sensor = matrix.try_inverse().unwrap_or_else(|| Matrix3::from_element(f64::NAN));
     let accelerometer = model.axes();
     let mut all = [0.0; 15];
@@ -599,8 +599,8 @@ fn write(
     let model = &accelerometer.model;
     let of_turns = &fitted.unscaled * fitted.scale.max(1e-30);
     let functions = |matrix: &Matrix3<f64>, model: &TriadModel| shown(matrix, model, &pairing);
-    // derivatives of what is shown: by the entries of the matrix, and by the accelerometer's parameters, which turn the
-    // directions of gravity and with them the matrix
+    // Derivatives of the shown values by the entries of the matrix, and by the accelerometer's parameters, which turn the
+    // directions of gravity and with them the matrix.
     let mut by_entry = DMatrix::zeros(15, 9);
     for entry in 0..9 {
         let moved = |by: f64| {

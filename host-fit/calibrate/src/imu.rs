@@ -84,7 +84,7 @@ impl Imu {
         })
     }
 
-    /// Number of samples in so many seconds, at least `fewest`.
+    /// Number of samples in the given time, s, at least `fewest`.
     pub(crate) fn rows_in(&self, seconds: f64, fewest: usize) -> usize {
         ((seconds / self.period_s).round() as usize).max(fewest)
     }

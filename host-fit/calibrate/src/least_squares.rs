@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn covariance_is_that_of_the_normal_equations() {
+    fn covariance_matches_normal_equations() {
         let jacobian = DMatrix::from_fn(7, 3, |i, j| ((i * 3 + j * 5 + 1) % 7) as f64 - 2.5);
         let direct = (jacobian.transpose() * &jacobian).try_inverse().expect("regular");
         let found = covariance(&jacobian).expect("regular");
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_those_of_the_tables() {
+    fn quantiles_match_tables() {
         for (degrees, quantile) in [(1.0, 12.706), (3.0, 3.182), (10.0, 2.228), (30.0, 2.042)] {
             assert!((student(0.95, degrees) - quantile).abs() < 6e-4, "{degrees}");
         }

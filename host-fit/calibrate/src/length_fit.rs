@@ -102,7 +102,7 @@ pub(crate) fn fit(
         let residuals: Vec<f64> =
             vectors.iter().map(|v| model.length(&v.raw, v.kelvin).0 - v.length).collect();
         if let Some(unscaled) = covariance(&found.at.jacobian) {
-            // what is known before the fit takes part of a degree of freedom, or none
+            // Knowledge from before the fit adds a part of a degree of freedom, or none.
             let leverage = leverages(&found.at.jacobian, &unscaled);
             let taken: f64 = leverage.iter().take(vectors.len()).sum();
             let least = (vectors.len() as f64 - free.len() as f64).max(0.0);

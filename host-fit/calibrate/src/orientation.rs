@@ -11,7 +11,7 @@ pub struct Orientation {
     pub up: [f64; 3],
 }
 
-/// Orientations nearer than this are one, °: nobody turns a device by hand to a degree.
+/// Orientations closer than this count as one, °: by hand a device cannot be turned to a degree.
 pub(crate) const SAME_DEG: f64 = 5.0;
 
 impl Orientation {

@@ -21,7 +21,7 @@ const BATCH_S: f64 = 0.25;
 /// Rests one after the other in directions nearer than this are one rest with a knock in it, °.
 const SAME_REST_DEG: f64 = 0.5;
 
-/// Longer rests are looked at in pieces of this length, s, so that a change of temperature within one is seen.
+/// Length of the pieces into which longer rests are divided, s, so that a change of temperature within a rest is resolved.
 const LONGEST_S: f64 = 60.0;
 
 /// Pieces of one rest whose temperatures differ by more than this, K, count as two.
@@ -83,7 +83,7 @@ pub(crate) struct Rests {
 }
 
 impl Rests {
-    /// Variance of the accelerometer mean of a rest of so many seconds, by axis, in the unit of the log squared.
+    /// Variance of the accelerometer mean of a rest of the given length, s, by axis, in the unit of the log squared.
     pub(crate) fn accelerometer_variance(&self, seconds: f64) -> [f64; 3] {
         self.accelerometer_batch.map(|batch| batch * self.batch_s / seconds)
     }
@@ -146,7 +146,7 @@ pub(crate) fn find(imu: &Imu, accelerometer: &Axes, windows: &[Windows], ratio: 
         let parts: Vec<Range<usize>> = group.iter().map(|&index| stretches[index].clone()).collect();
         let rows = parts[0].start..parts[parts.len() - 1].end;
         let count: usize = parts.iter().map(Range::len).sum();
-        // the bias of a long rest drifts: it moves nobody
+        // The bias drifts during a long rest, which is not motion.
         let is_long = count as f64 * imu.period_s > LONGEST_S;
         let moves = if is_long { 0.0 } else { moves(accelerometer, &parts, &accelerometer_batch, batch) };
         let excluded = match (clips(accelerometer, &parts, &ends, &is_coarse), moves / size) {
@@ -186,7 +186,8 @@ pub(crate) fn mean(axes: &Axes, parts: &[Range<usize>]) -> [f64; 3] {
     })
 }
 
-/// The middle of the means, axis by axis: within their range, however many lie in one orientation.
+/// Centre of the values of each axis. For counts on one side of 0 the midrange, which does not depend on the number of rests per
+/// orientation; otherwise 0.
 fn centre(means: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let (low, high) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mean| {

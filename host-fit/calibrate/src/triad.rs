@@ -7,8 +7,8 @@
 //! |a|² = wᵀ Γ⁻¹ w,
 //!
 //! in 9 unknowns: b (3), S (3), Γ (3). The frame of the corrected values is the one in which U is symmetric,
-//! U = Γ^½ (Löwdin 1950): of all right-angled frames the nearest to the three axes, and the same however the axes are
-//! numbered. The correction is a = M(raw − b), M = Γ^−½ S⁻¹.
+//! U = Γ^½ (Löwdin 1950): of all right-angled frames the nearest to the three axes, independent of the numbering of the axes. The
+//! correction is a = M(raw − b), M = Γ^−½ S⁻¹.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use serde::Serialize;

@@ -253,8 +253,8 @@ fn quiet_level(values: &[f64], windows: &[Windows]) -> f64 {
     if level.abs() < 0.5 || level.abs() > 300.0 { level } else { 0.0 }
 }
 
-/// The stretches at rest of a gyro in rad/s, whatever its bias: seen from a rest, every other stretch is a rest too or turns at a
-/// stated rate. A plateau sees the rests at its rate, but few of the other plateaus.
+/// Stretches at rest of a gyro in rad/s with any bias: relative to a rest, every other stretch is a rest or turns at a stated rate.
+/// Relative to a plateau, the rests turn at its rate, but few of the other plateaus do at a stated one.
 fn resting(means: &[[f64; 3]], rates: &[f64]) -> Vec<usize> {
     let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
     let turns = |rate: f64| rates.iter().any(|stated| (rate / stated - 1.0).abs() < SAME_RATE);
@@ -330,7 +330,7 @@ fn with_bias(
     for axis in 0..3 {
         let average = rests.iter().map(|&i| means[i][axis]).sum::<f64>() / count;
         let squares: f64 = rests.iter().map(|&i| (means[i][axis] - average).powi(2)).sum();
-        // one rest alone says nothing about its scatter: 0.03 °/s is that of consumer parts between rests
+        // A single rest does not show its scatter: 0.03 °/s is that of consumer parts between rests.
         let floor = 5e-4 * start.sensitivity[axis];
         let deviation = if rests.len() > 1 { (squares / (count - 1.0) / count).sqrt() } else { 0.0 };
         bias[axis] = average;

@@ -1,4 +1,4 @@
-//! What the population of so many units costs, once their rows are there: memory of what is gathered, time, memory at most.
+//! Cost of a population with a given number of units: memory of the gathered rows, time, peak memory.
 //!
 //!     cargo run --release -p fos-fleet --example many -- 100000
 
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A line of Linux' account of this process, MB; 0 elsewhere.
+/// A line of `/proc/self/status`, MB; 0 on other systems than Linux.
 fn resident_mb(what: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what));

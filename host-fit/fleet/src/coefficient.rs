@@ -1,32 +1,33 @@
-//! One coefficient of a population by itself: x = μ + a(lot) + b(device) + e, with a known variance of e for each device.
+//! A single coefficient of a population: x = μ + a(lot) + b(device) + e, with a known variance of e for each device.
 //!
-//! Small samples need more than the estimates: how many degrees of freedom each estimated variance has (Satterthwaite 1946, from the expected
-//! information of the restricted likelihood), exact intervals of the variances (Q profile: Viechtbauer 2007; for lots Williams 1962 and Tukey
-//! 1951) and the deviation of a device from a population that it is no part of. V = diag(B + error) + A on the blocks of lots has an inverse in closed
-//! form, so every sum below is one over lots, and a device is taken out of it without another pass over all devices.
+//! Small samples need degrees of freedom for each estimated variance (Satterthwaite 1946, from the expected information of the restricted
+//! likelihood), exact intervals of the variances (Q profile: Viechtbauer 2007; for lots Williams 1962 and Tukey 1951) and the deviation of
+//! a device from the population without it. V = diag(B + error) + A on the blocks of lots has a closed-form inverse, so every sum below is
+//! a sum over lots, and a device is removed without another pass over all devices.
 
 use crate::tails::{OUTSIDE, chi_squared_quantile, f_quantile, f_tail, falls_to, t_tail};
 
-/// Up to so many devices variances are estimated again without each of them; with more, one step of Fisher scoring takes a device out.
+/// Up to this number of devices, variances are estimated again without each of them; above it, a device is removed by one step of Fisher
+/// scoring.
 const REFITTED: usize = 40;
 
-/// Most steps of Fisher scoring, and the change of a variance (scaled: all are about 1) at which it ends.
+/// Maximum number of steps of Fisher scoring, and the change of a scaled variance (about 1) at which it ends.
 const MOST_STEPS: usize = 60;
 const CHANGE: f64 = 1e-8;
 
-/// Where the search for variances begins.
+/// Start of the search for scaled variances.
 const START: Variances = Variances { units: 0.5, lots: 0.3 };
 
-/// Smallest variance of a scaled error: an estimate without an error is exact to so much of what values vary by.
+/// Smallest variance of a scaled error, used for estimates without an error.
 pub(crate) const LEAST_ERROR: f64 = 1e-12;
 
-/// Variance between lots that have nothing in common: so large that a device is compared with its own lot alone.
+/// Variance between lots that makes them independent: a device is compared with its own lot only.
 const APART: f64 = 1e6;
 
-/// A step that makes the data less likely is halved at most so often.
+/// Maximum number of halvings of a step that lowers the likelihood.
 const HALVINGS: usize = 8;
 
-/// A device's value, its lot by number, the variance of its error.
+/// Value of a device, number of its lot, and variance of its error.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Value {
     pub(crate) lot: usize,
@@ -44,24 +45,24 @@ pub(crate) struct Variances {
 /// Deviation of a device from the population without it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Deviation {
-    /// In standard deviations of a device of its lot, the error of its log and that of the estimated mean.
+    /// Deviation in standard deviations of a device of its lot, the error of its log and that of the estimated mean together.
     pub(crate) by: f64,
     /// Degrees of freedom of that standard deviation.
     pub(crate) freedom: f64,
     /// Probability that a device of the population deviates further.
     pub(crate) p_value: f64,
-    /// The standard deviation of devices and their logs over the one that `by` counts in, which has the error of the mean too.
+    /// Standard deviation of device and log error, divided by that of `by`, which includes the error of the mean.
     pub(crate) share: f64,
 }
 
 /// Degrees of freedom of a coefficient's variances.
 #[derive(Debug, Clone)]
 pub(crate) struct Freedom {
-    /// Of the variance of the mean.
+    /// Degrees of freedom of the variance of the mean.
     pub(crate) mean: f64,
-    /// Of the variance of a device of a lot that is not known.
+    /// Degrees of freedom of the variance of a device of unknown lot.
     pub(crate) unit: f64,
-    /// Of each lot: of its mean and of a device in it.
+    /// Degrees of freedom for each lot: of its mean, and of a device in it.
     pub(crate) lots: Vec<[f64; 2]>,
 }
 
@@ -72,7 +73,7 @@ pub(crate) struct Coefficient {
     lots: usize,
     /// The variance between lots is estimated.
     has_lots: bool,
-    /// Lots have nothing in common: the variance between them is [`APART`].
+    /// Lots are independent: the variance between them is [`APART`].
     apart: bool,
     centre: f64,
     scale: f64,
@@ -96,7 +97,7 @@ struct Likelihood {
     /// −2 ln L, up to a constant.
     deviance: f64,
     mean: f64,
-    /// Ω = 1ᵀV⁻¹1, its derivatives by B and A with the sign turned.
+    /// Ω = 1ᵀV⁻¹1, and in `loss` its negative derivatives by B and A.
     precision: f64,
     loss: [f64; 2],
     score: [f64; 2],
@@ -118,14 +119,14 @@ impl Sums {
         self.xx[1] += sign * wx * wx;
     }
 
-    /// 1/(1 + A·Σw): the share of a lot's deviation that its devices do not show.
+    /// 1/(1 + A·Σw): share of a lot's deviation that its devices do not reveal.
     fn hidden(&self, lots: f64) -> f64 {
         1.0 / (1.0 + lots * self.w[0])
     }
 }
 
 impl Totals {
-    /// Adds a lot, or takes it out again.
+    /// Adds a lot (`sign` 1) or removes it (−1).
     fn add(&mut self, lot: &Sums, lots: f64, sign: f64) {
         let Sums { logs, w: [w1, w2, w3], x: [x1, x2], xx: [xx1, xx2] } = *lot;
         let h = lot.hidden(lots);
@@ -173,7 +174,7 @@ impl Totals {
 }
 
 impl Likelihood {
-    /// Variance of an estimated variance V of which this is the gradient by B and A, over the square of V: 2/degrees of freedom.
+    /// Degrees of freedom f of an estimated variance V with this `gradient` by B and A, from Var(V)/V² = 2/f.
     fn freedom(&self, variance: f64, gradient: [f64; 2], has_lots: bool) -> f64 {
         let [bb, ba, aa] = self.information;
         let [b, a] = gradient;
@@ -185,7 +186,7 @@ impl Likelihood {
         if freedom.is_finite() { freedom.clamp(0.0, 1e9) } else { 0.0 }
     }
 
-    /// One step of Fisher scoring. A variance that would be negative is 0.
+    /// One step of Fisher scoring; negative variances are set to 0.
     fn step(&self, at: Variances, has_lots: bool) -> Variances {
         let ([b, a], [bb, ba, aa]) = (self.score, self.information);
         let alone = |value: f64, score: f64, information: f64| {
@@ -209,12 +210,12 @@ impl Likelihood {
 }
 
 impl Coefficient {
-    /// `values` of the devices of so many lots, some of which may have none.
+    /// `values` of the devices of `lots` lots, some of which may be empty.
     pub(crate) fn of(mut values: Vec<Value>, lots: usize) -> Self {
         let n = values.len().max(1) as f64;
         let centre = values.iter().map(|value| value.value).sum::<f64>() / n;
         let square = values.iter().map(|value| (value.value - centre).powi(2) + value.error).sum::<f64>() / n;
-        // values that are equal and without an error have no size of their own
+        // Equal values without errors have no scale.
         let scale = if square > 0.0 { square.sqrt() } else { 1.0 };
         for value in &mut values {
             value.value = (value.value - centre) / scale;
@@ -223,7 +224,8 @@ impl Coefficient {
         Self { centre, scale, ..Self::scaled(values, lots) }
     }
 
-    /// Values that are scaled. Lots of one device each cannot be told apart from their devices: their variance is that of devices then.
+    /// Takes scaled values. Lots of one device each are indistinguishable from their devices; their variance is then part of that of
+    /// the devices.
     fn scaled(mut values: Vec<Value>, lots: usize) -> Self {
         let mut of_lots = vec![0_usize; lots];
         values.iter().for_each(|value| of_lots[value.lot] += 1);
@@ -236,19 +238,19 @@ impl Coefficient {
         Self { values, lots, has_lots, apart: false, centre: 0.0, scale: 1.0 }
     }
 
-    /// The same values in lots that have nothing in common.
+    /// The same values with independent lots.
     fn apart(&self) -> Self {
         Self { has_lots: false, apart: true, ..self.clone() }
     }
 
-    /// The same without one of them.
+    /// The same values without one device.
     fn without(&self, index: usize) -> Self {
         let mut values = self.values.clone();
         values.remove(index);
         if self.apart { Self { values, ..*self } } else { Self::scaled(values, self.lots) }
     }
 
-    /// The sums of a device's lot.
+    /// Sums of the lot of a device.
     fn of_lot(&self, sums: &[Sums], lot: usize) -> Sums {
         if self.has_lots || self.apart { sums.get(lot).copied().unwrap_or_default() } else { sums[0] }
     }
@@ -273,7 +275,7 @@ impl Coefficient {
         Self::totals(&self.sums(at.units), at.lots).likelihood()
     }
 
-    /// The variances of the greatest restricted likelihood, in the square of the values' own unit.
+    /// Variances of the greatest restricted likelihood, in the squared unit of the values.
     pub(crate) fn variances(&self) -> Variances {
         let Variances { units, lots } = self.fit(START);
         let square = self.scale * self.scale;
@@ -307,11 +309,11 @@ impl Coefficient {
         now
     }
 
-    /// Deviations of the members, and of `others`, which are none: of each from the population without it. None where fewer than two devices are
-    /// left to compare with.
+    /// Deviation of each member from the population without it, and of each of `others`, which are not members. None if fewer than two
+    /// devices remain for comparison.
     ///
-    /// Where a device's lot has other devices, the larger of two p-values counts: that of the population, and that of its own lot. How lots
-    /// scatter is hardly known from few; the second does not depend on it.
+    /// If other devices of the same lot exist, the larger of two p-values counts: against the population, and against the device's own
+    /// lot. The scatter between few lots is poorly known, and the second p-value does not depend on it.
     pub(crate) fn deviations(&self, others: &[Value]) -> [Vec<Option<Deviation>>; 2] {
         let scaled = |other: &Value| Value {
             lot: other.lot,
@@ -326,7 +328,7 @@ impl Coefficient {
             let apart = self.apart().deviations_by_itself(&others, REFITTED);
             for (kind, values) in [&self.values, &others].into_iter().enumerate() {
                 for ((value, both), in_lot) in values.iter().zip(&mut found[kind]).zip(&apart[kind]) {
-                    // a member is not one of the others of its lot
+                    // A member is not compared with itself.
                     let has_others = of_lots.get(value.lot).is_some_and(|units| units + kind > 1);
                     let in_lot = in_lot.filter(|in_lot| has_others && in_lot.freedom >= 1.0);
                     if in_lot.is_some_and(|in_lot| both.is_none_or(|both| both.p_value < in_lot.p_value)) {
@@ -338,7 +340,7 @@ impl Coefficient {
         found
     }
 
-    /// In populations of up to `refitted` each member has a fit of its own without it.
+    /// Deviations against the population only. With up to `refitted` members, each has a fit of its own without it.
     fn deviations_by_itself(&self, others: &[Value], refitted: usize) -> [Vec<Option<Deviation>>; 2] {
         if self.values.len() < 2 {
             return [vec![None; self.values.len()], vec![None; others.len()]];
@@ -375,7 +377,7 @@ impl Coefficient {
         [(0..self.values.len()).map(of_member).collect(), others.iter().map(of_other).collect()]
     }
 
-    /// Degrees of freedom of the variances of means and devices at variances in the values' own unit.
+    /// Degrees of freedom of means and devices, at variances in the squared unit of the values.
     pub(crate) fn freedom(&self, units: f64, lots: f64) -> Freedom {
         let square = self.scale * self.scale;
         let at = Variances { units: units / square, lots: if self.has_lots { lots / square } else { 0.0 } };
@@ -395,15 +397,15 @@ impl Coefficient {
         }
     }
 
-    /// 90 % interval of the variance between devices of a lot: all B at which the weighted sum of squares within lots is one that chance
-    /// makes of χ² in nine of ten cases. Exact, whatever lots are.
+    /// Exact 90 % interval of the variance between devices of a lot: all B at which the weighted sum of squares within lots lies in the
+    /// central 90 % of χ², for any scatter of lots.
     pub(crate) fn units_interval(&self) -> [f64; 2] {
         let n = self.values.len();
         let lots = self.sums(0.0).iter().filter(|lot| lot.w[0] > 0.0).count();
         let Some(freedom) = n.checked_sub(lots).filter(|freedom| *freedom > 0) else { return [0.0; 2] };
         let freedom = freedom as f64;
         let within = |units: f64| self.sums(units).iter().map(Sums::within).sum::<f64>();
-        // devices that differ by less than their logs err allow no smaller scatter than ones that differ by just as much
+        // Scatter below the log errors admits no smaller upper bound than scatter equal to them.
         let expected = |units: f64| {
             let errors = self.values.iter().map(|value| (value, 1.0 / (units + value.error)));
             let mut lots = vec![[0.0; 2]; self.lots];
@@ -420,7 +422,7 @@ impl Coefficient {
         [falls_to(most, within), high].map(|end| end * self.scale * self.scale)
     }
 
-    /// The same between lots. The variance of devices is as uncertain as its degrees of freedom say.
+    /// 90 % interval of the variance between lots, with the uncertainty of the variance of the devices.
     pub(crate) fn lots_interval(&self) -> [f64; 2] {
         let Some(between) = self.between() else { return [0.0; 2] };
         let Between { freedoms, .. } = between;
@@ -429,20 +431,20 @@ impl Coefficient {
             (square, freedoms[0] * f_quantile(freedoms, outside) / square)
         });
         let end = |(square, error): (f64, f64)| falls_to(square, |lots| between.squares(lots, error));
-        // as between devices: means of lots that agree better than chance allow no smaller scatter
+        // As between devices: means of lots that agree better than by chance admit no smaller upper bound.
         let expected = falls_to(least.0, |lots| between.expected(lots, least.1));
         [end(most), end(least).max(expected)].map(|end| end * self.scale * self.scale)
     }
 
-    /// Probability that lots that do not differ look so different: the F test of a one-way layout, with weights where errors differ.
+    /// p-value of the observed difference between lots if lots do not differ: F test of a one-way layout, weighted where errors differ.
     pub(crate) fn lots_alike(&self) -> Option<f64> {
         let between = self.between()?;
         let square = between.squares(0.0, 1.0);
-        // equal means are alike, however well they are known
+        // Equal means do not differ, however small their errors.
         Some(if square <= 0.0 { 1.0 } else { f_tail(between.freedoms, square / between.freedoms[0]) })
     }
 
-    /// Means of lots, with their variance as their devices show it.
+    /// Means of lots, with their variances estimated from the devices.
     fn between(&self) -> Option<Between> {
         if !self.has_lots {
             return None;
@@ -464,15 +466,16 @@ impl Coefficient {
     }
 }
 
-/// Means of lots, each with its variance as its devices show it.
+/// Means of lots, each with its variance estimated from the devices.
 struct Between {
     means: Vec<[f64; 2]>,
-    /// Of lots, of devices in them.
+    /// Degrees of freedom of lots, and of devices within lots.
     freedoms: [f64; 2],
 }
 
 impl Between {
-    /// Weighted sum of squares about the weighted mean, at a variance between lots and a multiple of their errors.
+    /// Weighted sum of squares about the weighted mean, at a variance `lots` between lots and a multiple `error` of the variances of
+    /// their means.
     fn squares(&self, lots: f64, error: f64) -> f64 {
         let weights =
             || self.means.iter().map(move |[mean, variance]| (mean, 1.0 / (lots + error * variance)));
@@ -481,7 +484,7 @@ impl Between {
         weights().map(|(of_lot, weight)| weight * (of_lot - mean).powi(2)).sum()
     }
 
-    /// Its mean, if lots do not differ.
+    /// Expectation of [`squares`](Self::squares) if lots do not differ.
     fn expected(&self, lots: f64, error: f64) -> f64 {
         let weights = || {
             self.means.iter().map(move |[_, variance]| (error * variance, 1.0 / (lots + error * variance)))
@@ -499,7 +502,7 @@ impl Sums {
     }
 }
 
-/// Variance of the mean of a lot, and its gradient by B and A. A lot without devices: of a lot that is not known.
+/// Variance of the mean of a lot, and its gradient by B and A. A lot without devices stands for an unknown lot.
 fn variance_of_mean(lot: &Sums, likelihood: &Likelihood, lots: f64) -> (f64, [f64; 2]) {
     let (h, [w1, w2, _], omega) = (lot.hidden(lots), lot.w, likelihood.precision);
     let [loss_b, loss_a] = likelihood.loss.map(|loss| loss / (omega * omega));
@@ -508,7 +511,8 @@ fn variance_of_mean(lot: &Sums, likelihood: &Likelihood, lots: f64) -> (f64, [f6
     (lots * h + h * h / omega, [by_b, by_a])
 }
 
-/// Deviation of `value` from a population whose likelihood is that at `at` and whose variances are `next`. `lot`: the other devices of its lot.
+/// Deviation of `value` from a population with the likelihood at `at` and the variances `next`. `lot` has the sums of the other devices of
+/// its lot.
 fn deviation(
     value: &Value,
     lot: &Sums,
@@ -522,7 +526,7 @@ fn deviation(
     let expected = at.lots * lot.x[0] * h + h * likelihood.mean;
     let variance = at.units + value.error + of_mean;
     let freedom = likelihood.freedom(variance, [b + 1.0, a], has_lots);
-    // to first order; no variance is less than that of its own log
+    // First-order update; the variance is at least that of the value's own log.
     let moved = (b + 1.0) * (next.units - at.units) + a * (next.lots - at.lots);
     let variance = (variance + moved).max(value.error);
     let by = (value.value - expected) / variance.sqrt();
@@ -534,7 +538,7 @@ fn deviation(
 mod tests {
     use super::*;
 
-    /// Devices of three lots, one of them far off, whose logs err by different amounts; no two lots of a size.
+    /// Devices of three lots of different sizes, one far off, with different log errors.
     fn values() -> Vec<Value> {
         let wave = |place: usize| (1.7 * place as f64 + 0.3 * (place * place) as f64).sin();
         let value = |place: usize| Value {
@@ -546,7 +550,7 @@ mod tests {
     }
 
     #[test]
-    fn taking_a_device_out_of_a_fit_comes_to_what_fitting_without_it_does() {
+    fn downdate_agrees_with_refit_without_the_device() {
         let all = Coefficient::of(values(), 3);
         for model in
             [all.apart(), all, Coefficient::of(values().iter().map(|v| Value { lot: 0, ..*v }).collect(), 1)]
@@ -554,7 +558,7 @@ mod tests {
             let [fitted, _] = model.deviations_by_itself(&[], usize::MAX);
             let [taken_out, _] = model.deviations_by_itself(&[], 0);
             for (fitted, taken_out) in fitted.iter().flatten().zip(taken_out.iter().flatten()) {
-                // the step is of first order: furthest off for the device that is far
+                // The step is of first order, so the error is largest for the far device.
                 assert!(
                     (fitted.by - taken_out.by).abs() < 0.01 + 0.05 * fitted.by.abs(),
                     "{fitted:?} {taken_out:?}"
@@ -565,12 +569,12 @@ mod tests {
     }
 
     #[test]
-    fn a_single_lot_without_errors_is_a_t_test() {
+    fn single_lot_without_errors_gives_a_t_test() {
         let given = [1.0, 2.5, 3.0, 0.5, 7.0];
         let values = given.map(|value| Value { lot: 0, value, error: 0.0 });
         let [found, _] = Coefficient::of(values.to_vec(), 1).deviations(&[]);
         let last = found[4].expect("compared");
-        // of the other four: mean 1.75, variance 4.25/3
+        // The other four have mean 1.75 and variance 4.25/3.
         let expected = (7.0 - 1.75) / (4.25 / 3.0 * 1.25_f64).sqrt();
         assert!(
             (last.by - expected).abs() < 1e-4 && (last.freedom - 3.0).abs() < 1e-4,
@@ -579,7 +583,7 @@ mod tests {
     }
 
     #[test]
-    fn score_and_information_are_the_slope_and_curvature_of_the_likelihood() {
+    fn score_is_the_slope_of_the_likelihood() {
         let all = Coefficient::of(values(), 3);
         let at = Variances { units: 0.7, lots: 0.4 };
         let likelihood = all.likelihood(at);

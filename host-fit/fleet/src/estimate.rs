@@ -1,4 +1,4 @@
-//! The coefficients of a unit's axis, estimated together, with their covariance.
+//! Joint estimate of the coefficients of an axis of a unit, with their covariance.
 
 use fos_data::column::Column;
 use fos_data::recording::{Recording, RecordingError};
@@ -13,55 +13,55 @@ use serde::{Deserialize, Serialize};
 use crate::coefficient::LEAST_ERROR;
 use crate::known::{Known, is_square, matrix_of};
 
-/// Temperatures count from here, °C: a bias is that at it.
+/// Reference temperature, °C; the bias is that at this temperature.
 pub const REFERENCE_C: f64 = 25.0;
 
-/// The name of the constant.
+/// Name of the constant coefficient.
 pub const BIAS: &str = "bias";
 
-/// Fewest blocks that tell coefficients and noise.
+/// Fewest blocks from which coefficients and noise are estimated.
 const FEWEST_BLOCKS: usize = 40;
 
-/// Standard deviation of the logarithm of a noise level between units of a part: a third.
+/// Standard deviation of the logarithm of a noise level between units of a part (0.3 is about one third).
 const BETWEEN_UNITS: f64 = 0.3;
 
-/// Coefficients and their covariance, in SI units per unit of the regressor: rad/s or m/s² per K for `temp_c`.
+/// Coefficients and their covariance, in the axis' SI unit per unit of the regressor: rad/s or m/s² per K for `temp_c`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// [`BIAS`], or the regressor as it is asked for; those alone that the log tells.
+    /// [`BIAS`] and regressors, as requested; only those identifiable from the log.
     pub names: Vec<String>,
     pub values: Vec<f64>,
-    /// Their covariance, row by row: noise of the estimate, white, flicker and random walk.
+    /// Covariance by rows, from white noise, flicker and random walk.
     pub covariance: Vec<Vec<f64>>,
 }
 
-/// An estimate as a population sees it.
+/// An estimate in the coefficients and scales of a population.
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
-    /// What it says of the population's coefficients.
+    /// Information about the coefficients of the population.
     pub(crate) known: Known,
-    /// The values; 0 of what it does not tell.
+    /// Scaled values; 0 for coefficients missing from the estimate.
     pub(crate) values: DVector<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisEstimate {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
-    /// What its log tells of the coefficients.
+    /// Coefficients identifiable from the log.
     pub coefficients: Estimate,
-    /// The noise that goes with them.
+    /// Noise levels, estimated with the coefficients.
     pub noise: NoiseLevels,
-    /// Time that it is of, s.
+    /// Time at rest used for the estimate, s.
     pub seconds: f64,
 }
 
-/// Why an axis cannot be estimated.
+/// An axis cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum EstimateError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A regressor cannot be read.
+    /// A regressor is invalid.
     #[error(
         "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
     )]
@@ -81,17 +81,18 @@ pub enum EstimateError {
 }
 
 impl AxisEstimate {
-    /// Its coefficients are whole, and its noise levels finite.
-    pub(crate) fn is_whole(&self) -> bool {
+    /// All coefficients and noise levels are present and finite.
+    pub(crate) fn is_complete(&self) -> bool {
         let NoiseLevels { white, flicker, walk, .. } = self.noise;
         let levels = [white, flicker, walk, self.seconds];
-        self.coefficients.is_whole() && levels.iter().all(|level| level.is_finite())
+        self.coefficients.is_complete() && levels.iter().all(|level| level.is_finite())
     }
 }
 
 impl Estimate {
-    /// Every coefficient has its value and its covariances, all finite, and no variance is negative: of what was read that is not said by its type.
-    pub(crate) fn is_whole(&self) -> bool {
+    /// Every coefficient has its value and covariances, all finite, and no variance is negative: types do not ensure this for a file
+    /// that was read.
+    pub(crate) fn is_complete(&self) -> bool {
         let n = self.names.len();
         self.values.len() == n
             && is_square(&self.covariance, n)
@@ -99,17 +100,17 @@ impl Estimate {
             && (0..n).all(|place| self.covariance[place][place] >= 0.0)
     }
 
-    /// The place of a coefficient, if the log tells it.
+    /// Index of a coefficient, if it is identifiable from the log.
     pub fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
     }
 
-    /// Standard error of a coefficient.
+    /// Standard error of a coefficient, in its SI unit.
     pub fn standard_error(&self, name: &str) -> Option<f64> {
         self.place(name).map(|place| self.covariance[place][place].sqrt())
     }
 
-    /// What it says of `names`, each divided by its scale.
+    /// Information about the coefficients `names`, each divided by its scale.
     pub(crate) fn measured(&self, names: &[String], scale: &[f64]) -> Measured {
         let n = names.len();
         let places: Vec<(usize, usize)> =
@@ -123,7 +124,7 @@ impl Estimate {
         for (place, of_own) in &places {
             values[*place] = self.values[*of_own] / scale[*place];
         }
-        // an estimate without an error, of values that never change, is exact to a share of what values vary by
+        // An estimate without an error, from constant values, still gets a finite information.
         let mut covariance = covariance;
         for index in 0..places.len() {
             covariance[(index, index)] += LEAST_ERROR;
@@ -140,16 +141,16 @@ impl Estimate {
     }
 }
 
-/// The coefficients of `regressors` on an axis (a column), beside its bias, from the rows at rest of a log in one or several poses.
+/// Estimates the bias and the coefficients of `regressors` of an axis (a column) from the rows at rest of a log in one or several
+/// orientations.
 ///
-/// Generalised least squares in block means, the noise estimated with them; about `noise`, where that of the part is known: a log of
-/// minutes tells hardly anything of what wanders slowly, and would be surer of its coefficients than it can be. An accelerometer without
-/// true values (`ref_…`) has no bias: at rest it shows gravity beside it. A regressor that the log does not tell, because nothing of it
-/// changes, is left out.
+/// Uses generalised least squares on block means, with the noise estimated jointly. `noise`, the levels of the part if known, serves as
+/// prior: a log of minutes hardly shows slow drift, and its intervals would be too narrow without it. An accelerometer without reference
+/// values (`ref_…`) has no bias, because it is indistinguishable from gravity at rest. Regressors that do not vary in the log are excluded.
 ///
 /// # Errors
 ///
-/// A column is missing, a regressor cannot be read, too little is at rest, or the device moves all along.
+/// A column is missing, a regressor is invalid, the time at rest is too short, or the device moves throughout the log.
 pub fn estimate(
     recording: &Recording,
     column: &str,
@@ -175,7 +176,7 @@ pub fn estimate(
         let regressor = Regressor::parse(text).map_err(unknown)?;
         columns.push(blocks.means(&inputs.regressor(&regressor)?));
     }
-    // what is far from zero would leave fewer digits to the noise
+    // Centred, so that a large offset does not cost digits of the noise.
     let mean = reduced.means.iter().sum::<f64>() / reduced.means.len() as f64;
     let y: Vec<f64> = reduced.means.iter().map(|value| value - mean).collect();
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
@@ -191,18 +192,18 @@ pub fn estimate(
         Some(of_regressor) => Some((regressors[of_regressor].clone(), all[index])),
         None => has_bias.then(|| (BIAS.to_owned(), all[index] + mean)),
     };
-    let told: Vec<(usize, (String, f64))> = fitted
+    let named_coefficients: Vec<(usize, (String, f64))> = fitted
         .gls
         .kept
         .iter()
         .enumerate()
         .filter_map(|(place, index)| Some((place, named(*index)?)))
         .collect();
-    let covariance = told
+    let covariance = named_coefficients
         .iter()
-        .map(|(row, _)| told.iter().map(|(other, _)| covariance[(*row, *other)]).collect())
+        .map(|(row, _)| named_coefficients.iter().map(|(other, _)| covariance[(*row, *other)]).collect())
         .collect();
-    let (names, values) = told.into_iter().map(|(_, named)| named).unzip();
+    let (names, values) = named_coefficients.into_iter().map(|(_, named)| named).unzip();
     Ok(AxisEstimate {
         column: column.to_owned(),
         coefficients: Estimate { names, values, covariance },
@@ -211,7 +212,7 @@ pub fn estimate(
     })
 }
 
-/// The log with temperatures from [`REFERENCE_C`] on: a bias is then one that was measured, or nearly.
+/// The log with temperatures relative to [`REFERENCE_C`], so that the bias lies within the measured range, or near it.
 pub(crate) fn from_reference(recording: &Recording) -> Recording {
     let mut log = recording.clone();
     let temperatures: Vec<(String, Vec<f64>)> = recording

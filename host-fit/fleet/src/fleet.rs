@@ -1,4 +1,4 @@
-//! A fleet: a row for each unit, kept as they come, and the populations of its parts.
+//! A fleet: one row per unit, stored as each is computed, and the populations of its parts.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::{File, OpenOptions};
@@ -21,56 +21,56 @@ use crate::odd::{Distance, FAR, devices_needed, discoveries, judge};
 use crate::population::{Member, Population};
 use crate::row::{Asked, Unit, UnitRow, unit_row};
 
-/// Schema of what is written of a fleet.
+/// Schema of a population file.
 pub const SCHEMA: &str = "fos-population/1";
 
-/// Of the units that are called odd at most this share is not, in the mean.
+/// Expected share of false positives among the units reported as odd (false discovery rate).
 pub const FALSE_ODD: f64 = 0.1;
 
-/// What a fleet comes to.
+/// Populations, odd units and failed units of a fleet, as written to its file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fleet {
     /// [`SCHEMA`].
     pub schema: String,
-    /// The program that wrote it.
+    /// Program and version that wrote the file, as `fos 1.2.3`.
     pub program: String,
-    /// What was asked of every unit.
+    /// Settings common to all rows.
     pub asked: Asked,
-    /// Units that were asked.
+    /// Number of rows, those of failed and duplicate units included.
     pub units: usize,
-    /// SHA-256 of the SHA-256 of their rows, of the JSON of each, by part and unit; hexadecimal.
+    /// SHA-256 over the SHA-256 of each row's JSON, in the order of part and unit; hexadecimal.
     pub rows_sha256: String,
     pub parts: Vec<PartSummary>,
-    /// Units of which nothing, or not everything, could be told.
+    /// Units with no usable log, or with an axis that could not be estimated.
     pub failed: Vec<FailedUnit>,
-    /// Units whose log is that of another unit of the part: in the populations it counts once.
+    /// Units with the same log as another unit of the part; such a log enters the populations once.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub duplicates: Vec<DuplicateUnit>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartSummary {
-    /// Its name; empty if the fleet names none.
+    /// Name of the part; empty if the fleet names no parts.
     pub part: String,
     pub axes: Vec<AxisSummary>,
-    /// Units that do not belong, the furthest first.
+    /// Units that deviate significantly from their population, the least probable first.
     pub odd: Vec<OddUnit>,
-    /// So many units are needed to find an odd one, and there are fewer: that none is called odd is not conclusive.
+    /// Fewest units with which an odd one can be detected, if the part has fewer. Finding no odd unit is then not conclusive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units_needed: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisSummary {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
-    /// Its population; none where too few units tell a coefficient.
+    /// None if no coefficient is identifiable from the logs of three units; `without` then has the reason.
     pub population: Option<Population>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without: Option<String>,
-    /// White noise, flicker and random walk of the median unit, as in `NoiseLevels`.
+    /// Medians over the units of white noise, flicker and random walk, as in `NoiseLevels`.
     pub median_noise: [f64; 3],
-    /// What diagnoses found; none where none was asked for.
+    /// Effects found by diagnosis, the largest mean reduction first; empty without diagnosis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectShare>,
 }
@@ -79,40 +79,40 @@ pub struct AxisSummary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectShare {
     pub effect: String,
-    /// Units that have it, and units that were asked.
+    /// Number of units with the effect, and number of diagnosed units.
     pub units: [usize; 2],
-    /// By how much the error should fall if every unit's model had it: the mean over all units, 0 where it was not found.
+    /// Predicted reduction if every unit's model had the effect: the mean over all diagnosed units, 0 for units without it.
     pub mean_reduction: f64,
-    /// What it costs on the device, as its file says.
+    /// Cost of the effect on the device, from its file.
     pub device: String,
 }
 
-/// A unit that does not belong.
+/// A unit that deviates significantly from its population.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OddUnit {
     pub unit: String,
     pub lot: Option<String>,
-    /// The axis that shows it best.
+    /// Axis with the smallest p-value.
     pub column: String,
-    /// How far it is there, and in what.
+    /// Deviation on that axis.
     pub distance: Distance,
-    /// How often a unit that belongs would be so far in any of its axes.
+    /// Probability that a unit of the population deviates this far on any of its axes (Bonferroni).
     pub p_value: f64,
 }
 
-/// A unit that tells nothing, or not everything.
+/// A unit without results, or with results for some axes only.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FailedUnit {
     pub unit: String,
     pub reasons: Vec<String>,
 }
 
-/// A unit whose log is that of another one, bit by bit.
+/// A unit whose log is identical to that of another unit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DuplicateUnit {
     pub part: String,
     pub unit: String,
-    /// The unit whose log counts.
+    /// Unit whose log enters the population.
     pub same_as: String,
 }
 
@@ -124,7 +124,7 @@ impl std::fmt::Display for DuplicateUnit {
 }
 
 impl PartSummary {
-    /// A sentence that says why the search for odd units is not conclusive, if it is not.
+    /// Explains why the search for odd units is not conclusive; none if it is.
     pub fn not_conclusive(&self) -> Option<String> {
         let needed = self.units_needed?;
         let populations = self.axes.iter().filter_map(|axis| axis.population.as_ref());
@@ -138,128 +138,129 @@ impl PartSummary {
     }
 }
 
-/// Why the rows of a fleet cannot be kept.
+/// Failure to read or store the rows of a fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
     #[error("{}: {source}\nhelp: the rows of a fleet are stored there, so that interrupted runs resume", path.display())]
     Rows {
-        /// Where rows are kept.
+        /// File of the rows.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// It is no population, or of another schema.
+    /// The file is not a population, or has another schema.
     #[error("{}: not a population: {reason}\nhelp: make the population again; its schema is {SCHEMA}", path.display())]
     NotAPopulation {
         path: PathBuf,
-        /// What is wrong, with its line and column.
+        /// Reason with line and column.
         reason: String,
     },
-    /// The rows beside a population are not those that it was made of.
+    /// The stored rows do not belong to the population.
     #[error("{}: {found} rows of {units} devices\nhelp: the rows of a population are beside it, under its name with .rows appended; if they are lost, make the population again", path.display())]
     OtherRows {
-        /// The rows.
+        /// File of the rows.
         path: PathBuf,
-        /// Rows that can be read, of units of the population.
+        /// Number of readable rows.
         found: usize,
-        /// Units of the population.
+        /// Number of units in the population.
         units: usize,
     },
-    /// A line of the rows beside a population is none.
+    /// A line of the stored rows is not a row.
     #[error("{}:{line}: not the row of a device: {reason}\nhelp: make the population again; complete rows are reused", path.display())]
     NotARow {
-        /// The rows.
+        /// File of the rows.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: usize,
         reason: String,
     },
-    /// Something else is there.
+    /// The file exists and has other content.
     #[error("{}: a file of that name has other content than the rows of a fleet, and would be lost\nhelp: write to another file, or move that one away", .0.display())]
     NotRows(PathBuf),
     #[error(transparent)]
     File(#[from] FileError),
 }
 
-/// Where the rows of the population `population` are kept: beside it, under its name with `.rows` behind it.
+/// Path of the rows of `population`: the same name with `.rows` appended.
 pub fn rows_beside(population: &Path) -> PathBuf {
     let mut path = population.as_os_str().to_owned();
     path.push(".rows");
     path.into()
 }
 
-/// A row as it is kept, with what it depends on.
+/// A stored row with the [`key`] of everything it depends on.
 #[derive(Debug, Serialize, Deserialize)]
-struct Kept {
+struct StoredRow {
     key: String,
     row: UnitRow,
 }
 
-/// The rows of `units`, in their order, each looked at once: rows go to `kept_in`, a line of JSON each, as they come, and are taken from
-/// there if neither log nor program has changed: `build` tells one program of a version from another. `progress` is told how many are done.
+/// Returns the rows of `units`, in their order. Each new row is appended to `rows_path` at once as a line of JSON; a stored row is reused if
+/// its logs, the settings, the library and the program are unchanged. `build` distinguishes builds of one version. `progress` receives the
+/// number of finished rows.
 ///
 /// # Errors
 ///
-/// The rows cannot be kept. A unit that cannot be read is a row that says so.
+/// The rows cannot be stored. A unit that cannot be read is no error: its row has the reason.
 pub fn rows(
     units: &[Unit],
     asked: &Asked,
     library: &Library,
     program: &str,
     build: &str,
-    kept_in: &Path,
+    rows_path: &Path,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Vec<UnitRow>, FleetError> {
-    let failed = |source| FleetError::Rows { path: kept_in.to_owned(), source };
+    let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
     let known =
-        known_rows(kept_in).map_err(failed)?.ok_or_else(|| FleetError::NotRows(kept_in.to_owned()))?;
-    let file = OpenOptions::new().create(true).append(true).open(kept_in).map_err(failed)?;
+        known_rows(rows_path).map_err(failed)?.ok_or_else(|| FleetError::NotRows(rows_path.to_owned()))?;
+    let file = OpenOptions::new().create(true).append(true).open(rows_path).map_err(failed)?;
     let (file, done) = (Mutex::new(file), AtomicUsize::new(0));
-    let kept: Vec<Kept> = units
+    let stored: Vec<StoredRow> = units
         .par_iter()
         .map(|unit| {
             let key = key(unit, asked, library, build);
-            let kept = match known.get(&key) {
-                Some(row) => Kept { key, row: row.clone() },
+            let stored = match known.get(&key) {
+                Some(row) => StoredRow { key, row: row.clone() },
                 None => {
-                    let kept = Kept { key, row: unit_row(unit, asked, library, program) };
-                    // whole lines only: another thread may be writing too
-                    let line = line_of(&kept);
+                    let stored = StoredRow { key, row: unit_row(unit, asked, library, program) };
+                    // One write per line: other threads append too.
+                    let line = line_of(&stored);
                     let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                     file.write_all(&line).and_then(|()| file.flush()).map_err(failed)?;
-                    kept
+                    stored
                 }
             };
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            Ok(kept)
+            Ok(stored)
         })
         .collect::<Result<_, FleetError>>()?;
-    // in the order of the units, each once
-    write_atomically(kept_in, &kept.iter().flat_map(line_of).collect::<Vec<u8>>())?;
-    Ok(kept.into_iter().map(|kept| kept.row).collect())
+    // Rewritten in the order of the units, one line each.
+    write_atomically(rows_path, &stored.iter().flat_map(line_of).collect::<Vec<u8>>())?;
+    Ok(stored.into_iter().map(|stored| stored.row).collect())
 }
 
-fn line_of(kept: &Kept) -> Vec<u8> {
-    let mut line = serde_json::to_vec(kept).expect("rows have only string keys");
+fn line_of(stored: &StoredRow) -> Vec<u8> {
+    let mut line = serde_json::to_vec(stored).expect("rows have only string keys");
     line.push(b'\n');
     line
 }
 
-/// What is kept; a last line that was cut off does not count. None if the file is of something else.
-fn known_rows(kept_in: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
-    let file = match File::open(kept_in) {
+/// Stored rows by key; a truncated last line is ignored. None if the file has other content.
+fn known_rows(rows_path: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
+    let file = match File::open(rows_path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(HashMap::new())),
         file => file?,
     };
     let (mut known, mut lines) = (HashMap::new(), 0);
     for line in BufReader::new(file).split(b'\n') {
-        known.extend(serde_json::from_slice::<Kept>(&line?).map(|kept| (kept.key, kept.row)));
+        known.extend(serde_json::from_slice::<StoredRow>(&line?).map(|stored| (stored.key, stored.row)));
         lines += 1;
     }
     Ok((lines <= 1 || !known.is_empty()).then_some(known))
 }
 
-/// What a row depends on: name, size and time of change of its logs, what is asked, the program, the library.
+/// Digest of everything a row depends on: name, size and modification time of its logs, settings, program and library.
 fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
     let of_file =
         |log: &PathBuf| std::fs::metadata(log).ok().map(|about| (about.len(), about.modified().ok()));
@@ -274,11 +275,11 @@ fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
 }
 
 impl Fleet {
-    /// The population in a file and the rows that it was made of, from beside it.
+    /// Reads a population and the rows stored beside it.
     ///
     /// # Errors
     ///
-    /// One of them cannot be read, or they do not belong together: the rows come to another population.
+    /// One of the files cannot be read, or the rows do not belong to the population.
     pub fn read(path: &Path) -> Result<(Self, Vec<UnitRow>), FleetError> {
         let not = |reason: String| FleetError::NotAPopulation { path: path.to_owned(), reason };
         let fleet: Self =
@@ -287,83 +288,86 @@ impl Fleet {
             return Err(not(format!("its schema is {:?}", fleet.schema)));
         }
         let mut axes = fleet.parts.iter().flat_map(|part| &part.axes);
-        if let Some(axis) = axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_whole()))
+        if let Some(axis) =
+            axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_complete()))
         {
             return Err(not(format!("{}: a number is missing or not finite", axis.column)));
         }
-        let kept_in = rows_beside(path);
-        let text = file::read(&kept_in)?;
+        let rows_path = rows_beside(path);
+        let text = file::read(&rows_path)?;
         let lines: Vec<&[u8]> = text.split(|byte| *byte == b'\n').collect();
         let mut rows = Vec::new();
         for (index, line) in lines.iter().enumerate() {
             let wrong =
-                |reason: String| FleetError::NotARow { path: kept_in.clone(), line: index + 1, reason };
-            match serde_json::from_slice::<Kept>(line) {
-                // a last line that was cut off does not count
+                |reason: String| FleetError::NotARow { path: rows_path.clone(), line: index + 1, reason };
+            match serde_json::from_slice::<StoredRow>(line) {
+                // A truncated last line is ignored.
                 Err(_) if index + 1 == lines.len() => {}
                 Err(error) => return Err(wrong(error.to_string())),
-                Ok(Kept { row, .. }) => match row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
-                    Some(axis) => {
-                        return Err(wrong(format!(
-                            "{}: a number is missing or not finite",
-                            axis.estimate.column
-                        )));
+                Ok(StoredRow { row, .. }) => {
+                    match row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
+                        Some(axis) => {
+                            return Err(wrong(format!(
+                                "{}: a number is missing or not finite",
+                                axis.estimate.column
+                            )));
+                        }
+                        None => rows.push(row),
                     }
-                    None => rows.push(row),
-                },
+                }
             }
         }
         if digest_of(&Gathered::of(&rows).sorted()) != fleet.rows_sha256 {
-            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: fleet.units });
+            return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: fleet.units });
         }
         Ok((fleet, rows))
     }
 
-    /// Writes it to `path`, and beside it `rows`, those that it was made of as JSON, in any order: what [`read`](Self::read) takes.
+    /// Writes the population to `path`, and beside it its `rows` (JSON, in any order), as [`read`](Self::read) expects them.
     ///
     /// # Errors
     ///
-    /// One of them is no row, they are not those that it was made of, or a file cannot be written. Nothing is written before all are known
-    /// to belong there.
+    /// An element is not a row, the rows do not belong to the population, or a file cannot be written. Nothing is written before all
+    /// rows are checked.
     pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
-        let kept_in = rows_beside(path);
+        let rows_path = rows_beside(path);
         let (mut gathered, mut lines) = (Gathered::default(), Vec::new());
         for (index, row) in rows.iter().enumerate() {
             let wrong = |reason: &dyn ToString| FleetError::NotARow {
-                path: kept_in.clone(),
+                path: rows_path.clone(),
                 line: index + 1,
                 reason: reason.to_string(),
             };
             let row: UnitRow = serde_json::from_str(row).map_err(|error| wrong(&error))?;
             gathered.add(&row).map_err(|error| wrong(&error))?;
-            // no unit has this key: what goes on from here looks at the logs again
-            lines.extend(line_of(&Kept { key: String::new(), row }));
+            // No unit has this key, so a later run computes the row again.
+            lines.extend(line_of(&StoredRow { key: String::new(), row }));
         }
         if digest_of(&gathered.sorted()) != self.rows_sha256 {
-            return Err(FleetError::OtherRows { path: kept_in, found: rows.len(), units: self.units });
+            return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: self.units });
         }
-        write_atomically(&kept_in, &lines)?;
+        write_atomically(&rows_path, &lines)?;
         Ok(write_atomically(path, &self.to_bytes())?)
     }
 
-    /// The text of its file.
+    /// Content of the population file: indented JSON.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut text = serde_json::to_vec_pretty(self).expect("populations have only string keys");
         text.push(b'\n');
         text
     }
 
-    /// What `rows`, all of which were asked `asked`, come to. Sums are taken in the order of parts and units, whatever that of `rows` is: the same
-    /// rows give the same bits.
+    /// Computes the populations of `rows`, all with the settings `asked`. Sums run in the order of part and unit, so the result has the
+    /// same bits for any order of `rows`.
     pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
         Self::of_units(&Gathered::of(rows).sorted(), asked, library, program)
     }
 
-    /// What rows that were made apart come to: the same bits.
+    /// Computes the populations of gathered rows, with the same bits as [`of`](Self::of).
     ///
     /// # Errors
     ///
-    /// There is none, or a unit is there twice.
+    /// There are no rows, or a unit occurs twice.
     pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
         let (asked, units) = (gathered.asked()?, gathered.sorted());
         Gathered::check_once(&units)?;
@@ -396,7 +400,7 @@ impl Fleet {
     }
 }
 
-/// The units of a part whose logs are not those of an earlier one, and those whose logs are.
+/// Separates the units of a part into those with a log of their own and duplicates of an earlier unit.
 fn without_duplicates<'a>(units: &[GatheredUnit<'a>]) -> (Vec<GatheredUnit<'a>>, Vec<DuplicateUnit>) {
     let (mut first, mut duplicates) = (HashMap::new(), Vec::new());
     let is_new = |unit: &&GatheredUnit<'a>| {
@@ -418,32 +422,32 @@ fn digest_of(units: &[GatheredUnit<'_>]) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// A unit that was compared with its populations: its axis that is least probable, with the p-values of all axes together.
+/// A compared unit: its least probable axis, and the p-values of all axes.
 struct Compared<'a> {
     unit: GatheredUnit<'a>,
     axes: usize,
     column: &'a str,
     distance: Distance,
-    /// Probability that a unit that belongs is so far in any of its axes (Bonferroni).
+    /// Probability that a unit of the population deviates this far on any of its axes (Bonferroni).
     p_value: f64,
-    /// p-values that it would have if it were far off in a coefficient of an axis.
+    /// p-values at a deviation of [`FAR`] standard deviations, for each coefficient of each axis.
     p_values_if_far: Vec<f64>,
 }
 
-/// An axis of a part, and of its units that have it, by their places, how far they are and which p-value they would have if they were far.
+/// An axis of a part: its summary, and for each unit with this axis its index, its distance and its p-values at a deviation of [`FAR`].
 struct JudgedAxis<'a> {
     column: &'a str,
     summary: AxisSummary,
     distances: Vec<(usize, Distance, Vec<f64>)>,
 }
 
-/// The units of a part that were compared, and the coefficients that one of them has on all its axes.
+/// Compared units of a part, and the number of coefficients per unit over all its axes.
 struct OfPart<'a> {
     compared: Vec<Compared<'a>>,
     tests: usize,
 }
 
-/// A part without its odd units, and what they are found by.
+/// Summarises a part; odd units are added by [`add_odd_units`].
 fn part_summary<'a>(
     units: &[GatheredUnit<'a>],
     asked: &Asked,
@@ -491,7 +495,7 @@ fn judged_axis<'a>(
     library: &Library,
 ) -> JudgedAxis<'a> {
     let of_units = units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
-    // a number that is not finite says nothing
+    // Axes with a non-finite number are excluded.
     let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_finite()).collect();
     let members: Vec<Member<'_>> = of_units
         .iter()
@@ -522,21 +526,21 @@ fn judged_axis<'a>(
     }
 }
 
-/// Bias and regressors, those that at least three units tell.
+/// The bias and regressors that are identifiable from the logs of at least three units.
 fn names_of(members: &[Member<'_>], asked: &Asked) -> Vec<String> {
     let all = std::iter::once(BIAS).chain(asked.regressors.iter().map(String::as_str));
-    let told =
+    let identifiable =
         all.filter(|name| members.iter().filter(|member| member.estimate.place(name).is_some()).count() >= 3);
-    told.map(str::to_owned).collect()
+    identifiable.map(str::to_owned).collect()
 }
 
-/// The odd units of all parts: at most [`FALSE_ODD`] of them belong, over all tests of the fleet; and where none could be found, how many
-/// units that would take.
+/// Adds the odd units of all parts: over all tests of the fleet, at most [`FALSE_ODD`] of them are false positives. If a part is too small
+/// to detect an odd unit, adds the number of units needed.
 fn add_odd_units(parts: &mut [PartSummary], of_parts: Vec<OfPart<'_>>) {
     let p_values: Vec<f64> =
         of_parts.iter().flat_map(|part| &part.compared).map(|unit| unit.p_value).collect();
     let mut found = discoveries(&p_values, FALSE_ODD).into_iter();
-    // an odd unit that is the only one has to come below this
+    // Threshold for a single odd unit.
     let limit = FALSE_ODD / p_values.len() as f64;
     for (part, OfPart { compared, tests }) in parts.iter_mut().zip(of_parts) {
         let units = compared.len();
@@ -559,7 +563,7 @@ fn add_odd_units(parts: &mut [PartSummary], of_parts: Vec<OfPart<'_>>) {
     }
 }
 
-/// Of each unit that was diagnosed, what was found.
+/// Effects found on the diagnosed units, the largest mean reduction first.
 fn effects_of<'a, Found: Iterator<Item = (&'a str, f64)>>(
     diagnoses: impl Iterator<Item = Found>,
     library: &Library,

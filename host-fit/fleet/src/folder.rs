@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use crate::row::Unit;
 
-/// The table of a fleet.
+/// File name of the table of a fleet.
 pub const UNITS: &str = "units.csv";
 
 /// A folder that cannot be read as a fleet.
@@ -20,20 +20,20 @@ pub enum FolderError {
     #[error("{}: {source}", path.display())]
     List {
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Its table cannot be opened.
+    /// The table cannot be opened.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A case in it cannot be read.
+    /// A case in the folder cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// Its table cannot be read.
+    /// A line of the table is invalid.
     #[error("{}:{line}: {reason}\nhelp: write a header `unit,part,lot,log`, then a line for each log of each device; part and lot may be empty, and paths of logs are relative to the table", path.display())]
     Table {
         path: PathBuf,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: u64,
         reason: String,
     },
@@ -52,14 +52,15 @@ struct Line {
     log: PathBuf,
 }
 
-/// The devices of a folder, by name.
+/// Returns the devices of a folder, by part and name.
 ///
-/// With a table [`UNITS`] they are those in the table, whose logs need not exist: a device on several lines has a log on each. Otherwise every log is a device with the name of the
-/// log, and its subfolder is the lot. A case folder, one with `meta.json`, is one device with the logs of the case.
+/// With a table [`UNITS`] they are those of the table, whose logs need not exist; a device on several lines has a log on each. Otherwise
+/// every log is a device with the name of the log, and its subfolder is the lot. A case folder, one with `meta.json`, is one device with
+/// the logs of the case.
 ///
 /// # Errors
 ///
-/// The folder cannot be listed, its table cannot be read, names a log of a unit twice or a unit in two lots, or there is nothing.
+/// The folder cannot be listed, its table cannot be read, a log of a unit occurs twice, a unit has two lots, or there are no devices.
 pub fn units_in(folder: &Path) -> Result<Vec<Unit>, FolderError> {
     let table = folder.join(UNITS);
     let mut units = if table.is_file() { of_table(folder, &table)? } else { of_logs(folder)? };
@@ -131,7 +132,7 @@ fn unit_of_case(folder: &Path, lot: Option<&str>) -> Result<Unit, FolderError> {
     Ok(Unit { name: named(lot, name_of(folder)), part: String::new(), lot: lot.map(str::to_owned), logs })
 }
 
-/// Two lots may have devices of one name.
+/// Prefixes the lot: two lots may have devices of one name.
 fn named(lot: Option<&str>, name: String) -> String {
     lot.map_or_else(|| name.clone(), |lot| format!("{lot}/{name}"))
 }
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_is_a_unit_and_its_folder_a_lot() {
+    fn logs_are_units_and_subfolders_are_lots() {
         let folder = tempfile::tempdir().expect("a folder");
         touched(folder.path(), &["b/7.csv", "a/7.csv", "a/8.parquet", "alone.csv", "notes.md"]);
         let units = units_in(folder.path()).expect("units");
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_is_one_device_with_its_logs_and_without_its_truth() {
+    fn case_is_one_device_without_its_truth() {
         let folder = tempfile::tempdir().expect("a folder");
         let logs = ["reference.csv", "log.csv", "truth_log.csv"];
         for case in ["one", "w7/two"] {
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_names_units_and_what_is_wrong_with_it_is_said_with_its_line() {
+    fn table_lists_units_and_errors_have_line_numbers() {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |text: &str| std::fs::write(folder.path().join(UNITS), text).expect("a table");
         write("unit,part,lot,log\n7, bmi270, w12, x/7.csv\n8,,,8.csv\n");
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_folder_says_what_belongs_in_it() {
+    fn empty_folder_error_explains_the_layout() {
         let folder = tempfile::tempdir().expect("a folder");
         assert!(units_in(folder.path()).expect_err("nothing").to_string().contains("units.csv"));
         assert!(units_in(&folder.path().join("none")).is_err());

@@ -1,4 +1,4 @@
-//! What the populations of a fleet need of its rows: a fifth of their memory, merged from processes and machines in any order.
+//! The part of the rows that populations need: a fifth of their memory, merged from processes and machines in any order.
 
 use std::ops::Range;
 
@@ -16,59 +16,59 @@ const SCHEMA: &str = "fos-gathered/2";
 /// Bytes of the digest of a log: enough that no two logs share one by chance.
 const LOG_DIGEST: usize = 16;
 
-/// Of white noise, flicker and random walk a level each.
+/// Noise levels per axis: white noise, flicker and random walk.
 const LEVELS: usize = 3;
 
-/// Why rows are no fleet.
+/// Rows that do not form a fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum GatheredError {
     #[error("the fleet is empty\nhelp: give a row for each device")]
     Nothing,
-    /// Two were asked different things.
+    /// Two units have different settings.
     #[error(
         "the units {first:?} and {other:?} were asked different things: {what}\nhelp: ask all units for the same regressors, diagnosed or not, and read all logs alike"
     )]
     Asked {
         first: String,
-        /// One that was asked something else.
+        /// A unit with other settings.
         other: String,
-        /// Both, in words.
+        /// Description of both settings.
         what: String,
     },
-    /// A unit is there twice.
+    /// A unit occurs twice.
     #[error(
         "the unit {unit:?}{} is there twice\nhelp: one row for each unit of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
-        of_part(part)
+        suffix_of_part(part)
     )]
     Twice { unit: String, part: String },
-    /// A row has not all numbers that it speaks of.
+    /// A row lacks numbers.
     #[error(
         "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
     NotWhole { unit: String, column: String },
-    /// Bytes that are no gathered rows.
+    /// Bytes that are not gathered rows.
     #[error("not gathered rows: {0}\nhelp: gather the rows again with this version")]
     NotGathered(String),
 }
 
-fn of_part(part: &str) -> String {
+fn suffix_of_part(part: &str) -> String {
     if part.is_empty() { String::new() } else { format!(" of {part:?}") }
 }
 
-/// What populations need of rows. Whatever the order in which rows come and what was gathered apart is merged, it comes to the same bits:
-/// nothing is added up before all is there, and then by part and unit.
+/// Data of rows for [`Fleet`](crate::Fleet). The result has the same bits for any order of rows and merges: nothing is summed before all
+/// rows are present, and then in the order of part and unit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Gathered {
-    /// What all were asked; none of no rows.
+    /// Settings of all rows; none without rows.
     asked: Option<Asked>,
-    /// Texts that many units have in common, each once.
+    /// Distinct names (columns, coefficients, effects, parts, lots).
     texts: IndexSet<String>,
-    /// What rows have numbers of, each once.
+    /// Distinct sets of axes and coefficients.
     shapes: IndexSet<Shape>,
-    units: Vec<Held>,
+    units: Vec<StoredUnit>,
 }
 
-/// The axes of a unit, in the order of their numbers.
+/// Axes of a unit, in the order of their numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 struct Shape(Vec<AxisShape>);
 
@@ -80,47 +80,47 @@ struct AxisShape {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Held {
+struct StoredUnit {
     unit: Box<str>,
     part: u32,
     lot: Option<u32>,
-    /// The place of its shape.
+    /// Index of the shape.
     shape: u32,
-    /// SHA-256 of its row.
+    /// SHA-256 of the row's JSON.
     digest: [u8; 32],
-    /// The start of the SHA-256 of its row's `sha256`; none where no log could be read.
+    /// First bytes of the SHA-256 of the row's `sha256`; none if no log could be read.
     log: Option<[u8; LOG_DIGEST]>,
-    /// Of each axis the coefficients, the lower half of their covariance, row by row, and the noise levels.
+    /// For each axis the coefficients, the lower triangle of their covariance by rows, and the noise levels.
     numbers: Box<[f64]>,
-    /// What was found on its axes.
-    found: Box<[Found]>,
+    /// Effects found on the axes.
+    found: Box<[FoundOnAxis]>,
     failed: Box<[String]>,
 }
 
 /// An effect that was found on an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Found {
-    /// The place of the axis.
+struct FoundOnAxis {
+    /// Index of the axis.
     axis: u16,
     effect: u32,
     predicted_reduction: f64,
 }
 
-/// As bytes: what was asked is JSON, which may grow.
+/// Serialised form. The settings are JSON so that fields can be added.
 #[derive(Serialize, Deserialize)]
 struct Written<'a> {
     schema: &'a str,
     asked: Option<String>,
     texts: Vec<String>,
     shapes: Vec<Shape>,
-    units: Vec<Held>,
+    units: Vec<StoredUnit>,
 }
 
-/// A unit of those that were gathered.
+/// View of one gathered unit.
 #[derive(Clone, Copy)]
 pub(crate) struct GatheredUnit<'a> {
     of: &'a Gathered,
-    held: &'a Held,
+    stored: &'a StoredUnit,
 }
 
 pub(crate) struct GatheredAxis {
@@ -131,7 +131,7 @@ pub(crate) struct GatheredAxis {
 
 impl GatheredAxis {
     pub(crate) fn is_finite(&self) -> bool {
-        self.estimate.is_whole() && self.noise.iter().all(|level| level.is_finite())
+        self.estimate.is_complete() && self.noise.iter().all(|level| level.is_finite())
     }
 }
 
@@ -144,17 +144,17 @@ impl Gathered {
         self.units.is_empty()
     }
 
-    /// Takes what populations need of a row.
+    /// Adds a row.
     ///
     /// # Errors
     ///
-    /// It was asked something else, or has not all of its numbers; nothing of it is taken then.
+    /// The row has other settings or lacks numbers; it is then not added.
     pub fn add(&mut self, row: &UnitRow) -> Result<(), GatheredError> {
-        // a row from a file does not know how strictly its log was read
+        // Rows from a file do not record the strictness of the read.
         let mut asked = row.asked.clone();
         asked.read.strict = false;
         self.check_asked(&asked, &row.unit)?;
-        if let Some(axis) = row.axes.iter().find(|axis| !axis.estimate.is_whole()) {
+        if let Some(axis) = row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
             let (unit, column) = (row.unit.clone(), axis.estimate.column.clone());
             return Err(GatheredError::NotWhole { unit, column });
         }
@@ -163,7 +163,7 @@ impl Gathered {
         Ok(())
     }
 
-    /// As [`add`](Self::add) of a row that is known to be as all are.
+    /// Adds a row that is already checked.
     fn take(&mut self, row: &UnitRow) {
         let shape = row.axes.iter().map(|axis| AxisShape {
             column: self.text(&axis.estimate.column),
@@ -175,14 +175,14 @@ impl Gathered {
         let mut found = Vec::new();
         for (place, axis) in row.axes.iter().enumerate() {
             for effect in axis.diagnosis.iter().flat_map(|diagnosis| &diagnosis.effects) {
-                found.push(Found {
+                found.push(FoundOnAxis {
                     axis: place as u16,
                     effect: self.text(&effect.effect),
                     predicted_reduction: effect.predicted_reduction,
                 });
             }
         }
-        let held = Held {
+        let stored = StoredUnit {
             unit: row.unit.as_str().into(),
             part: self.text(&row.part),
             lot: row.lot.as_deref().map(|lot| self.text(lot)),
@@ -193,14 +193,14 @@ impl Gathered {
             found: found.into(),
             failed: row.failed.clone().into(),
         };
-        self.units.push(held);
+        self.units.push(stored);
     }
 
-    /// Takes what was gathered apart.
+    /// Adds rows gathered elsewhere.
     ///
     /// # Errors
     ///
-    /// It was asked something else; nothing of it is taken then.
+    /// They have other settings; nothing is then added.
     pub fn merge(&mut self, other: Self) -> Result<(), GatheredError> {
         let (Some(asked), Some(first)) = (other.asked, other.units.first()) else { return Ok(()) };
         self.check_asked(&asked, &first.unit)?;
@@ -219,12 +219,12 @@ impl Gathered {
                 self.shapes.insert_full(Shape(axes.collect())).0 as u32
             })
             .collect();
-        self.units.extend(other.units.into_iter().map(|mut held| {
-            held.part = text(held.part);
-            held.lot = held.lot.map(text);
-            held.shape = shapes[held.shape as usize];
-            held.found.iter_mut().for_each(|found| found.effect = text(found.effect));
-            held
+        self.units.extend(other.units.into_iter().map(|mut stored| {
+            stored.part = text(stored.part);
+            stored.lot = stored.lot.map(text);
+            stored.shape = shapes[stored.shape as usize];
+            stored.found.iter_mut().for_each(|found| found.effect = text(found.effect));
+            stored
         }));
         Ok(())
     }
@@ -240,11 +240,11 @@ impl Gathered {
         postcard::to_extend(&written, Vec::new()).expect("memory has room for it")
     }
 
-    /// What [`to_bytes`](Self::to_bytes) has written.
+    /// Reads the bytes of [`to_bytes`](Self::to_bytes).
     ///
     /// # Errors
     ///
-    /// It has not, or another version has.
+    /// The bytes are damaged, or of another version.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, GatheredError> {
         let not = |reason: &dyn ToString| GatheredError::NotGathered(reason.to_string());
         let (schema, _) = postcard::take_from_bytes::<&str>(bytes).map_err(|error| not(&error))?;
@@ -260,11 +260,11 @@ impl Gathered {
             shapes: written.shapes.into_iter().collect(),
             units: written.units,
         };
-        if rest.is_empty() && gathered.is_whole() { Ok(gathered) } else { Err(not(&"it is damaged")) }
+        if rest.is_empty() && gathered.is_complete() { Ok(gathered) } else { Err(not(&"it is damaged")) }
     }
 
-    /// Every place that it speaks of is there, and every number.
-    fn is_whole(&self) -> bool {
+    /// All indices are in range, and all numbers are present.
+    fn is_complete(&self) -> bool {
         let text = |index: &u32| (*index as usize) < self.texts.len();
         let shapes = self.shapes.iter().flat_map(|shape| &shape.0);
         shapes.into_iter().all(|axis| text(&axis.column) && axis.names.iter().all(text))
@@ -282,35 +282,35 @@ impl Gathered {
             })
     }
 
-    /// What rows of which all were asked the same come to, however often a unit is there.
+    /// Gathers rows with the same settings, without a check for duplicates.
     pub(crate) fn of(rows: &[UnitRow]) -> Self {
         let mut gathered = Self::default();
         rows.iter().for_each(|row| gathered.take(row));
         gathered
     }
 
-    /// What all were asked.
+    /// Settings of all rows.
     ///
     /// # Errors
     ///
-    /// There is no row.
+    /// There are no rows.
     pub(crate) fn asked(&self) -> Result<&Asked, GatheredError> {
         self.asked.as_ref().ok_or(GatheredError::Nothing)
     }
 
-    /// The units by part and name.
+    /// Units by part and name.
     pub(crate) fn sorted(&self) -> Vec<GatheredUnit<'_>> {
-        let mut units: Vec<_> = self.units.iter().map(|held| GatheredUnit { of: self, held }).collect();
-        // what tells units of one name apart, where that is no error
-        units.sort_by_key(|unit| (unit.part(), unit.name(), unit.held.digest));
+        let mut units: Vec<_> = self.units.iter().map(|stored| GatheredUnit { of: self, stored }).collect();
+        // The digest orders units of the same name, where duplicates are allowed.
+        units.sort_by_key(|unit| (unit.part(), unit.name(), unit.stored.digest));
         units
     }
 
-    /// No unit is there twice.
+    /// Checks that every unit occurs once.
     ///
     /// # Errors
     ///
-    /// One is.
+    /// A unit occurs twice.
     pub(crate) fn check_once(units: &[GatheredUnit<'_>]) -> Result<(), GatheredError> {
         let twice = units
             .windows(2)
@@ -343,7 +343,7 @@ impl Gathered {
 }
 
 impl AxisShape {
-    /// How many numbers it has.
+    /// Number of values per unit: coefficients, lower triangle of the covariance, noise levels.
     fn numbers(&self) -> usize {
         let n = self.names.len();
         n + n * (n + 1) / 2 + LEVELS
@@ -352,38 +352,38 @@ impl AxisShape {
 
 impl<'a> GatheredUnit<'a> {
     pub(crate) fn name(self) -> &'a str {
-        &self.held.unit
+        &self.stored.unit
     }
 
     pub(crate) fn part(self) -> &'a str {
-        &self.of.texts[self.held.part as usize]
+        &self.of.texts[self.stored.part as usize]
     }
 
     pub(crate) fn lot(self) -> Option<&'a str> {
-        self.held.lot.map(|lot| self.of.texts[lot as usize].as_str())
+        self.stored.lot.map(|lot| self.of.texts[lot as usize].as_str())
     }
 
-    /// SHA-256 of its row.
+    /// SHA-256 of the row.
     pub(crate) fn digest(self) -> &'a [u8; 32] {
-        &self.held.digest
+        &self.stored.digest
     }
 
-    /// Digest of its log, to compare with those of others.
+    /// Digest of the log, for the detection of duplicates.
     pub(crate) fn log(self) -> Option<[u8; LOG_DIGEST]> {
-        self.held.log
+        self.stored.log
     }
 
-    /// Coefficients that its log tells, of all axes.
+    /// Number of identified coefficients over all axes.
     pub(crate) fn coefficients(self) -> usize {
         self.shape().iter().map(|axis| axis.names.len()).sum()
     }
 
-    /// Why something of it could not be told.
+    /// Reasons for missing results.
     pub(crate) fn failed(self) -> &'a [String] {
-        &self.held.failed
+        &self.stored.failed
     }
 
-    /// The axes that could be estimated.
+    /// Columns of the estimated axes.
     pub(crate) fn columns(self) -> impl Iterator<Item = &'a str> {
         self.shape().iter().map(move |axis| self.of.texts[axis.column as usize].as_str())
     }
@@ -392,7 +392,7 @@ impl<'a> GatheredUnit<'a> {
         let (place, numbers) = self.place(column)?;
         let shape = &self.shape()[place];
         let n = shape.names.len();
-        let (values, rest) = self.held.numbers[numbers].split_at(n);
+        let (values, rest) = self.stored.numbers[numbers].split_at(n);
         let (covariance, noise) = rest.split_at(n * (n + 1) / 2);
         let at = |row: usize, column: usize| {
             let (row, column) = (row.max(column), row.min(column));
@@ -404,20 +404,20 @@ impl<'a> GatheredUnit<'a> {
         Some(GatheredAxis { estimate, noise: noise.try_into().ok()? })
     }
 
-    /// The effects that were found on an axis, with the shares that should go with each; none where it was not diagnosed.
+    /// Effects found on an axis, with their predicted reductions; none if the axis was not diagnosed.
     pub(crate) fn effects(self, column: &str) -> Option<impl Iterator<Item = (&'a str, f64)>> {
         let (place, _) = self.place(column)?;
-        let found = self.held.found.iter().filter(move |found| usize::from(found.axis) == place);
+        let found = self.stored.found.iter().filter(move |found| usize::from(found.axis) == place);
         let named = found
             .map(move |found| (self.of.texts[found.effect as usize].as_str(), found.predicted_reduction));
         self.shape()[place].diagnosed.then_some(named)
     }
 
     fn shape(self) -> &'a [AxisShape] {
-        &self.of.shapes[self.held.shape as usize].0
+        &self.of.shapes[self.stored.shape as usize].0
     }
 
-    /// The place of an axis, and where its numbers are.
+    /// Index of an axis, and the range of its numbers.
     fn place(self, column: &str) -> Option<(usize, Range<usize>)> {
         let mut start = 0;
         for (place, (axis, name)) in self.shape().iter().zip(self.columns()).enumerate() {

@@ -1,10 +1,10 @@
-//! What is known of a vector, so that nothing at all can be known of parts of it.
+//! Information about a vector, possibly without any about some components.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What one source says of a vector: the inverse of a covariance, and that times the values.
+/// Information of one source about a vector: the inverse covariance Λ, and Λ·x.
 ///
-/// Where a coefficient is not known its row and column are 0, which no covariance could say.
+/// Rows and columns of unknown coefficients are 0, which a covariance could not express.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Known {
     pub(crate) information: DMatrix<f64>,
@@ -12,7 +12,7 @@ pub(crate) struct Known {
     pub(crate) weighted: DVector<f64>,
 }
 
-/// The same beside a scatter that it is seen through.
+/// Information about the mean of a distribution from one noisy draw of it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Seen {
     pub(crate) information: DMatrix<f64>,
@@ -22,22 +22,22 @@ pub(crate) struct Seen {
 }
 
 impl Known {
-    /// The sum of two sources.
+    /// Adds the information of another source.
     pub(crate) fn add(&mut self, other: &Seen) {
         self.information += &other.information;
         self.weighted += &other.weighted;
     }
 
-    /// Nothing of `n` coefficients.
+    /// No information about `n` coefficients.
     pub(crate) fn nothing(n: usize) -> Self {
         Self { information: DMatrix::zeros(n, n), weighted: DVector::zeros(n) }
     }
 
-    /// Through a scatter of covariance `scatter`: (I + Λ·C)⁻¹·Λ, which needs the inverse of neither.
+    /// Information through a scatter with covariance C: (I + Λ·C)⁻¹·Λ, which needs neither inverse.
     pub(crate) fn through(&self, scatter: &DMatrix<f64>) -> Seen {
         let n = self.weighted.len();
         let factor = (DMatrix::identity(n, n) + &self.information * scatter).lu();
-        // positive semidefinite times the same: its eigenvalues are not negative, and those of the sum at least 1
+        // Product of two positive semidefinite matrices: its eigenvalues are not negative, and those of the sum at least 1.
         let solve =
             |right: &DMatrix<f64>| factor.solve(right).unwrap_or_else(|| DMatrix::zeros(n, right.ncols()));
         let information = symmetric(&solve(&self.information));
@@ -47,17 +47,16 @@ impl Known {
     }
 }
 
-/// The mean of a matrix and its transpose: what rounding has taken from a symmetric one.
+/// Mean of a matrix and its transpose; removes asymmetry from rounding.
 pub(crate) fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     (matrix + matrix.transpose()) * 0.5
 }
 
-/// From rows.
 pub(crate) fn matrix_of(rows: &[Vec<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column])
 }
 
-/// `n` rows of `n`.
+/// `rows` is an `n` × `n` matrix.
 pub(crate) fn is_square(rows: &[Vec<f64>], n: usize) -> bool {
     rows.len() == n && rows.iter().all(|row| row.len() == n)
 }

@@ -1,8 +1,8 @@
-//! Devices that do not belong to their population, and by what.
+//! Detects devices that do not belong to their population.
 //!
-//! Each coefficient of each device is compared with the population without that device, by Student's t: the population is estimated from few
-//! devices, and its mean and scatter are as uncertain as that makes them. No device is left out of the population by chance more often than
-//! [`LEFT_OUT`] says, however few there are.
+//! Each coefficient of each device is compared by Student's t with the population without that device, because mean and scatter estimated
+//! from few devices are uncertain. The rate at which devices are excluded from the population by chance is at most [`LEFT_OUT`], for any
+//! number of devices.
 
 use fos_data::statistics::median_of;
 use serde::{Deserialize, Serialize};
@@ -11,64 +11,65 @@ use crate::coefficient::{Coefficient, Deviation, Value};
 use crate::population::{Member, Population, PopulationError, check, values_of};
 use crate::tails::{t_quantile, t_tail};
 
-/// Devices are left out where the population is estimated, so that an odd one does not widen what it is compared with, if they are significant
-/// at this rate of false discoveries: without an odd device, in one axis of a hundred.
+/// False discovery rate for the exclusion of devices from the estimate of the population, so that an odd device does not widen its own
+/// reference. Without odd devices, one axis of a hundred excludes any.
 const LEFT_OUT: f64 = 0.01;
 
-/// A median deviation of a normal distribution over its standard deviation, inverse.
+/// Standard deviation of a normal distribution over its median absolute deviation.
 const PER_MEDIAN_DEVIATION: f64 = 1.4826;
 
-/// The median deviation of n values is as uncertain as the standard deviation of this share of them (Hampel 1974).
+/// Efficiency of the median absolute deviation: with n values it is as uncertain as a standard deviation from this share of n (Hampel
+/// 1974).
 const EFFICIENCY: f64 = 0.37;
 
-/// Most rounds of estimating and leaving out.
+/// Maximum number of rounds of estimation and exclusion.
 const MOST_ROUNDS: usize = 10;
 
-/// A device this many standard deviations off is to be found; where it would not be, there are too few devices.
+/// Deviation, in standard deviations, that a population of sufficient size detects.
 pub const FAR: f64 = 8.0;
 
-/// How far a device is from its population, in the coefficient that is least probable.
+/// Deviation of a device from its population, for its least probable coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Distance {
-    /// Coefficients that were compared.
+    /// Number of compared coefficients.
     pub coefficients: usize,
-    /// Probability that a device that belongs is further away in any of them (Bonferroni).
+    /// Probability that a device of the population deviates further in any of them (Bonferroni).
     pub p_value: f64,
-    /// The coefficient that is least probable by itself.
+    /// Least probable coefficient.
     pub most: String,
-    /// Its deviation from the population without this device, in standard deviations of a device, its log and the estimated mean: Student's t.
+    /// Student's t: deviation from the population without this device, divided by the standard deviation of device, log error and
+    /// estimated mean together.
     pub by: f64,
-    /// Degrees of freedom of that t.
+    /// Degrees of freedom of t.
     #[serde(default)]
     pub freedom: f64,
 }
 
-/// A population, and how far each of its members is from it.
+/// A population, and the deviation of each member from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
-    /// Of those that were not left out.
+    /// Population without the excluded members.
     pub population: Population,
-    /// In the order of the members.
+    /// Deviations in the order of the members.
     pub distances: Vec<Distance>,
-    /// The members that it is not of.
+    /// Members excluded from the population.
     pub left_out: Vec<bool>,
-    /// Of each member, the p-values that it would have if it were [`FAR`] standard deviations off in a coefficient: one for each that was
-    /// compared, times their number.
+    /// For each member, its p-values at a deviation of [`FAR`] standard deviations: one per compared coefficient, times their number.
     pub p_values_if_far: Vec<Vec<f64>>,
 }
 
-/// The population of `members` without those that do not belong, and how far each is from it.
+/// Estimates the population of `members` without those that do not belong, and the deviation of each member.
 ///
 /// # Errors
 ///
-/// Fewer than three devices know a coefficient.
+/// Fewer than three devices have a coefficient.
 pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, PopulationError> {
     check(members, names)?;
     let values = values_of(members, names);
     let lots = values.iter().flatten().map(|(_, value)| value.lot + 1).max().unwrap_or(0);
     let mut left_out = far_at_first(&values, members.len());
     let mut round = 0;
-    // ends after MOST_ROUNDS: two sets may follow each other for ever
+    // Limited to MOST_ROUNDS, because two sets may alternate forever.
     let of_members = loop {
         let of_members = deviations(&values, lots, &left_out);
         let distances: Vec<Distance> = of_members.iter().map(|found| distance(found, names)).collect();
@@ -90,7 +91,7 @@ pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, Populat
         let p_value = |deviation: &Deviation| t_tail(deviation.freedom, FAR * deviation.share) * coefficients;
         found.iter().map(|(_, deviation)| p_value(deviation)).collect()
     };
-    // of a coefficient that few devices know none can be spared
+    // No device can be excluded if too few have a coefficient.
     let population = match Population::of(&inside, names) {
         Err(_) => {
             left_out = vec![false; members.len()];
@@ -106,8 +107,7 @@ pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, Populat
     })
 }
 
-/// Which of `p_values` are significant, so that of all that are the share that is not so is at most `rate` in the mean (Benjamini and
-/// Hochberg 1995).
+/// Marks the significant `p_values`, with an expected share of false positives among them of at most `rate` (Benjamini and Hochberg 1995).
 pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
     let mut sorted = p_values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -116,18 +116,19 @@ pub fn discoveries(p_values: &[f64], rate: f64) -> Vec<bool> {
     p_values.iter().map(|p| least.is_some_and(|(_, limit)| p <= limit)).collect()
 }
 
-/// Fewest devices of which one that is [`FAR`] off is found as often as not, where each is compared in `tests` coefficients of all its axes and
-/// `rate` of those found may be false. Devices of one lot, whose logs err by less than they differ.
+/// Fewest devices of one lot with which a device [`FAR`] standard deviations off is detected in half of all cases, with `tests`
+/// coefficients per device over all its axes and a false discovery rate of `rate`. Log errors are assumed smaller than the scatter of the
+/// devices.
 pub fn devices_needed(tests: usize, rate: f64) -> usize {
     let is_found = |devices: &usize| {
         let n = *devices as f64;
         FAR * ((n - 1.0) / n).sqrt() >= t_quantile(n - 2.0, rate / (n * tests.max(1) as f64))
     };
-    // with any number of tests that a fleet may have it is found in the end: the quantile grows as the root of a logarithm
+    // Some number below 1000 suffices for any realistic number of tests: the quantile grows as the root of a logarithm.
     (3..1000).find(is_found).unwrap_or(1000)
 }
 
-/// Those that were compared and are significant.
+/// Marks the compared devices that are significant.
 fn significant(distances: &[Distance], rate: f64) -> Vec<bool> {
     let tested = || distances.iter().filter(|distance| distance.coefficients > 0);
     let mut found =
@@ -135,7 +136,7 @@ fn significant(distances: &[Distance], rate: f64) -> Vec<bool> {
     distances.iter().map(|distance| distance.coefficients > 0 && found.next().unwrap_or(false)).collect()
 }
 
-/// Of each member its deviations, with the places of the coefficients, from the population of those that are not left out and are not itself.
+/// Deviations of each member with the indices of the coefficients, from the population without excluded members and without itself.
 fn deviations(
     values: &[Vec<(usize, Value)>],
     lots: usize,
@@ -169,8 +170,8 @@ fn distance(found: &[(usize, Deviation)], names: &[String]) -> Distance {
     }
 }
 
-/// Far from the median in any coefficient, by the median deviation and the error of its own log: the quantile of Student's t for so many
-/// devices and coefficients, so that in few devices none is far by chance.
+/// Marks devices far from the median in any coefficient, by the median absolute deviation and the error of their logs. The threshold is the
+/// quantile of Student's t for this number of devices and coefficients, so that few devices are not marked by chance.
 fn far_at_first(values: &[Vec<(usize, Value)>], members: usize) -> Vec<bool> {
     let mut far = vec![false; members];
     for known in values {
@@ -183,6 +184,6 @@ fn far_at_first(values: &[Vec<(usize, Value)>], members: usize) -> Vec<bool> {
             far[*member] |= (value - median).powi(2) > limit.powi(2) * (scatter + error);
         }
     }
-    // where most are far there is no population to be far from
+    // If most are far, there is no population to compare with.
     if far.iter().filter(|far| **far).count() * 2 > far.len() { vec![false; far.len()] } else { far }
 }

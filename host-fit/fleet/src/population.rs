@@ -1,9 +1,9 @@
-//! The units of a part as draws of one distribution: θ = μ + a(lot) + b(unit), a and b normal, each θ known as well as its
-//! log tells.
+//! The units of a part as draws from one distribution: θ = μ + a(lot) + b(unit), with normal a and b. Each θ is known with the uncertainty
+//! of its log.
 //!
-//! A hierarchical normal model, its covariances by restricted maximum likelihood (REML; Patterson and Thompson 1971; Harville 1977), the greatest
-//! of which expectation and maximisation find (Laird and Ware 1982), sped up by squared extrapolation (Varadhan and Roland
-//! 2008). All of it in the order of the members: the same members give the same bits.
+//! The model is a hierarchical normal one. Its covariances are estimated by restricted maximum likelihood (REML; Patterson and Thompson
+//! 1971; Harville 1977), by expectation and maximisation (Laird and Ware 1982) with squared extrapolation (Varadhan and Roland 2008). Sums
+//! run in the order of the members, so the same members give the same bits.
 
 use std::collections::HashMap;
 
@@ -16,11 +16,11 @@ use crate::estimate::{Estimate, Measured};
 use crate::known::{Known, Seen, is_square, matrix_of, symmetric};
 use crate::tails::half_interval;
 
-/// Ends after so many rounds, of three steps each, or when a round gains less than this in −2 ln L.
+/// Maximum number of rounds of three steps, and the decrease of −2 ln L per round below which the search ends.
 const MOST_ROUNDS: usize = 400;
 const GAIN: f64 = 1e-7;
 
-/// Smallest scaled variance that the search begins at.
+/// Smallest scaled variance at the start of the search.
 const LEAST_START: f64 = 1e-2;
 
 /// Half of a 90 % interval of a normal distribution, in standard deviations.
@@ -29,106 +29,106 @@ const NORMAL: f64 = 1.644_854;
 /// A unit of a population.
 #[derive(Debug, Clone, Copy)]
 pub struct Member<'a> {
-    /// Units of one lot have a part of their deviation in common; none: its lot is not known, and it is one of its own.
+    /// Units of one lot share a part of their deviation. Units without a lot are treated as one more lot.
     pub lot: Option<&'a str>,
     pub estimate: &'a Estimate,
 }
 
-/// A population of one axis of a part.
+/// Distribution of the coefficients of one axis over the units of a part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Population {
-    /// The coefficients, in the order of everything below.
+    /// Names of the coefficients; the order applies to all fields below.
     pub names: Vec<String>,
     pub units: usize,
-    /// The mean of the part, μ, in the coefficients' SI units.
+    /// Mean of the part, μ, in the SI units of the coefficients.
     pub mean: Vec<f64>,
     /// Covariance of the mean.
     pub mean_covariance: Vec<Vec<f64>>,
-    /// 90 % interval of each mean, by Student's t: the variances behind it are estimated from as many devices as there are.
+    /// 90 % interval of each mean, by Student's t, because the variances are estimated from a finite number of units.
     #[serde(default)]
     pub mean_interval: Vec<[f64; 2]>,
-    /// Of each coefficient, where nine of ten devices of a lot that is not known lie, by Student's t.
+    /// 90 % interval of each coefficient of a unit of unknown lot, by Student's t.
     #[serde(default)]
     pub unit_interval: Vec<[f64; 2]>,
-    /// Covariance of a between lots; 0 if there are fewer than two.
+    /// Covariance of a, between lots; 0 with fewer than two lots.
     pub between_lots: Vec<Vec<f64>>,
-    /// Covariance of b between units of a lot.
+    /// Covariance of b, between units of a lot.
     pub between_units: Vec<Vec<f64>>,
-    /// Of each coefficient, its scatter.
+    /// Scatter of each coefficient.
     pub scatter: Vec<Scatter>,
-    /// What is known of each lot.
+    /// Mean and covariance of each lot.
     pub lots: Vec<Lot>,
 }
 
 /// Standard deviations of a coefficient, in its SI unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scatter {
-    /// Between units of a lot.
+    /// Standard deviation between units of a lot.
     pub units: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of `units`.
     pub units_interval: [f64; 2],
     pub lots: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of `lots`.
     pub lots_interval: [f64; 2],
-    /// How often lots that do not differ in it would look so different; none of fewer than two lots.
+    /// p-value of the observed difference between lots if lots do not differ; none with fewer than two lots.
     pub lots_alike: Option<f64>,
-    /// Of an estimate about its unit: the error of measurement, root mean square.
+    /// RMS error of measurement: an estimate about the true value of its unit.
     pub measurement: f64,
 }
 
-/// What is known of a lot.
+/// Mean and covariance of a lot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lot {
-    /// As the rows name it; empty for units whose lot is not known.
+    /// Name of the lot in the rows; empty for units without a lot.
     pub name: String,
     pub units: usize,
     /// Mean of the lot: μ + a.
     pub mean: Vec<f64>,
-    /// Its covariance, that of μ included.
+    /// Covariance of the mean, that of μ included.
     pub covariance: Vec<Vec<f64>>,
     /// 90 % interval of each mean, by Student's t.
     #[serde(default)]
     pub mean_interval: Vec<[f64; 2]>,
-    /// Of each coefficient, where nine of ten devices of the lot lie, by Student's t.
+    /// 90 % interval of each coefficient of a unit of this lot, by Student's t.
     #[serde(default)]
     pub unit_interval: Vec<[f64; 2]>,
 }
 
 impl Lot {
-    /// 90 % interval of a mean, as that of [`Population::mean_interval`].
+    /// 90 % interval of the mean of coefficient `place`, as [`Population::mean_interval`].
     pub fn mean_interval(&self, place: usize) -> [f64; 2] {
         let normal = || about(self.mean[place], NORMAL, self.covariance[place][place]);
         self.mean_interval.get(place).copied().unwrap_or_else(normal)
     }
 }
 
-/// Why there is no population.
+/// Too little data for a population.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PopulationError {
-    /// There is no coefficient that enough units tell.
+    /// No coefficient is identifiable from the logs of enough units.
     #[error(
         "no coefficient is identifiable from the logs of three units or more\nhelp: record more units at rest for some minutes, while the temperature changes"
     )]
     NoCoefficient,
-    /// A coefficient is known of fewer than two units.
+    /// A coefficient is identifiable from the logs of fewer than three units.
     #[error(
         "this coefficient is identifiable from the logs of {known} units; a population needs three\nhelp: record more units at rest, while what the coefficient depends on changes"
     )]
     TooFew {
-        /// Its place among the names.
+        /// Index among the names.
         coefficient: usize,
         known: usize,
     },
 }
 
-/// What one value of the covariances comes to.
+/// Result of one step at given covariances.
 struct Step {
     /// −2 ln L, restricted, up to a constant.
     deviance: f64,
     mean: DVector<f64>,
     mean_covariance: DMatrix<f64>,
     lots: Vec<LotMean>,
-    /// The covariances that follow.
+    /// Covariances after the step.
     next: Covariances,
 }
 
@@ -148,16 +148,16 @@ struct Covariances {
 struct Grouped {
     names: Vec<(String, usize)>,
     lots: Vec<Vec<Measured>>,
-    /// A lot's deviation is told apart from its units'.
+    /// The variance between lots is distinguishable from that between units.
     has_lots: bool,
 }
 
 impl Population {
-    /// Of `members`, for the coefficients `names`, which not every unit has to know.
+    /// Estimates the population of `members` for the coefficients `names`; not every unit needs to have each of them.
     ///
     /// # Errors
     ///
-    /// There are none, or fewer than three units know one of them.
+    /// `names` is empty, or fewer than three units have one of the coefficients.
     pub fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
         check(members, names)?;
         let scale = scales(members, names);
@@ -202,13 +202,13 @@ impl Population {
         Ok(population)
     }
 
-    /// Every coefficient has its numbers, and every number is finite: of what was read that is not said by its type.
-    pub(crate) fn is_whole(&self) -> bool {
+    /// Every coefficient has all its numbers, and all are finite: types do not ensure this for a file that was read.
+    pub(crate) fn is_complete(&self) -> bool {
         let n = self.names.len();
         let matrices = [&self.mean_covariance, &self.between_lots, &self.between_units];
         let finite = |values: &[f64]| values.len() == n && values.iter().all(|value| value.is_finite());
         let square = |matrix: &[Vec<f64>]| is_square(matrix, n) && matrix.iter().all(|row| finite(row));
-        // a population of an earlier version has no intervals of means and devices
+        // Populations of earlier versions have no intervals of means and units.
         let intervals = |ends: &[[f64; 2]]| {
             ends.is_empty() || ends.len() == n && ends.iter().flatten().all(|end| end.is_finite())
         };
@@ -233,13 +233,15 @@ impl Population {
             })
     }
 
-    /// 90 % interval of a mean. A population of an earlier version has none: it is that of a normal distribution then.
+    /// 90 % interval of the mean of coefficient `place`. For a population of an earlier version, which has none, that of a normal
+    /// distribution.
     pub fn mean_interval(&self, place: usize) -> [f64; 2] {
         let normal = || about(self.mean[place], NORMAL, self.mean_covariance[place][place]);
         self.mean_interval.get(place).copied().unwrap_or_else(normal)
     }
 
-    /// Where nine of ten devices of a lot lie, or of a lot that is not known. Of an earlier version as [`mean_interval`](Self::mean_interval).
+    /// 90 % interval of coefficient `place` of a unit of `lot`, or of any lot. For a population of an earlier version as
+    /// [`mean_interval`](Self::mean_interval).
     pub fn unit_interval(&self, lot: Option<&str>, place: usize) -> [f64; 2] {
         let lot = self.lot_named(lot);
         let normal = || {
@@ -250,18 +252,18 @@ impl Population {
         intervals.get(place).copied().unwrap_or_else(normal)
     }
 
-    /// What is known of a unit before it was measured: mean and covariance of its coefficients. Of a lot that the
-    /// population does not know, or none, that of any lot.
+    /// Mean and covariance of the coefficients of a unit before its measurement. For a lot that is unknown or none, those of a unit of
+    /// any lot.
     pub fn prior(&self, lot: Option<&str>) -> (Vec<f64>, Vec<Vec<f64>>) {
         self.prior_in(self.lot_named(lot))
     }
 
-    /// A lot that the population knows.
+    /// Lot of this name, if the population has it.
     pub(crate) fn lot_named(&self, name: Option<&str>) -> Option<&Lot> {
         name.and_then(|name| self.lots.iter().find(|lot| lot.name == name))
     }
 
-    /// The same in a lot of the population, or any.
+    /// Mean and covariance of [`prior`](Self::prior) for a lot of the population, or for any lot.
     pub(crate) fn prior_in(&self, lot: Option<&Lot>) -> (Vec<f64>, Vec<Vec<f64>>) {
         let units = matrix_of(&self.between_units);
         match lot {
@@ -273,8 +275,8 @@ impl Population {
         }
     }
 
-    /// What is known of a unit that is a member of the population, all coefficients of it: its log counts once, in the mean of its lot and beside
-    /// it, as it does in the steps that found the population. Of a lot that is not among the population's, as [`shrunk`](Self::shrunk).
+    /// Posterior of all coefficients of a unit that is a member of the population. Its log enters once, both in the mean of its lot and
+    /// in its own estimate, as in the last step of the search. For a lot that is not in the population, as [`shrunk`](Self::shrunk).
     pub fn of_member(&self, estimate: &Estimate, lot: Option<&str>) -> Estimate {
         let name = lot.unwrap_or_default();
         let Some(lot) = self.lots.iter().find(|lot| lot.name == name) else {
@@ -291,9 +293,9 @@ impl Population {
         self.estimate_of(&values, &covariance, &size)
     }
 
-    /// A unit's own estimate beside what its population says of it (empirical Bayes; Robbins 1956, Efron and Morris 1973): all coefficients of the
-    /// population, those that the estimate does not tell too. For a unit that is not among the members; for one
-    /// that is, [`of_member`](Self::of_member).
+    /// Posterior of all coefficients of a unit outside the population: its own estimate combined with the population as prior
+    /// (empirical Bayes; Robbins 1956, Efron and Morris 1973), including coefficients missing from the estimate. For a member of the
+    /// population use [`of_member`](Self::of_member).
     pub fn shrunk(&self, estimate: &Estimate, lot: Option<&str>) -> Estimate {
         let (mean, prior) = self.prior(lot);
         let size = self.sizes(&prior);
@@ -304,7 +306,7 @@ impl Population {
         self.estimate_of(&values, &covariance, &size)
     }
 
-    /// What each coefficient is divided by in between, so that all are near 1.
+    /// Scale of each coefficient during the computation, so that all are near 1.
     fn sizes(&self, prior: &[Vec<f64>]) -> Vec<f64> {
         let size = |place: usize| match prior[place][place].sqrt() {
             deviation if deviation > 0.0 => deviation,
@@ -322,7 +324,7 @@ impl Population {
     }
 }
 
-/// There are names, and at least three units know each.
+/// `names` is not empty, and at least three units have each coefficient.
 pub(crate) fn check(members: &[Member<'_>], names: &[String]) -> Result<(), PopulationError> {
     if names.is_empty() {
         return Err(PopulationError::NoCoefficient);
@@ -336,7 +338,8 @@ pub(crate) fn check(members: &[Member<'_>], names: &[String]) -> Result<(), Popu
     Ok(())
 }
 
-/// Of each coefficient the members that know it, by their places, with lots numbered as they first come.
+/// For each coefficient, the values of the members that have it, with their indices. Lots are numbered in the order of their first
+/// appearance.
 pub(crate) fn values_of(members: &[Member<'_>], names: &[String]) -> Vec<Vec<(usize, Value)>> {
     let mut places = HashMap::new();
     let lots: Vec<usize> = members
@@ -358,10 +361,10 @@ pub(crate) fn values_of(members: &[Member<'_>], names: &[String]) -> Vec<Vec<(us
 }
 
 impl Population {
-    /// Standard deviations of a coefficient, with the intervals that it has by itself.
+    /// Scatter of a coefficient, with the intervals from `alone`, the fit of this coefficient only.
     fn scatter_of(&self, place: usize, alone: &Coefficient, members: &[Member<'_>]) -> Scatter {
         let joint = [self.between_units[place][place], self.between_lots[place][place]].map(|v| v.max(0.0));
-        // what all coefficients together say is inside of them
+        // The interval is widened to contain the joint estimate.
         let ends = |[low, high]: [f64; 2], joint: f64| [low.min(joint), high.max(joint)].map(f64::sqrt);
         let errors: Vec<f64> = members
             .iter()
@@ -380,7 +383,7 @@ impl Population {
         }
     }
 
-    /// The intervals of means and devices, of a coefficient.
+    /// Adds the intervals of means and units for one coefficient.
     fn add_intervals(&mut self, place: usize, alone: &Coefficient) {
         let of_units = self.between_units[place][place];
         let of_lots = self.between_lots[place][place];
@@ -390,7 +393,7 @@ impl Population {
         let of_unit = of_units + of_lots + of_mean;
         self.unit_interval.push(about(self.mean[place], half_interval(freedom.unit), of_unit));
         for (index, lot) in self.lots.iter_mut().enumerate() {
-            // lots that cannot be told apart from their devices are one
+            // Lots that are indistinguishable from their units are one lot.
             let freedom = freedom.lots.get(index).unwrap_or(&freedom.lots[0]);
             let [of_mean, of_unit] = freedom.map(half_interval);
             let variance = lot.covariance[place][place];
@@ -428,11 +431,11 @@ impl Grouped {
         self.lots.iter().flatten()
     }
 
-    /// The covariances of the greatest restricted likelihood, and what they come to. The search begins at the variances that each coefficient has
-    /// by itself; a single coefficient has those.
+    /// Covariances with the greatest restricted likelihood, and the last step. The search begins at `by_itself`, the variances from
+    /// separate fits of each coefficient, which are the result for a single coefficient.
     fn likeliest(&self, by_itself: &[Variances], scale: &[f64]) -> (Covariances, Step) {
         let n = scale.len();
-        // of 0, expectation and maximisation would never come away
+        // Expectation and maximisation never leave a variance of 0.
         let least = if n == 1 { 0.0 } else { LEAST_START };
         let diagonal = |of: &dyn Fn(&Variances) -> f64| {
             let start =
@@ -450,7 +453,7 @@ impl Grouped {
             let second = self.step(&first);
             let leap = now.extrapolated(&first, &second.next);
             let mut best = (first, second);
-            // far away it may be less likely than what it leapt from
+            // A far extrapolation may be less likely than its start.
             if let Some(leap) = leap {
                 let there = self.step(&leap);
                 if there.deviance < best.1.deviance {
@@ -531,7 +534,7 @@ impl Grouped {
 }
 
 impl Covariances {
-    /// Where the last two steps lead, if those are covariances.
+    /// Squared extrapolation of the last two steps; none if the result is not positive definite.
     fn extrapolated(&self, first: &Self, second: &Self) -> Option<Self> {
         let of = |a: &DMatrix<f64>, b: &DMatrix<f64>, c: &DMatrix<f64>| (b - a, c - b - (b - a));
         let (lots, units) =
@@ -546,12 +549,15 @@ impl Covariances {
             symmetric(&(from + moved * (2.0 * reach) + turned * (reach * reach)))
         };
         let there = Self { lots: leap(&self.lots, &lots), units: leap(&self.units, &units) };
-        let sound = |matrix: &DMatrix<f64>| matrix.clone().cholesky().is_some();
-        (sound(&there.units) && (there.lots.norm_squared() == 0.0 || sound(&there.lots))).then_some(there)
+        let is_positive_definite = |matrix: &DMatrix<f64>| matrix.clone().cholesky().is_some();
+        (is_positive_definite(&there.units)
+            && (there.lots.norm_squared() == 0.0 || is_positive_definite(&there.lots)))
+        .then_some(there)
     }
 }
 
-/// The size of each coefficient: about what its values scatter by, and no less than their errors, so that all are near 1 where values are equal too.
+/// Scale of each coefficient: the scatter of its values, and at least their RMS error, so that scaled values are near 1 even if all values
+/// are equal.
 fn scales(members: &[Member<'_>], names: &[String]) -> Vec<f64> {
     let scale = |known: Vec<(usize, Value)>| {
         let n = known.len() as f64;

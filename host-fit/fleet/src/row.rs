@@ -1,4 +1,4 @@
-//! A unit in one row: what its log tells, or why it tells nothing.
+//! A unit in one row: the coefficients estimated from its logs, or the reasons for their absence.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -18,74 +18,74 @@ use sha2::{Digest, Sha256};
 
 use crate::estimate::{AxisEstimate, EstimateError, estimate, from_reference};
 
-/// What is asked of every unit.
+/// Settings common to all units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
-    /// The regressors whose coefficients are compared between units, beside the bias: `temp_c`, `temp_c * temp_c`, ….
+    /// Regressors whose coefficients are compared between units, beside the bias: `temp_c`, `temp_c * temp_c`, ….
     pub regressors: Vec<String>,
-    /// Every axis is diagnosed too. It takes longer than all else.
+    /// Every axis is also diagnosed, which takes most of the time.
     pub diagnosed: bool,
     pub read: LoadOptions,
 }
 
-/// A unit to be looked at.
+/// A unit and its logs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unit {
-    /// Its name, one of a kind in the fleet.
+    /// Name, unique in the fleet.
     pub name: String,
-    /// The part, as `bmi270`; units of different parts have nothing in common. Empty: all are of one.
+    /// Part, such as `bmi270`; units of different parts are never compared. If empty, all units are of one part.
     pub part: String,
-    /// The lot, where it is known.
+    /// Production lot, if known.
     pub lot: Option<String>,
-    /// Its logs, one after the other.
+    /// Logs of the unit, used together.
     pub logs: Vec<PathBuf>,
 }
 
-/// A unit, and what its logs tell.
+/// A unit and the estimates from its logs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnitRow {
-    /// As in [`Unit`].
+    /// Name of the unit, from [`Unit`].
     pub unit: String,
-    /// As in [`Unit`].
+    /// Part of the unit, from [`Unit`].
     pub part: String,
-    /// As in [`Unit`].
+    /// Lot of the unit, from [`Unit`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lot: Option<String>,
-    /// The program that made the row.
+    /// Program and version that made the row.
     pub program: String,
-    /// What was asked: rows that were asked different things are no fleet.
+    /// Settings; rows with different settings do not form a fleet.
     pub asked: Asked,
-    /// SHA-256 of the log, hexadecimal; of several that of their digests, a line each. Empty where none could be read.
+    /// SHA-256 of the log, hexadecimal; for several logs the SHA-256 of their digests, one per line. Empty if no log could be read.
     pub sha256: String,
-    /// What was read; none where no log could be.
+    /// Summary of the logs; none if no log could be read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub log: Option<LogSummary>,
-    /// The axes that could be estimated.
+    /// Axes that could be estimated.
     pub axes: Vec<AxisRow>,
-    /// Why the log, or an axis of it, tells nothing: each reason once.
+    /// Reasons why the logs or an axis could not be used, each once.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failed: Vec<String>,
 }
 
-/// What was read of a unit.
+/// Summary of the logs of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LogSummary {
-    /// Rows.
+    /// Number of rows.
     pub rows: usize,
-    /// From the first to the last, s.
+    /// Time from the first row to the last, s.
     pub seconds: f64,
-    /// True sample rate, Hz.
+    /// True sampling rate, Hz.
     pub rate_hz: f64,
-    /// Lowest and highest temperature, °C; none without a thermometer.
+    /// Lowest and highest temperature, °C; none without a temperature column.
     pub temperature_c: Option<[f64; 2]>,
-    /// Lowest and highest of every input of the regressors, and of the column that it is made of, by their texts: temperatures from
-    /// [`REFERENCE_C`](crate::REFERENCE_C) on.
+    /// Lowest and highest value of every input of the regressors and of its column, by their texts. Temperatures are relative to
+    /// [`REFERENCE_C`](crate::REFERENCE_C).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub inputs: BTreeMap<String, [f64; 2]>,
-    /// When the unit counts as still; none without all six axes.
+    /// Limits for the detection of rest; none without all six axes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stillness: Option<StillnessLimits<f64>>,
-    /// What its values were corrected by before they were logged; none where they are raw or the log does not say.
+    /// Correction applied to the values before they were logged; none if they are raw or the log does not state it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub corrected_by: Option<String>,
 }
@@ -94,17 +94,17 @@ pub struct LogSummary {
 pub struct AxisRow {
     #[serde(flatten)]
     pub estimate: AxisEstimate,
-    /// What a diagnosis says of it; none where none was asked for.
+    /// Result of the diagnosis, if one was made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<AxisDiagnosis>,
 }
 
-/// What a diagnosis says of an axis.
+/// Result of the diagnosis of an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisDiagnosis {
-    /// Is something missing?
+    /// States whether an effect is missing.
     pub verdict: Verdict,
-    /// The effects that are, and nothing speaks against.
+    /// Missing effects without a doubt against them.
     pub effects: Vec<FoundEffect>,
 }
 
@@ -112,24 +112,25 @@ pub struct AxisDiagnosis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundEffect {
     pub effect: String,
-    /// Share of the error of its band that should go with it.
+    /// Predicted relative reduction of the error in the band of the effect.
     pub predicted_reduction: f64,
 }
 
 impl UnitRow {
-    /// Of a column, if it could be estimated.
+    /// Row of a column, if the axis could be estimated.
     pub fn axis(&self, column: &str) -> Option<&AxisRow> {
         self.axes.iter().find(|axis| axis.estimate.column == column)
     }
 }
 
-/// The row of a unit. It cannot fail: what went wrong is in it, a panic on the numbers of a log too, so that one log never ends a fleet.
-/// Of several logs one that cannot be read is left out, and the row says so.
+/// Computes the row of a unit. It cannot fail: the row has the reasons, and a panic on the data of a log is one of them, so that one log
+/// never ends a fleet. An unreadable log is excluded and reported in the row.
 pub fn unit_row(unit: &Unit, asked: &Asked, library: &Library, program: &str) -> UnitRow {
     row_of(unit, unit.logs.iter().map(|log| load(log, &asked.read)), asked, library, program)
 }
 
-/// The same of logs that were read, or of why they cannot be; `unit.logs` are not looked at.
+/// Computes the row of [`unit_row`] from logs that were read, or the reasons why they could not be; `unit.logs` is not
+/// used.
 pub fn row_of<E: Display>(
     unit: &Unit,
     read: impl IntoIterator<Item = Result<Recording, E>>,
@@ -190,7 +191,7 @@ fn path_of(log: &Recording) -> String {
     log.sources.first().map_or_else(String::new, |source| source.path.clone())
 }
 
-/// The digest of the only source, or that of all digests. Empty of data that never were a file.
+/// Digest of the only source, or of all digests. Empty for data that do not come from files.
 fn digest_of(sources: &[Source]) -> String {
     match sources {
         several if several.iter().any(|source| source.sha256.is_empty()) => String::new(),
@@ -247,7 +248,7 @@ fn summary_of(recording: &Recording, asked: &Asked) -> LogSummary {
 fn axis_of(recording: &Recording, column: &str, asked: &Asked, library: &Library) -> Result<AxisRow, String> {
     let estimate = estimate(recording, column, &asked.regressors, None)
         .map_err(|error: EstimateError| error.to_string())?;
-    if !estimate.is_whole() {
+    if !estimate.is_complete() {
         return Err(format!(
             "{column}: its coefficients are not finite\nhelp: check the log for values that are far too large"
         ));
@@ -256,13 +257,13 @@ fn axis_of(recording: &Recording, column: &str, asked: &Asked, library: &Library
     Ok(AxisRow { estimate, diagnosis })
 }
 
-/// Lowest and highest; none of nothing.
+/// Lowest and highest finite value, if there is one.
 fn range(values: &[f64]) -> Option<[f64; 2]> {
     let finite = values.iter().copied().filter(|value| value.is_finite()).map(|value| [value; 2]);
     finite.reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])
 }
 
-/// Of the inputs of those regressors that can be read and are logged.
+/// Ranges of the inputs of all valid regressors whose columns are logged.
 fn ranges(recording: &Recording, regressors: &[String]) -> BTreeMap<String, [f64; 2]> {
     let log = from_reference(recording);
     let inputs = Inputs::new(&log);

@@ -1,7 +1,7 @@
-//! What a part ships with: one image, and a short record for each unit.
+//! Files for the devices of a part: one image, and a short record for each unit.
 //!
-//! The image has the mean of the population, the record what is known of the unit: its own log beside its population. A unit without a
-//! record runs on the image of its part.
+//! The image has the mean of the population. A record has the estimate of its unit, from the unit's own log and the population. A unit
+//! without a record runs on the image of its part.
 
 use std::collections::BTreeMap;
 
@@ -21,27 +21,27 @@ use crate::fleet::{AxisSummary, PartSummary};
 use crate::population::Population;
 use crate::row::UnitRow;
 
-/// Units further from the mean of their part than this many standard deviations are kept within what the image allows p to be.
+/// Deviation of a unit from the mean of its part, in standard deviations, up to which the image admits its physical part.
 const REACH: f64 = 5.0;
 
-/// A missing sample or two is coasted, s.
+/// Gap that is bridged, s: one or two missing samples.
 const GAP_LIMIT_S: f64 = 0.1;
 
-/// The remainder, in standard deviations of white noise: nothing is predicted from it.
+/// Range of the remainder, in standard deviations of white noise: nothing is predicted from it.
 const REMAINDER: Range<f64> = Range { low: -6.0, high: 6.0 };
 
-/// Nothing is coasted that could fade.
+/// Limit of a coast, s. The model has no stochastic part whose prediction could fade.
 const COAST_LIMIT_S: f64 = 1.0;
 
-/// What goes onto the devices of a part.
+/// Files for the devices of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shipment {
-    /// The model of the part.
+    /// Model of the part.
     pub model: UnitModel,
     pub image: Vec<u8>,
-    /// A record for each unit of which anything is known, in the order of the rows.
+    /// Records of all units with at least one estimated axis, in the order of the rows.
     pub units: Vec<ShippedUnit>,
-    /// Units of which nothing is: the image of the part is theirs.
+    /// Units without an estimate; they run on the image of the part.
     pub without: Vec<String>,
 }
 
@@ -50,15 +50,15 @@ pub struct Shipment {
 pub struct ShippedUnit {
     pub unit: String,
     pub lot: Option<String>,
-    /// It does not belong to its population: its own log alone counts, where it tells anything.
+    /// The unit does not belong to its population, so its own estimates are used where it has them.
     pub odd: bool,
-    /// The record: docs/MODEL_FORMAT.md.
+    /// Record as defined in docs/MODEL_FORMAT.md.
     pub record: Vec<u8>,
-    /// Axis by axis the standard error that is left of the bias at 25 °C, in the axis' unit; none where it is not told.
+    /// Standard error of the bias at 25 °C per axis, in the axis' SI unit; none for axes without an estimate.
     pub bias_error: Vec<Option<f64>>,
 }
 
-/// Why a part cannot be shipped.
+/// A part cannot be shipped.
 #[derive(Debug, thiserror::Error)]
 pub enum ShipError {
     /// No axis has a population.
@@ -84,12 +84,12 @@ fn named(part: &str) -> String {
 }
 
 impl Shipment {
-    /// Of a part and the rows that its summary was made of. `values` are what the sensor gives; `sensor` and `provenance` go into the
-    /// image.
+    /// Makes the files of a part from its summary and rows. `values` states the kind of sensor values the model applies to; `sensor`
+    /// and `provenance` are stored in the image.
     ///
     /// # Errors
     ///
-    /// There is no population, or it makes no usable image.
+    /// No axis has a population, or the model does not give a usable image.
     pub fn of(
         part: &PartSummary,
         rows: &[UnitRow],
@@ -115,15 +115,15 @@ impl Shipment {
             let known: Vec<Estimate> =
                 axes.iter().map(|(axis, population)| known_of(row, &axis.column, population, odd)).collect();
             let failed = |error| ShipError::Unit { unit: row.unit.clone(), error };
-            let told = axes.iter().map(|(axis, _)| row.axis(&axis.column).is_some());
+            let estimated = axes.iter().map(|(axis, _)| row.axis(&axis.column).is_some());
             units.push(ShippedUnit {
                 unit: row.unit.clone(),
                 lot: row.lot.clone(),
                 odd,
                 bias_error: known
                     .iter()
-                    .zip(told)
-                    .map(|(known, told)| known.standard_error(BIAS).filter(|_| told))
+                    .zip(estimated)
+                    .map(|(known, estimated)| known.standard_error(BIAS).filter(|_| estimated))
                     .collect(),
                 record: record(&image, &model, &row.unit, &known).map_err(failed)?,
             });
@@ -132,8 +132,8 @@ impl Shipment {
     }
 }
 
-/// What is known of an axis of a unit of a fleet, all coefficients of its population: its own log beside the population; of an odd unit, which
-/// does not belong, its own alone where its log tells.
+/// Estimate of all coefficients of an axis of a unit: its own log combined with the population. For an odd unit, which does not belong to
+/// the population, its own estimates where it has them.
 pub fn known_of(row: &UnitRow, column: &str, population: &Population, odd: bool) -> Estimate {
     let lot = row.lot.as_deref();
     let own = row.axis(column).map(|axis| &axis.estimate.coefficients);
@@ -151,14 +151,14 @@ pub fn known_of(row: &UnitRow, column: &str, population: &Population, odd: bool)
     known
 }
 
-/// The record of a unit, made sure of: with the image it comes to the unit's own.
+/// Makes the record of a unit and checks that it applies to the image.
 fn record(part: &[u8], model: &UnitModel, unit: &str, known: &[Estimate]) -> Result<Vec<u8>, UnitError> {
     let mut values = Vec::new();
     for (axis, known) in model.axes.iter().zip(known) {
         let scale = axis.parameters.scale;
         values.push(known.place(BIAS).map_or(0.0, |place| known.values[place]) as f32);
         for (name, value) in known.names.iter().zip(&known.values).filter(|(name, _)| *name != BIAS) {
-            // the products of a regressor share its coefficient
+            // All products of a regressor share its coefficient.
             let products = Regressor::parse(name).map_or(0, |regressor| regressor.products.len());
             values.extend(std::iter::repeat_n((value / scale) as f32, products));
         }
@@ -190,7 +190,7 @@ fn model_of(
         .flat_map(|(_, population)| &population.names)
         .filter_map(|name| Regressor::parse(name).ok().filter(|_| name != BIAS))
         .collect();
-    // a line goes on where nothing was seen; a power does not
+    // A linear term extrapolates safely, so only inputs of powers are limited to the observed range.
     let limits = regressors.iter().flat_map(Regressor::powers).filter_map(|input| {
         let name = input.to_string();
         seen.get(&name).map(|seen| (name, *seen))
@@ -209,7 +209,7 @@ fn model_of(
         let mut physical = Vec::new();
         let mut reach = [0.0; 2];
         for (place, name) in population.names.iter().enumerate().filter(|(_, name)| *name != BIAS) {
-            // what was estimated can be read
+            // All names were parsed for the estimates, so this cannot fail.
             let Ok(Regressor { products }) = Regressor::parse(name) else { continue };
             let deviation = deviation(population, place);
             for product in &products {
@@ -235,7 +235,7 @@ fn model_of(
             column: axis.column.clone(),
             parameters: AxisParameters {
                 axis: Column::named(&axis.column).axis(),
-                // an accelerometer's is not known: it depends on how the unit lies
+                // Unknown for an accelerometer: it depends on the orientation of the unit.
                 reference: 0.0,
                 offset: bias_of(population),
                 scale,
@@ -256,10 +256,10 @@ fn model_of(
     Ok(model)
 }
 
-/// A sample's white noise, median of the units.
+/// White noise of a sample, median over the units, in the axis' unit.
 fn scale(axis: &AxisSummary, rate_hz: f64) -> f64 {
     let white = axis.median_noise[0] * rate_hz.sqrt();
-    // codes that never change have none
+    // Constant output has no noise.
     white.max(f64::from(f32::EPSILON))
 }
 
@@ -267,17 +267,17 @@ fn bias_of(population: &Population) -> f64 {
     population.names.iter().position(|name| name == BIAS).map_or(0.0, |place| population.mean[place])
 }
 
-/// Of a coefficient about the mean of the part, between lots and between units.
+/// Standard deviation of a coefficient about the mean of the part, between lots and units.
 fn deviation(population: &Population, place: usize) -> f64 {
     (population.between_lots[place][place] + population.between_units[place][place]).sqrt()
 }
 
-/// What counts from where: as coefficients were estimated.
+/// Value subtracted from a column, the same as in the estimates.
 fn centre(column: &str) -> f64 {
     if Column::named(column).unit() == Unit::Celsius { REFERENCE_C } else { 0.0 }
 }
 
-/// The largest magnitude that an input comes to.
+/// Largest magnitude of an input within its limits.
 fn largest(model: &UnitModel, channel: Channel) -> f64 {
     match channel {
         Channel::Input(input) => {
@@ -288,7 +288,7 @@ fn largest(model: &UnitModel, channel: Channel) -> f64 {
     }
 }
 
-/// Of the middle unit, about the middle unit, and so wide that every one of them counts as still at rest.
+/// Median limits of the units, centred on the median rate at rest, with a deviation wide enough for every unit at rest.
 fn stillness(of_units: Vec<StillnessLimits<f64>>) -> Option<StillnessLimits<f64>> {
     let median = |of: &dyn Fn(&StillnessLimits<f64>) -> f64| median_of(of_units.iter().map(of));
     let mut gyro_at_rest = [0.0; 3];

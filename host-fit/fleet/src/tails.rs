@@ -2,16 +2,16 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
-/// Share of an interval on each side that is outside of it: intervals are 90 %.
+/// Probability outside of an interval on each side: intervals are 90 %.
 pub(crate) const OUTSIDE: f64 = 0.05;
 
-/// Halvings of a bracket; more than a double has bits.
+/// Halvings of a bracket; more than the bits of a double.
 const HALVINGS: usize = 60;
 
-/// Doublings of a bracket until it holds the root.
+/// Maximum doublings of a bracket until it contains the root.
 const DOUBLINGS: usize = 200;
 
-/// Probability that |t| is larger than `value`. Degrees of freedom may be any number; with none, 1.
+/// Probability that |t| is larger than `value`, for any real number of degrees of freedom; 1 if there are none.
 pub(crate) fn t_tail(freedom: f64, value: f64) -> f64 {
     if value.is_nan() {
         return 1.0;
@@ -27,7 +27,7 @@ pub(crate) fn t_quantile(freedom: f64, outside: f64) -> f64 {
     falls_to(outside, |value| t_tail(freedom, value))
 }
 
-/// Half of a 90 % interval in standard errors. At least one degree of freedom: an interval from fewer has no useful end.
+/// Half width of a 90 % interval in standard errors. Uses at least one degree of freedom: with fewer the interval is uselessly wide.
 pub(crate) fn half_interval(freedom: f64) -> f64 {
     t_quantile(freedom.max(1.0), 2.0 * OUTSIDE)
 }
@@ -47,12 +47,12 @@ pub(crate) fn f_tail([above, below]: [f64; 2], value: f64) -> f64 {
     if value.is_nan() {
         return 1.0;
     }
-    // as rare as any number, where devices of a lot are equal
+    // An infinite ratio, from a lot of equal devices, would give NaN.
     let value = value.min(f64::MAX.sqrt());
     FisherSnedecor::new(above, below).map_or(1.0, |distribution| distribution.sf(value))
 }
 
-/// Where a function of x ≥ 0 that never rises comes down to `level`; 0 if it is not above it at 0.
+/// Smallest x ≥ 0 at which a non-increasing function falls to `level`; 0 if it is not above it at 0.
 pub(crate) fn falls_to(level: f64, of: impl Fn(f64) -> f64) -> f64 {
     if of(0.0) <= level {
         return 0.0;
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_are_those_of_printed_tables() {
+    fn quantiles_match_printed_tables() {
         let near =
             |found: f64, printed: f64| assert!((found / printed - 1.0).abs() < 1e-4, "{found} {printed}");
         near(t_quantile(1.0, 0.1), 6.3138);
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn without_degrees_of_freedom_nothing_is_rare() {
+    fn tail_is_one_without_degrees_of_freedom() {
         assert_eq!((t_tail(0.0, 1e9), t_tail(f64::NAN, 1e9), t_tail(3.0, f64::NAN)), (1.0, 1.0, 1.0));
         assert!(t_tail(0.01, 1e6) > 0.8);
         assert!(half_interval(0.0).is_finite());

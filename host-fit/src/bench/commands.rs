@@ -1,6 +1,6 @@
-//! What whole commands take, as somebody waits for them, beside those of another build of the program in the same run.
+//! Times whole commands as a user waits for them, optionally against another build of the program in the same run.
 //!
-//! Both run in turn, in folders of the same names, so that what they write can be held against each other byte by byte.
+//! Both builds run in turn, in folders of the same names, so that their output can be compared byte by byte.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -12,80 +12,80 @@ use wait4::{ResourceUsage, Wait4};
 
 use super::{BenchError, Settings, measure};
 
-/// What is run.
+/// Settings of the measurement.
 #[derive(Debug, Clone)]
 pub struct CommandSettings {
     /// Length of the logs, min.
     pub minutes: u32,
-    /// Length of a long log that is fitted too, h; 0 for none.
+    /// Length of a long log that is also fitted, h; 0 for none.
     pub long_hours: u32,
-    /// Runs of each command; the least time counts.
+    /// Runs of each command; the shortest time counts.
     pub repeats: usize,
-    /// Another build of the program.
+    /// Other build to compare with.
     pub against: Option<PathBuf>,
 }
 
-/// What the commands took.
+/// Times of all commands.
 #[derive(Debug, Clone, Serialize)]
 pub struct CommandTimes {
     /// Length of the logs, min.
     pub minutes: u32,
-    /// In the order in which they were run.
+    /// Times in the order of the runs.
     pub commands: Vec<CommandTime>,
-    /// Moments, search and refit of six axes over the rows that `fit` fits, on one thread, s: what nothing else of a fit is for.
+    /// Moments, search and refit of six axes over the fitted rows, on one thread, s: the numerical part of `fit`.
     pub engine_s: f64,
 }
 
-/// What one command took.
+/// Time and memory of one command.
 #[derive(Debug, Clone, Serialize)]
 pub struct CommandTime {
-    /// What it does.
+    /// Description of the command.
     pub name: String,
-    /// Its arguments.
+    /// Arguments of the command.
     pub arguments: String,
-    /// By this build.
+    /// Cost in this build.
     pub took: Took,
-    /// By the other one.
+    /// Cost in the other build.
     pub before: Option<Took>,
-    /// Whether both wrote and said the same; none without another build.
+    /// Both builds wrote and printed the same; none without another build.
     pub is_same: Option<bool>,
 }
 
-/// The least of several runs.
+/// Least time and memory of several runs.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Took {
-    /// From its start to its end, s.
+    /// Time from start to end, s.
     pub wall_s: f64,
-    /// Of all threads, in the program and in the system, s.
+    /// Processor time of all threads, user and system, s.
     pub processor_s: f64,
-    /// Most memory at a time, bytes; 0 where the system does not say.
+    /// Peak memory, bytes; 0 if the system does not report it.
     pub peak_bytes: u64,
 }
 
-/// Why the commands could not be timed.
+/// The commands could not be timed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
-    /// A file or a process.
+    /// A file operation or the start of a process failed.
     #[error("{doing}: {source}")]
     Io {
-        /// What was being done.
+        /// Operation that failed.
         doing: String,
-        /// Why it failed.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A command ended with an error of its own.
+    /// A command ended with an error.
     #[error(
-        "{program} {arguments}: {said}\nhelp: run it by hand; `against` takes a program that knows the same commands"
+        "{program} {arguments}: {last_line}\nhelp: run it by hand; `against` takes a program that knows the same commands"
     )]
     Failed {
-        /// The program.
+        /// Path of the program.
         program: String,
-        /// What it was given.
+        /// Arguments of the command.
         arguments: String,
-        /// Its last line.
-        said: String,
+        /// Last line of its output.
+        last_line: String,
     },
-    /// The engine alone.
+    /// The numerical part failed.
     #[error(transparent)]
     Bench(#[from] BenchError),
 }
@@ -94,13 +94,13 @@ pub enum CommandError {
 struct Row {
     name: &'static str,
     arguments: &'static str,
-    /// The file that it writes, if one run writes the same as the next.
+    /// Output file, if it is the same in every run.
     writes: Option<&'static str>,
-    /// What it prints is the same, but for times.
+    /// The printed text is the same in every run, except for times.
     prints: bool,
 }
 
-/// Commands that are timed, without the long log.
+/// Number of timed commands, without those on the long log.
 pub const COMMANDS: usize = ROWS.len();
 
 const ROWS: [Row; 9] = [
@@ -157,14 +157,14 @@ const LONG: Row = Row {
     prints: true,
 };
 
-/// Samples a second of the logs.
+/// Sampling rate of the logs, Hz.
 const RATE_HZ: u32 = 200;
 
-/// Makes logs in `folder`, runs every command over them as a process, by this build and by the other in turn.
+/// Creates logs in `folder` and runs every command on them as a process, by this build and the other in turn.
 ///
 /// # Errors
 ///
-/// A process cannot be started or ends with an error, or a file cannot be written.
+/// A process cannot be started, a command ends with an error, or a file cannot be written.
 pub fn time_commands(
     program: &Path,
     folder: &Path,
@@ -202,18 +202,18 @@ pub fn time_commands(
     let mut commands = Vec::new();
     for row in ROWS.iter().chain((*long_hours > 0).then_some(&LONG)) {
         let mut took: Vec<Option<Took>> = vec![None; programs.len()];
-        let mut said = Vec::new();
+        let mut printed = Vec::new();
         for _ in 0..(*repeats).max(1) {
-            said.clear();
+            printed.clear();
             for ((program, place), least) in programs.iter().zip(&places).zip(&mut took) {
                 let (once, text) = run(program, place, row.arguments)?;
-                said.push(text);
+                printed.push(text);
                 *least = Some(least.map_or(once, |least| least.least(once)));
             }
         }
         done();
         let [this, before] = [0, 1].map(|place| took.get(place).copied().flatten());
-        let is_same = match &said[..] {
+        let is_same = match &printed[..] {
             [this, other] => Some((!row.prints || this == other) && is_same_file(row.writes, &places)?),
             _ => None,
         };
@@ -240,7 +240,7 @@ impl Took {
     }
 }
 
-/// Whether a file that each place has says the same.
+/// The named file has the same content in all places.
 fn is_same_file(name: Option<&str>, places: &[PathBuf]) -> Result<bool, CommandError> {
     let Some(name) = name else { return Ok(true) };
     let texts = places.iter().map(|place| fs::read(place.join(name)).map_err(io("read what was written")));
@@ -248,7 +248,7 @@ fn is_same_file(name: Option<&str>, places: &[PathBuf]) -> Result<bool, CommandE
     Ok(texts.windows(2).all(|pair| pair[0] == pair[1]))
 }
 
-/// The same file, read only, under another path: the logs are large.
+/// Hard link to the same file, which is only read: the logs are large.
 fn link(from: &Path, to: &Path) -> Result<(), CommandError> {
     if let Some(folder) = to.parent() {
         fs::create_dir_all(folder).map_err(io("make a folder"))?;
@@ -256,7 +256,7 @@ fn link(from: &Path, to: &Path) -> Result<(), CommandError> {
     fs::hard_link(from, to).map_err(io("lay a log into a folder"))
 }
 
-/// Runs a command in `place`: what it took and what it printed.
+/// Runs a command in `place` and returns its cost and output.
 fn run(program: &Path, place: &Path, arguments: &str) -> Result<(Took, String), CommandError> {
     let output = place.join("printed");
     let printed = File::create(&output).map_err(io("make a file"))?;
@@ -277,7 +277,7 @@ fn run(program: &Path, place: &Path, arguments: &str) -> Result<(Took, String), 
         return Err(CommandError::Failed {
             program: program.display().to_string(),
             arguments: arguments.to_owned(),
-            said: text.lines().last().unwrap_or("nothing said").to_owned(),
+            last_line: text.lines().last().unwrap_or("nothing said").to_owned(),
         });
     }
     let ResourceUsage { utime, stime, maxrss, .. } = ended.rusage;

@@ -1,4 +1,4 @@
-//! What a step of the evaluator costs on the host, beside what it cannot do without.
+//! Cost of a step of the evaluator on the host, against the minimum of necessary operations.
 
 use std::hint::black_box;
 
@@ -11,14 +11,14 @@ use serde::Serialize;
 
 use crate::timing::least_time;
 
-/// Axes and terms of each.
+/// Number of axes, and of terms per axis.
 const AXES: usize = 6;
 const TERMS: usize = 10;
 
-/// Values that the history holds.
+/// Length of the history, values.
 const HISTORY: usize = 128;
 
-/// Coasts side by side, as a fit judges its models.
+/// Number of coasts side by side, as in the evaluation of models by a fit.
 const LANES: usize = 8;
 
 const STEPS: usize = 100_000;
@@ -26,14 +26,14 @@ const REPEATS: usize = 7;
 
 type Judge = Predictor<f64, AXES, 1, { AXES * TERMS }, HISTORY>;
 
-/// Of one axis with ten linear terms, a step, s.
+/// Time of a step of one axis with ten linear terms, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StepTimes {
-    /// Tracked, with all checks.
+    /// Tracking, with all checks.
     pub tracked_s: f64,
     /// Coasting, one of eight side by side.
     pub side_by_side_s: f64,
-    /// Loads of coefficients and values, multiplications and additions in their order, and nothing else.
+    /// Only the loads of coefficients and values, and the multiplications and additions in their order.
     pub bare_s: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct StepTimes {
 ///
 /// # Errors
 ///
-/// What fos-core finds wrong with the model.
+/// fos-core refuses the model.
 pub fn measure() -> Result<StepTimes, ModelError> {
     let axes = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
     let terms: Vec<Term<f64>> =
@@ -56,7 +56,7 @@ pub fn measure() -> Result<StepTimes, ModelError> {
         axes: &axes,
     };
     let mut predictor = Judge::new(&model)?;
-    // noise of a fixed pattern: no value is the one before it
+    // A fixed pattern of noise, without equal consecutive values.
     let measured: Vec<[f64; AXES]> = (0..256)
         .map(|n| std::array::from_fn(|axis| (f64::from(n * 37 % 101) - 50.0) * 0.01 + axis as f64 * 1e-3))
         .collect();
@@ -120,7 +120,7 @@ fn parameters(axis: Axis) -> AxisParameters<f64> {
         full_scale: 0.0,
         stuck_after_repeats: 0,
         gap_limit_samples: 1,
-        // never faded: numbers near zero are slow on some processors
+        // Never faded: numbers near zero are slow on some processors.
         coast_limit_s: 1e9,
         innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
     }

@@ -1,7 +1,7 @@
-//! What a fit costs on this machine.
+//! Cost of a fit on this machine.
 //!
-//! Times are the least of several runs on one thread; the yardstick is the rate of multiply-adds the same
-//! machine reaches in the same process, when nothing but multiply-adds is done.
+//! Times are the shortest of several runs on one thread. The reference is the peak rate of multiply-adds of the same machine, measured in
+//! the same process.
 
 pub mod commands;
 pub mod evaluator;
@@ -21,7 +21,7 @@ use fos_fit::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, f
 use fos_fit::moments::{Moments, Rows};
 use fos_fit::signal::wavelet::Denoising;
 
-/// What is timed.
+/// Settings of the measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Samples of the record.
@@ -30,11 +30,11 @@ pub struct Settings {
     pub max_lag: u16,
     /// Cross-product degree, CP.
     pub degree: usize,
-    /// Terms chosen.
+    /// Number of selected terms.
     pub terms: usize,
-    /// Runs of the fast search; the least time counts.
+    /// Runs of the fast search; the shortest time counts.
     pub repeats: usize,
-    /// Runs of the textbook twin; 0 leaves it out.
+    /// Runs of the textbook implementation; 0 skips it.
     pub twin_repeats: usize,
 }
 
@@ -45,14 +45,14 @@ impl Default for Settings {
     }
 }
 
-/// What a fit costs. Times in seconds.
+/// Results; times in seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timings {
     /// Samples of the record.
     pub samples: usize,
     /// Candidates searched.
     pub candidates: usize,
-    /// Terms chosen.
+    /// Number of selected terms.
     pub terms: usize,
     /// One pass over the data and the Gram matrix.
     pub moments_s: f64,
@@ -60,38 +60,37 @@ pub struct Timings {
     pub search_s: f64,
     /// Orthogonal refit and residuals.
     pub refit_s: f64,
-    /// The three together.
+    /// Sum of the three times.
     pub total_s: f64,
     /// The textbook search on the same data, without refit.
     pub twin_s: Option<f64>,
     /// `twin_s` over the time of moments and search.
     pub times_faster: Option<f64>,
-    /// Sums that take a pass over the data.
+    /// Sums that need a pass over the data.
     pub distinct_moments: usize,
     /// Peak rate of multiply-adds of this machine, one thread, per second.
     pub peak_multiply_adds_per_s: f64,
     /// `moments_s` over `distinct_moments`·`samples` at the peak rate.
     pub moments_over_limit: f64,
-    /// Bytes held besides the data: sums, buffers, Gram matrix and its factor. Added up from the sizes of what
-    /// is allocated, not measured.
+    /// Bytes in use besides the data: sums, buffers, Gram matrix and its factor. Computed from the sizes of allocations, not measured.
     pub working_bytes: usize,
-    /// Each method on the same record at order L, s: its name and the time of a whole fit.
+    /// Name and time of a whole fit by each method, on the same record at order L, s.
     pub methods_s: Vec<(String, f64)>,
 }
 
-/// Why there are no timings.
+/// The measurement failed.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
-    /// The pool asked for cannot be built.
+    /// The candidates cannot be built.
     #[error(transparent)]
     Candidates(#[from] CandidatesError),
-    /// The record could not be fitted.
+    /// FOS failed on the record.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// Nor by an autoregression.
+    /// An autoregression failed on the record.
     #[error(transparent)]
     Autoregression(#[from] AutoregressionError),
-    /// The evaluator cannot be run.
+    /// The evaluator refuses the model.
     #[error(transparent)]
     Model(#[from] fos_core::ModelError),
 }
@@ -99,7 +98,7 @@ pub enum BenchError {
 /// Times a fit of a simulated record, y(n) = 1.6 y(n−1) − 0.95 y(n−2) + 0.42 y(n−3) − 0.13 y(n−4) + e(n).
 ///
 /// # Errors
-/// Settings that make no pool, or a record too short for it.
+/// The settings give no candidates, or the record is too short for them.
 pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     let Settings { samples, max_lag, degree, terms, repeats, twin_repeats } = *settings;
     let pool = Candidates::builder().output(1..=max_lag, degree).build()?;
@@ -150,7 +149,7 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     })
 }
 
-/// The paper's comparison of computing times: the classical methods alone and after de-noising, and FOS of CP 1 and 2.
+/// Computing times as compared in the paper: the classical methods with and without de-noising, and FOS of CP 1 and 2.
 fn time_methods(signal: &[f64], settings: &Settings) -> Result<Vec<(String, f64)>, BenchError> {
     let Settings { samples, max_lag, terms, repeats, .. } = *settings;
     let order = usize::from(max_lag);
@@ -178,16 +177,16 @@ fn time_methods(signal: &[f64], settings: &Settings) -> Result<Vec<(String, f64)
     Ok(times)
 }
 
-/// Multiply-adds per second of one thread, with operands in registers and no result waited for.
+/// Peak rate of multiply-adds per second of one thread, with operands in registers and independent results.
 pub fn peak_multiply_adds_per_second() -> f64 {
     struct Peak;
     impl WithSimd for Peak {
-        /// Sum, so that nothing is optimised away, and multiply-adds done.
+        /// Sum, so that nothing is optimised away, and number of multiply-adds.
         type Output = (f64, usize);
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> (f64, usize) {
-            /// Two units of four cycles' latency are kept busy by eight; twelve leave room and fit 16 registers.
+            /// Two execution units with a latency of four cycles need eight chains; twelve leave a margin and fit 16 registers.
             const CHAINS: usize = 12;
             const STEPS: usize = 200_000;
             let (factor, addend) = (simd.splat_f64s(black_box(0.999)), simd.splat_f64s(black_box(0.001)));
@@ -222,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn measures_every_part() {
+    fn benchmark_measures_every_part() {
         let settings = Settings { samples: 3000, max_lag: 3, repeats: 2, ..Settings::default() };
         let timings = measure(&settings).unwrap();
         assert_eq!((timings.candidates, timings.terms), (9, 9));

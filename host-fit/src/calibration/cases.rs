@@ -1,18 +1,18 @@
-//! Which cases are simulated.
+//! Selection of the simulated cases.
 
 use serde::Serialize;
 
 use fos_simulate::Disturbance;
 
-/// The cases to simulate.
+/// Selection of the cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cases {
-    /// Seed of all of them.
+    /// Seed of all cases.
     pub seed: u64,
-    /// How many, or of how many those that suit the world.
+    /// Number of cases; those unsuitable for the world are then omitted.
     pub count: usize,
-    /// What disturbs their logs.
+    /// Disturbance of the logs.
     pub world: Disturbance,
-    /// Whether the axes in which nothing was hidden are asked too, of logs in which nothing is missing.
+    /// Diagnose all axes of logs without a missing effect.
     pub every_axis: bool,
 }

@@ -1,28 +1,28 @@
-//! Why a calibration ends without figures.
+//! Errors of a calibration.
 
 use fos_data::file::FileError;
 use fos_simulate::PlanError;
 
-/// Why there are no figures.
+/// A calibration failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationError {
     /// A case cannot be simulated.
     #[error("case {case}: {source}")]
     Plan {
-        /// Place in the suite, from 0.
+        /// Index in the suite, from 0.
         case: usize,
-        /// What of its plan is impossible.
+        /// Impossible part of the plan.
         source: PlanError,
     },
     /// A case cannot be diagnosed.
     #[error("case {case}: {source}")]
     Diagnose {
-        /// Place in the suite, from 0.
+        /// Index in the suite, from 0.
         case: usize,
-        /// Why there is no answer.
+        /// Error of the diagnosis.
         source: Box<fos_diagnose::detect::DiagnoseError>,
     },
-    /// What came out cannot be kept.
+    /// An outcome cannot be stored.
     #[error(transparent)]
     File(#[from] FileError),
 }

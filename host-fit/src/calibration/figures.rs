@@ -1,4 +1,4 @@
-//! The figures of a calibration: rates with exact intervals, medians, each with what is asked of it.
+//! Statistics of a calibration: rates with exact intervals, and medians, each with its goal.
 
 use serde::Serialize;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -8,37 +8,37 @@ use fos_data::column::AXES;
 use fos_diagnose::detect::Verdict;
 use fos_simulate::{Effect, Kind, Level};
 
-/// A statistic of the cases, with what is asked of it.
+/// A statistic of the cases, with its goal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistic {
-    /// What it says.
+    /// Description of the statistic.
     pub name: String,
-    /// Its value; absent where no case counts.
+    /// Value; absent without cases.
     pub value: Option<f64>,
-    /// 95 % interval (Clopper and Pearson 1934 for a rate), where there is one.
+    /// 95 % interval (Clopper and Pearson 1934 for a rate), if available.
     pub interval: Option<[f64; 2]>,
-    /// Cases that count.
+    /// Number of cases.
     pub cases: usize,
-    /// What is asked of it.
+    /// Required and desired value.
     pub goal: Goal,
 }
 
-/// What is asked of a figure.
+/// Required and desired value of a statistic, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
-    /// At least: what must be, what is aimed at.
+    /// Lower limits.
     AtLeast(f64, f64),
-    /// At most.
+    /// Upper limits.
     AtMost(f64, f64),
-    /// At most so many seconds: a busy machine is no defect, so that nothing is refused for it.
+    /// Upper limits in seconds. Never a reason for failure, because a busy machine is not a defect.
     Seconds(f64, f64),
-    /// Between two values; the aim between two others.
+    /// Ranges.
     Within([f64; 2], [f64; 2]),
 }
 
 impl Statistic {
-    /// Whether it is as it must be.
+    /// The value meets the requirement.
     pub fn holds(&self) -> bool {
         self.value.is_none_or(|value| match self.goal {
             Goal::AtLeast(must, _) => value >= must,
@@ -47,7 +47,7 @@ impl Statistic {
         })
     }
 
-    /// Whether the figure can still be as it must be, as far as so few cases tell.
+    /// The requirement may be met: it lies within the interval of the value.
     pub fn may_hold(&self) -> bool {
         let [low, high] = self.interval.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         self.holds()
@@ -60,7 +60,7 @@ impl Statistic {
     }
 }
 
-/// A rate with its exact interval.
+/// Rate with its exact interval.
 fn rate(name: &str, goal: Goal, hits: impl IntoIterator<Item = bool>) -> Statistic {
     let (mut hit, mut cases) = (0, 0);
     for is_hit in hits {
@@ -71,7 +71,7 @@ fn rate(name: &str, goal: Goal, hits: impl IntoIterator<Item = bool>) -> Statist
     Statistic { name: name.to_owned(), value, interval: value.map(|_| interval(hit, cases)), cases, goal }
 }
 
-/// Clopper and Pearson's 95 % interval of a rate.
+/// 95 % interval of a rate (Clopper and Pearson).
 fn interval(hit: usize, cases: usize) -> [f64; 2] {
     let (x, n) = (hit as f64, cases as f64);
     let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).map_or(f64::NAN, |beta| beta.inverse_cdf(p));
@@ -80,7 +80,7 @@ fn interval(hit: usize, cases: usize) -> [f64; 2] {
     [low, high]
 }
 
-/// A quantile of values, with the 95 % interval of its order statistics.
+/// Quantile of values, with the 95 % interval from order statistics.
 fn quantile(name: &str, goal: Goal, share: f64, values: impl IntoIterator<Item = f64>) -> Statistic {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);
@@ -91,10 +91,10 @@ fn quantile(name: &str, goal: Goal, share: f64, values: impl IntoIterator<Item =
     Statistic { name: name.to_owned(), value: at(middle.round()), interval, cases: n, goal }
 }
 
-/// Least size that must be left of a slow single effect after its best rival for it to count.
+/// Smallest size of a slow single effect, after its best rival, that counts as detectable.
 const DECIDABLE: f64 = 5.0;
 
-/// All figures.
+/// All statistics.
 pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
     let singles: Vec<&Outcome> = outcomes
         .iter()
@@ -122,7 +122,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
         };
         singles.iter().filter_map(of).collect()
     };
-    // of what has a parameter: a line that wanders has no frequency, further noise no more than an order of its memory
+    // Only effects with a parameter: a wandering line has no frequency, and further noise only an order of magnitude of its memory.
     let (taus, frequencies) = (parameters("tau_s"), parameters("freq_hz"));
     let within = taus
         .iter()
@@ -209,7 +209,7 @@ pub fn figures(outcomes: &[Outcome]) -> Vec<Statistic> {
     figures
 }
 
-/// What is held against one another between worlds: the same cases, their logs disturbed.
+/// Statistics compared between worlds: the same cases with disturbed logs.
 pub fn in_world(outcomes: &[Outcome]) -> Vec<Statistic> {
     let of = |wanted: fn(&Kind) -> bool| outcomes.iter().filter(move |o| wanted(&o.kind));
     let is_clear = |kind: &Kind| matches!(kind, Kind::Single(Level::Medium | Level::Strong));
@@ -249,7 +249,7 @@ pub fn in_world(outcomes: &[Outcome]) -> Vec<Statistic> {
     figures
 }
 
-/// Of the logs in which nothing is missing and every axis was asked; none where none was.
+/// Statistics of logs without a missing effect in which every axis was diagnosed; empty without such logs.
 fn of_every_axis(outcomes: &[Outcome]) -> Vec<Statistic> {
     let asked: Vec<&Vec<Alarm>> = outcomes.iter().filter_map(|o| o.alarms.as_ref()).collect();
     if asked.is_empty() {
@@ -268,7 +268,7 @@ fn of_every_axis(outcomes: &[Outcome]) -> Vec<Statistic> {
     ]
 }
 
-/// Whether the measured reduction is within the interval of the predicted one, where the one effect alone is found.
+/// For each case with only the true effect found: the measured reduction lies within the interval of the prediction.
 fn predictions<'a>(singles: impl IntoIterator<Item = &'a Outcome>) -> Vec<bool> {
     let holds = |o: &Outcome| {
         let found = o.found.first().filter(|found| found.effect == o.planted[0].effect)?;
@@ -279,8 +279,7 @@ fn predictions<'a>(singles: impl IntoIterator<Item = &'a Outcome>) -> Vec<bool> 
     singles.into_iter().filter_map(holds).collect()
 }
 
-/// What a log teaches of it holds in the next: a shock, the phase of a line that wanders and further noise do not come
-/// again.
+/// The effect recurs in the next log. A shock, the phase of a wandering line and further noise do not.
 fn is_reproducible(effect: &str) -> bool {
     const CHANCE: [&str; 6] = [
         "bias_step",
@@ -297,7 +296,7 @@ fn named(found: &[FoundIn], effect: &str, among: usize) -> bool {
     found.iter().take(among).any(|found| found.effect == effect)
 }
 
-/// The first finding is one of the two, and says that it may be the other, and how to find out.
+/// The first finding is one of the two effects, lists the other as indistinguishable, and suggests an experiment.
 fn declared(found: &[FoundIn], a: Effect, b: Effect) -> bool {
     let (a, b) = (a.to_string(), b.to_string());
     found.first().is_some_and(|first| {
@@ -311,8 +310,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals_are_those_of_clopper_and_pearson() {
-        // Clopper and Pearson 1934, and any table of theirs: 0 of 10, 3 of 10, 10 of 10
+    fn intervals_match_clopper_and_pearson() {
+        // Clopper and Pearson 1934: 0 of 10, 3 of 10, 10 of 10.
         for (hit, [low, high]) in [(0, [0.0, 0.3085]), (3, [0.0667, 0.6525]), (10, [0.6915, 1.0])] {
             let found = interval(hit, 10);
             assert!((found[0] - low).abs() < 1e-4 && (found[1] - high).abs() < 1e-4, "{hit}: {found:?}");
@@ -320,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_that_misses_says_so_and_few_cases_leave_it_open() {
+    fn missed_goal_is_inconclusive_with_few_cases() {
         let goal = Goal::AtLeast(0.9, 0.95);
         let missed = rate("few", goal, [true, true, true, false]);
         assert!(!missed.holds() && missed.may_hold());

@@ -1,4 +1,4 @@
-//! Outcomes as they come, in a file: a calibration that was broken off goes on where it was.
+//! Stores outcomes in a file as they are computed, so that an interrupted calibration resumes.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,10 +16,10 @@ use fos_data::file::{FileError, write_atomically};
 use fos_data::text::hexadecimal;
 use fos_diagnose::effects::Library;
 
-/// Behind the name of the file with the outcomes stands this.
+/// Appended to the name of the file of outcomes.
 const ENDING: &str = ".partial";
 
-/// The outcomes of the cases that are done: one line of JSON each, brought to the disk one by one.
+/// Outcomes of the finished cases, one line of JSON each, each synced to disk.
 #[derive(Debug)]
 pub struct KeptOutcomes {
     path: PathBuf,
@@ -27,7 +27,7 @@ pub struct KeptOutcomes {
     done: BTreeMap<usize, Outcome>,
 }
 
-/// The first line: what the outcomes depend on.
+/// First line: everything the outcomes depend on.
 #[derive(Clone, Serialize, Deserialize, PartialEq)]
 struct Heading {
     cases: String,
@@ -44,12 +44,11 @@ impl Heading {
 }
 
 impl KeptOutcomes {
-    /// Beside the file that all outcomes are to be in, with those that a run of the same program on the same cases left
-    /// there.
+    /// Opens the file beside `outcomes`, with the outcomes stored by an interrupted run of the same program on the same cases.
     ///
     /// # Errors
     ///
-    /// What the system refuses.
+    /// A file operation fails.
     pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, FileError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);
@@ -63,7 +62,7 @@ impl KeptOutcomes {
         let mut lines = left.lines();
         let same =
             lines.next().and_then(|line| serde_json::from_str::<Heading>(line).ok()) == Some(heading.clone());
-        // the last line may be half a line
+        // The last line may be truncated.
         let done = lines.filter(|_| same).filter_map(|line| serde_json::from_str::<Outcome>(line).ok());
         let done: BTreeMap<usize, Outcome> = done.map(|outcome| (outcome.case, outcome)).collect();
         let mut text = line(&heading);
@@ -73,28 +72,28 @@ impl KeptOutcomes {
         Ok(Self { path, file: Mutex::new(file), done })
     }
 
-    /// How many were left.
+    /// Number of stored outcomes.
     pub fn len(&self) -> usize {
         self.done.len()
     }
 
-    /// Whether none was.
+    /// No outcomes are stored.
     pub fn is_empty(&self) -> bool {
         self.done.is_empty()
     }
 
-    /// What came out of a case, if it is known.
+    /// Stored outcome of a case.
     pub(super) fn of(&self, case: usize) -> Option<Outcome> {
         self.done.get(&case).cloned()
     }
 
-    /// Adds what came out of a case.
+    /// Stores the outcome of a case.
     pub(super) fn add(&self, outcome: &Outcome) -> Result<(), FileError> {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         file.write_all(&line(outcome)).and_then(|()| file.sync_data()).map_err(FileError::writing(&self.path))
     }
 
-    /// Takes the file away: all outcomes are written. If it cannot be removed, it harms nobody.
+    /// Removes the file after all outcomes are written. A failure to remove it does no harm.
     pub fn remove(self) {
         let _ = fs::remove_file(&self.path);
     }
@@ -113,7 +112,7 @@ mod tests {
     use fos_simulate::Disturbance;
 
     #[test]
-    fn a_calibration_goes_on_where_it_was_broken_off() {
+    fn interrupted_calibration_resumes() {
         let folder = tempfile::tempdir().unwrap();
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
         let cases = |seed| Cases { seed, count: 3, world: Disturbance::Clean, every_axis: false };
@@ -122,21 +121,21 @@ mod tests {
         let path = folder.path().join("outcomes.json.partial");
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text.lines().count(), 4);
-        // killed while the last line was written
+        // Killed while writing the last line.
         fs::write(&path, &text[..text.len() - 9]).unwrap();
         let left = kept(1);
         assert_eq!(left.len(), 2);
         let computed = Mutex::new(0);
         let again = calibrate(cases(1), &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
         assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
-        // times apart, which differ, it comes to the same
+        // Equal except for the measured times.
         let but_times = |calibration: &crate::calibration::Calibration| {
             let mut outcomes = calibration.outcomes.clone();
             outcomes.iter_mut().for_each(|outcome| outcome.seconds = 0.0);
             serde_json::to_string(&outcomes).unwrap()
         };
         assert_eq!(but_times(&whole), but_times(&again));
-        // those of other cases are none of this calibration
+        // Outcomes of other cases are not reused.
         assert!(kept(2).is_empty());
     }
 }

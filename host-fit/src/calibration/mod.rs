@@ -1,4 +1,4 @@
-//! How often the diagnosis is right: simulated cases with a known truth, diagnosed, corrected and counted.
+//! Measures the accuracy of the diagnosis on simulated cases with known truth.
 
 mod cases;
 mod error;
@@ -20,25 +20,25 @@ pub use outcome::{Outcome, examine};
 use fos_diagnose::effects::Library;
 use fos_simulate::{Disturbance, suite_in};
 
-/// A calibration: what came out of every case, and the figures.
+/// Outcomes of all cases, and their statistics.
 #[derive(Debug, Clone, Serialize)]
 pub struct Calibration {
     /// Seed of the suite.
     pub seed: u64,
-    /// What disturbs its logs.
+    /// Disturbance of the logs.
     pub world: Disturbance,
-    /// What came out of every case.
+    /// Outcome of every case.
     pub outcomes: Vec<Outcome>,
-    /// How often the diagnosis was right.
+    /// Accuracy of the diagnosis.
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates the cases, and counts how often the diagnosis is right with the effects of `library`. What is `kept` already
-/// is not computed again, and what comes out is kept. `progress` is told the cases done.
+/// Simulates and diagnoses the cases with the effects of `library`. Outcomes stored in `kept` are reused, and new ones are stored there.
+/// `progress` receives the number of finished cases.
 ///
 /// # Errors
 ///
-/// A case cannot be simulated or diagnosed, or its outcome cannot be kept.
+/// A case cannot be simulated or diagnosed, or its outcome cannot be stored.
 pub fn calibrate(
     cases: Cases,
     library: &Library,

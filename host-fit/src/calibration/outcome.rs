@@ -1,4 +1,4 @@
-//! One simulated case: its truth, the answer, and what the correction did to a log that was not fitted.
+//! One simulated case: its truth, the diagnosis, and the effect of the correction on a log not used for the fit.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,90 +13,90 @@ use fos_fit::noise::{Gls, NoiseLevels};
 use fos_fit::signal;
 use fos_simulate::{AxisNoise, Band, CasePlan, Kind, LogTruth, SimulatedCase, simulate_case};
 
-/// Achievable falls below this are not worth a ratio.
+/// Smallest achievable reduction for which a ratio is computed.
 const LEAST_FALL: f64 = 0.02;
 
-/// What came out of one case.
+/// Outcome of one case.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     /// Number in the suite.
     pub case: usize,
-    /// What it is for.
+    /// Purpose of the case.
     pub kind: Kind,
-    /// How it was set up.
+    /// Setup in words.
     pub setup: String,
-    /// The axis that was diagnosed, as `gx_rads`.
+    /// Diagnosed axis, such as `gx_rads`.
     pub target: String,
-    /// What was planted: identifier, parameter, size, size left after the best rival.
+    /// Simulated effects: identifier, parameter, size, and size after the best rival.
     pub planted: Vec<PlantedIn>,
-    /// The verdict.
+    /// Verdict of the diagnosis.
     pub verdict: Verdict,
-    /// What was found, best first.
+    /// Findings, best first.
     pub found: Vec<FoundIn>,
-    /// The best leads.
+    /// Best leads, below the threshold of a finding.
     pub leads: Vec<String>,
-    /// The fall on the evaluation log that the true regressors, fitted to the field log, reach.
+    /// Reduction on the evaluation log by the true regressors, fitted to the log to explain.
     #[serde(rename = "achievable_fall")]
     pub achievable_reduction: Option<f64>,
-    /// The fall that the diagnosis' correction reached there.
+    /// Reduction on the evaluation log by the correction of the diagnosis.
     #[serde(rename = "realised_fall")]
     pub measured_reduction: Option<f64>,
-    /// Of a log in which nothing is missing, where every axis was asked: what was said of those that were not silent.
+    /// For a log without a missing effect whose axes were all diagnosed: every axis with a verdict or finding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alarms: Option<Vec<Alarm>>,
     /// Time for the diagnosis, without simulating or reading, s.
     pub seconds: f64,
 }
 
-/// What was planted.
+/// A simulated effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlantedIn {
     /// Identifier, as `thermal_lag`.
     pub effect: String,
-    /// Name and value of its parameter.
+    /// Name and value of the parameter.
     pub parameter: Option<(String, f64)>,
     /// Matched-filter size in the true noise.
     pub size: f64,
-    /// Size left after the best rival.
+    /// Size after the best rival.
     pub left: Option<f64>,
-    /// Identifier of that rival; none where there is none.
+    /// Identifier of that rival, if there is one.
     pub rival: Option<String>,
 }
 
-/// What was found.
+/// A finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FoundIn {
     /// Identifier, as `thermal_lag`.
     pub effect: String,
-    /// Name and value of its parameter.
+    /// Name and value of the parameter.
     pub parameter: Option<(String, f64)>,
-    /// Gain in −2 ln L after all prices; accepted from 9, lines from 15. None for faults of the data.
+    /// Gain in −2 ln L after all penalties; accepted from 9, lines from 15. None for data faults.
     #[serde(default)]
     pub score: Option<f64>,
-    /// Predicted reduction, and its 90 % interval.
+    /// Predicted reduction and its 90 % interval.
     pub expected: (f64, [f64; 2]),
-    /// Identifiers of the effects that the log cannot tell from it.
+    /// Identifiers of effects that are indistinguishable in this log.
     pub confounded_with: Vec<String>,
-    /// Each rival comes with an experiment.
+    /// An experiment is suggested for each rival.
     pub separated: bool,
 }
 
-/// What was said of an axis in which nothing is missing.
+/// A false alarm on an axis without a missing effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Alarm {
-    /// The axis, as `gx_rads`.
+    /// Axis, such as `gx_rads`.
     pub target: String,
-    /// The verdict.
+    /// Verdict of the diagnosis.
     pub verdict: Verdict,
-    /// Identifiers of what was named, or what the error was said to follow.
+    /// Identifiers of reported effects, or the channels on which the error depends.
     pub named: Vec<String>,
 }
 
-/// Simulates and diagnoses one case; with `every_axis` all axes of a log in which nothing is missing.
+/// Simulates and diagnoses one case; with `every_axis` all axes of a log without a missing effect.
 ///
 /// # Errors
 ///
-/// It cannot be simulated or diagnosed.
+/// The case cannot be simulated or diagnosed.
 pub fn examine(
     case: usize,
     plan: &CasePlan,
@@ -161,7 +161,7 @@ pub fn examine(
     })
 }
 
-/// What is said of each axis of a log in which nothing is missing, where it is not silent.
+/// Diagnoses each axis of a log without a missing effect and returns the false alarms.
 fn alarms(
     meta: &CaseMeta,
     [field, baseline, eval]: [&Recording; 3],
@@ -180,7 +180,7 @@ fn alarms(
     Ok(alarms)
 }
 
-/// The logs on which a correction is judged.
+/// Logs on which a correction is evaluated.
 struct Corrected<'a> {
     target: &'a str,
     field: &'a Recording,
@@ -188,7 +188,7 @@ struct Corrected<'a> {
 }
 
 impl Corrected<'_> {
-    /// Achievable and measured reduction of the error on the evaluation log: of 1-s means, or of the samples.
+    /// Achievable and measured reduction of the error on the evaluation log, of 1-s means or of the samples.
     fn falls(
         &self,
         answer: &Diagnosis,
@@ -202,7 +202,7 @@ impl Corrected<'_> {
             true => reduced.wide_variance(left, &rows),
             false => reduced.slow_variance(left, &rows),
         };
-        // what moves the unit is no error of it
+        // Motion of the device is not an error.
         let error: Vec<f64> =
             reduced.error.iter().zip(&eval_truth.motion).map(|(error, moved)| error - moved).collect();
         let take = |correction: &[f64]| -> f64 {
@@ -222,7 +222,7 @@ impl Corrected<'_> {
     }
 }
 
-/// What the true regressors take out of the evaluation log when they are fitted to the field log with the true noise.
+/// Prediction for the evaluation log by the true regressors, fitted to the log to explain with the true noise.
 fn best_correction(
     field: &Recording,
     target: &str,
@@ -233,7 +233,7 @@ fn best_correction(
 ) -> Result<Vec<f64>, DiagnoseError> {
     let reduced = ErrorInBlocks::of(field, target)?;
     let coefficients: Vec<f64> = if wide {
-        // a line stands in locally white noise: plain least squares
+        // The noise around a line is locally white, so plain least squares is used.
         let known = |values: &[f64]| -> Vec<f64> {
             let known = values.iter().zip(reduced.blocks.known());
             known.filter(|(_, known)| **known).map(|(v, _)| *v).collect()
@@ -266,7 +266,7 @@ fn best_correction(
     Ok(sum)
 }
 
-/// The true noise as levels: its bias instability from the variance of a rung of its ladder.
+/// Noise levels of the simulated noise; the bias instability is converted from the variance of a rung of its ladder.
 fn true_levels(noise: &AxisNoise) -> NoiseLevels {
     let ratio = match noise.flicker[..] {
         [first, second, ..] => second.tau_s / first.tau_s,

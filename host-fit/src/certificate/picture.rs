@@ -47,7 +47,7 @@ impl Picture {
             return None;
         }
         let zero = HEIGHT / 2.0;
-        // excluded rests may lie far outside: they stay at the edge
+        // Excluded rests may lie far outside and are drawn at the edge.
         let y = |mps2: f64| zero - (mps2 / top).clamp(-1.05, 1.05) * (zero - 12.0);
         let step = (WIDTH - LEFT - 16.0) / rests.len() as f64;
         let points = rests.iter().enumerate().map(|(index, one)| Point {

@@ -36,42 +36,42 @@ fn content(certificate: &Certificate) -> Value {
     }
 }
 
-/// One file that needs nothing else.
+/// A self-contained HTML file.
 ///
 /// # Errors
 ///
-/// None that a certificate can cause.
+/// None for the content of a certificate.
 pub fn html(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = page_environment()?;
     let template = environment.template_from_str(include_str!("certificate.html"))?;
     Ok(template.render(content(certificate))?)
 }
 
-/// The same as text.
+/// A Markdown file.
 ///
 /// # Errors
 ///
-/// None that a certificate can cause.
+/// None for the content of a certificate.
 pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = markdown_environment()?;
     let template = environment.template_from_str(include_str!("certificate.md"))?;
     Ok(template.render(content(certificate))?)
 }
 
-/// The JSON form.
+/// A JSON file.
 ///
 /// # Errors
 ///
-/// None that a certificate can cause.
+/// None for the content of a certificate.
 pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
     serde_json::to_vec_pretty(certificate)
 }
 
-/// The form that a file name asks for: `.md`, `.json`, else HTML.
+/// Renders the format of a file extension: `.md`, `.json`, otherwise HTML.
 ///
 /// # Errors
 ///
-/// It cannot be rendered.
+/// The certificate cannot be rendered.
 pub fn of_form(certificate: &Certificate, extension: Option<&str>) -> Result<Vec<u8>, RenderError> {
     Ok(match extension.map(str::to_ascii_lowercase).as_deref() {
         Some("md") => markdown(certificate)?.into_bytes(),

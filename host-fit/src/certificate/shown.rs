@@ -3,7 +3,7 @@
 use fos_calibrate::{Determined, Exclusion, MG_MPS2, Parameter, STANDARD_GRAVITY_MPS2};
 use serde::Serialize;
 
-/// A parameter as people read it.
+/// A parameter formatted for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
     /// Spelled for people: `accelerometer x bias`.
@@ -19,13 +19,13 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// As `12.3 ± 0.4`.
+    /// Formatted as `12.3 ± 0.4`.
     pub fn both(&self) -> String {
         format!("{} ± {}", self.value, self.half_width)
     }
 }
 
-/// In field units (mg, %, °/s) or in SI.
+/// Formats a parameter in field units (mg, %, °/s) or in SI.
 pub fn shown(parameter: &Parameter, field: bool) -> Shown {
     let degree = 1_f64.to_radians();
     let is_ratio = parameter.unit.is_empty();

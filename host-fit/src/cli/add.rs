@@ -1,4 +1,4 @@
-//! `add`: puts a missing effect into the model of a study.
+//! `add`: adds a missing effect to the model of a study.
 
 use std::path::PathBuf;
 
@@ -76,7 +76,7 @@ impl Add {
         }
         bar.finish_and_clear();
         study.keep(refinement.clone());
-        // an axis runs alone, and with the others may be too much for a predictor
+        // An axis may be within the limits of a predictor alone, and exceed them with the others.
         study.model.predictor::<f64>().map_err(RefineError::Model)?;
         if let Some(folder) = &self.figures {
             plots::check_staircase(folder, &column)?;

@@ -67,7 +67,7 @@ pub(super) fn only_ends_in(path: &Path, option: &str, known: &[&str]) -> Result<
     .into())
 }
 
-/// How a log is read.
+/// Options for reading a log.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct Reading {
     /// Read another column as one of the log format, converted: gx_rads=gyro_x:mdps, t_s=time:us,
@@ -102,8 +102,8 @@ impl Reading {
         load_log(log, &self.options()?)
     }
 
-    /// Reads a log that is named in the arguments; `read` is of [`options_or`](Self::options_or). A sensor that was chosen before,
-    /// in another file, is no reason to refuse one that has no choice of sensors.
+    /// Reads a log of the arguments, with options from [`options_or`](Self::options_or). A sensor chosen for an earlier log does not
+    /// apply to a log without a choice of sensors.
     pub(super) fn read_named(&self, log: &Path, read: &LoadOptions) -> Result<Recording, Failure> {
         let any_topic = LoadOptions { topic: None, ..read.clone() };
         match load(log, read) {
@@ -112,7 +112,7 @@ impl Reading {
         }
     }
 
-    /// What stands in the arguments.
+    /// Options as stated in the arguments.
     pub(super) fn options(&self) -> Result<LoadOptions, Failure> {
         let mut columns = match &self.map_file {
             Some(path) => ColumnMap::from_file(path)?,
@@ -131,7 +131,7 @@ impl Reading {
         })
     }
 
-    /// The same; which columns and what rate, where they are not given, is as it was `before`.
+    /// Options as stated in the arguments, with unstated columns and rate from `before`.
     pub(super) fn options_or(&self, before: &LoadOptions) -> Result<LoadOptions, Failure> {
         let given = self.options()?;
         Ok(LoadOptions {
@@ -160,7 +160,7 @@ fn load_log(log: &Path, options: &LoadOptions) -> Result<Recording, Failure> {
     load(log, options).map_err(|error| not_a_log(log, error))
 }
 
-/// The error of a file that is no log; a study in its place is recognised.
+/// Error for a file that is not a log, with a hint if it is a study.
 fn not_a_log(log: &Path, error: RecordingError) -> Failure {
     match is_study(log) {
         true => format!(
@@ -172,7 +172,7 @@ fn not_a_log(log: &Path, error: RecordingError) -> Failure {
     }
 }
 
-/// The file begins as a study does.
+/// The file begins like a study.
 pub(super) fn is_study(path: &Path) -> bool {
     let mut begin = Vec::new();
     let Ok(file) = file::open(path) else { return false };
@@ -181,13 +181,13 @@ pub(super) fn is_study(path: &Path) -> bool {
         && String::from_utf8_lossy(&begin).contains("fos-study/")
 }
 
-/// Reads several logs of one unit as one recording, never spliced.
+/// Reads several logs of one device as one recording, never spliced.
 pub(super) fn read_all(logs: &[PathBuf], options: &LoadOptions) -> Result<Recording, Failure> {
     let recordings = logs.iter().map(|log| load_log(log, options)).collect::<Result<Vec<_>, _>>()?;
     Ok(Recording::join(recordings)?)
 }
 
-/// The axes that `--axis` names: one, several with commas, or all that the log has.
+/// Axes of `--axis`: one, several with commas, or all in the log.
 pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Failure> {
     if names != "all" {
         let axes: Result<Vec<String>, _> = names
@@ -199,7 +199,7 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
     Ok(recording.axes()?)
 }
 
-/// What was read, in a few lines.
+/// Description of a recording in a few lines.
 pub(super) fn describe(recording: &Recording, stillness: &Stillness, printed: Printed) -> String {
     let rate = &recording.rate;
     let missing = recording.samples_missing();

@@ -1,4 +1,4 @@
-//! `bench`: what a fit costs here.
+//! `bench`: cost of fits on this machine.
 
 use std::path::PathBuf;
 
@@ -78,7 +78,7 @@ impl Bench {
             minutes: self.minutes,
             long_hours: self.long,
             repeats: self.repeats,
-            // commands run in folders of their own
+            // Commands run in folders of their own.
             against: self.against.as_ref().map(std::path::absolute).transpose()?,
         };
         let folder = tempfile::tempdir()?;

@@ -1,4 +1,4 @@
-//! `calibrate`: how often the diagnosis is right, on simulated cases.
+//! `calibrate`: accuracy of the diagnosis on simulated cases.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

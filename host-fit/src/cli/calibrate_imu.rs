@@ -88,7 +88,7 @@ pub(super) struct CalibrateImu {
     json: bool,
 }
 
-/// A size of an error of the acceleration, m/s².
+/// Accuracy of the acceleration, m/s².
 #[derive(Debug, Clone, Copy)]
 struct Accuracy(f64);
 
@@ -130,7 +130,7 @@ impl FromStr for TableRate {
     }
 }
 
-/// A number with one of these units after it, in the unit that their sizes are given in.
+/// Parses a number with one of these units after it; their sizes define the unit of the result.
 fn with_unit(text: &str, units: &[(&str, f64)]) -> Result<f64, String> {
     let known = || units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
     let text = text.trim();
@@ -219,7 +219,7 @@ impl CalibrateImu {
         }
     }
 
-    /// Writes the files that were asked for, once all of them are known to be possible.
+    /// Writes the requested files, after all of them are known to be possible.
     fn write(&self, certificate: &Certificate, recording: &Recording) -> Result<Vec<Written>, Failure> {
         let mut files: Vec<(&OutputFile, Vec<u8>, &str)> = Vec::new();
         if let Some(path) = &self.output {
@@ -289,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_content_under_two_names_is_found() {
+    fn finds_same_content_under_two_names() {
         let source = |path: &str, sha256: &str| Source { sha256: sha256.to_owned(), ..Source::made_by(path) };
         let sources = [source("a.csv", "01"), source("b.csv", "02"), source("copy.csv", "01")];
         assert_eq!(same_content(&sources), Some(["a.csv", "copy.csv"]));

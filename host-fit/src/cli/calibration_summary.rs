@@ -1,4 +1,4 @@
-//! Calibrations as the command line prints them.
+//! Prints calibrations.
 
 use fos_calibrate::{
     Accelerometer, Calibration, Determined, Gyro, MG_MPS2, Parameter, RestResidual, Turntable,
@@ -8,7 +8,7 @@ use super::output::{first, print_hint, print_line, table};
 use super::units::{Printed, Units, counted, three};
 use crate::certificate::{Shown, exclusion, gravity, shown};
 
-/// A residual beyond this, m/s² (3 mg), is not that of a device that lies still.
+/// Largest residual of a device at rest, m/s² (3 mg).
 const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;
 
 /// Correlations beyond this are printed with `--details`.
@@ -35,12 +35,12 @@ fn in_units(parameter: &Parameter, printed: Printed) -> Shown {
     shown(parameter, printed.units == Units::Field)
 }
 
-/// The parameters whose id ends in one of these, x, y, z.
+/// Parameters with an id that ends in one of these, for x, y and z.
 fn of_kind<'a>(parameters: &'a [Parameter], kind: &str) -> Vec<&'a Parameter> {
     parameters.iter().filter(|one| one.id.split('.').nth(1) == Some(kind)).collect()
 }
 
-/// A table with a row for each axis and a column for each kind; kinds that there are none of are left away.
+/// A table with a row for each axis and a column for each kind; kinds without parameters are omitted.
 fn print_axes(parameters: &[Parameter], kinds: &[(&str, &str)], printed: Printed) {
     let columns: Vec<(&str, Vec<Shown>)> = kinds
         .iter()
@@ -216,7 +216,7 @@ fn print_rests(rests: &[RestResidual]) {
             format!("{:.1}", one.rest.start_s),
             format!("{:.1}", one.rest.duration_s),
         ];
-        // a small negative part is 0.00, not -0.00
+        // A small negative part is 0.00, not -0.00.
         row.extend(one.up.map(|part| format!("{:.2}", (100.0 * part).round() / 100.0 + 0.0)));
         row.push(format!("{:.2}", one.residual_mps2 / MG_MPS2));
         row.push(format!("{:.2}", one.deviation_mps2 / MG_MPS2));

@@ -1,8 +1,8 @@
-//! The subcommands of a program, those of subcommands too.
+//! Subcommands of a program, including nested ones.
 
 use clap::Command;
 
-/// Each with the words that call it, before those below it: `fleet`, `fleet report`.
+/// Subcommands with the words that call them, each before its nested ones: `fleet`, `fleet report`.
 pub(super) fn subcommands_of(program: &Command) -> Vec<(String, Command)> {
     let below = |words: &str, command: &Command| {
         let named = |one: &Command| (format!("{words} {}", one.get_name()).trim().to_owned(), one.clone());

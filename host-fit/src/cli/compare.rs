@@ -1,4 +1,4 @@
-//! `compare`: a study, measured against model.
+//! `compare`: evaluates a study on a log, against simple rivals.
 
 use std::path::PathBuf;
 
@@ -65,7 +65,7 @@ impl Compare {
                 100.0 * off
             ));
         }
-        // where it still is what it was
+        // Only if the log is unchanged.
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
         let bar = progress(4, "evaluating");
         let judged = |model: &str| {
@@ -91,14 +91,14 @@ impl Compare {
         Ok(())
     }
 
-    /// The log, or the logs, that the study was fitted to.
+    /// Reads the logs of the study's fit.
     fn fitted_log(&self, study: &Study, read: &LoadOptions) -> Result<Recording, Failure> {
         let logs = study.data.sources.iter().map(|source| load_again(source, &self.study, read));
         Ok(Recording::join(logs.collect::<Result<_, _>>()?)?)
     }
 }
 
-/// A row for each axis, and where it fails; with `--details` all errors and dependences of every axis.
+/// A row for each axis, and the worst stretches; with `--details` all errors and dependences of every axis.
 fn print_comparison(comparison: &Comparison, printed: Printed) {
     let (begin, end) = comparison.judged_s;
     print_line!("evaluated from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
@@ -129,7 +129,7 @@ fn print_comparison(comparison: &Comparison, printed: Printed) {
     }
 }
 
-/// When, how badly, and what is special then.
+/// Time of a stretch, its error, and its distinctive properties.
 fn place(stretch: &Stretch, unit: ErrorUnit) -> String {
     let special = stretch.special.iter().map(|special| format!("; {special}"));
     format!(
@@ -190,10 +190,10 @@ fn print_axis(axis: &AxisComparison, printed: Printed) {
     }
 }
 
-/// Channels that are printed though chance explains them.
+/// Number of channels printed even if their dependence is explained by chance.
 const SHOWN: usize = 4;
 
-/// Cells that are printed.
+/// Number of printed cells.
 const WORST_CELLS: usize = 5;
 
 fn print_channels(dependence: &Dependence) {
@@ -211,7 +211,7 @@ fn print_channels(dependence: &Dependence) {
             format!("{:.1}", channel.curve.score),
             probability(channel.curve.p),
             probability(channel.p_of_all),
-            // a delay of nothing means nothing
+            // A delay of zero has no meaning here.
             if lag.p < 0.05 {
                 format!("{} s ({} … {})", lag.best_s, lag.possible_s.0, lag.possible_s.1)
             } else {
@@ -251,7 +251,7 @@ fn print_cells(dependence: &Dependence) {
     }
 }
 
-/// Two digits, as probabilities need.
+/// Probability with two digits.
 fn probability(p: f64) -> String {
     if p >= 0.01 { format!("{p:.2}") } else { format!("{p:.0e}") }
 }

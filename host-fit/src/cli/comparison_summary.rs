@@ -1,4 +1,4 @@
-//! One row for each axis of a model: its slow error before and after, and by how much the RMS falls.
+//! A row for each axis of a model: its slow error before and after, and the reduction of the RMS.
 
 use comfy_table::{CellAlignment, Table};
 
@@ -16,11 +16,11 @@ pub(super) const LEGEND: &str =
 pub(super) struct Row<'a> {
     pub(super) column: &'a str,
     pub(super) errors: Vec<&'a ModelErrors>,
-    /// The last cell.
+    /// Text of the last cell.
     pub(super) remark: String,
 }
 
-/// `remark` heads the last column.
+/// Makes the table; `remark` is the heading of the last column.
 pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
     let mut rows = table(&["  axis", "slow error before", "after", "unit", "RMS reduction", remark]);
     for column in rows.column_iter_mut().skip(5) {
@@ -47,7 +47,7 @@ pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
     rows
 }
 
-/// The axes of a comparison, with what their residual depends on.
+/// Axes of a comparison, with the dependences of their residual.
 pub(super) fn summary(comparison: &Comparison, units: Units) -> Table {
     let rows = comparison.axes.iter().map(|axis| Row {
         column: &axis.column,
@@ -57,7 +57,7 @@ pub(super) fn summary(comparison: &Comparison, units: Units) -> Table {
     table_of(&rows.collect::<Vec<_>>(), "residual", units)
 }
 
-/// In the words of the details.
+/// Result of the test of the residual, in the terms of `--details`.
 fn residual(axis: &AxisComparison) -> String {
     let Some(dependence) = &axis.dependence else { return "not known".to_owned() };
     let clear = dependence.channels.iter().filter(|channel| channel.is_clear());

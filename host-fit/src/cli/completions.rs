@@ -1,4 +1,4 @@
-//! `completions`: what a shell needs to complete arguments.
+//! `completions`: shell completions of the arguments.
 
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
@@ -16,7 +16,7 @@ pub(super) struct Completions {
 }
 
 impl Completions {
-    /// For `program` with all its subcommands.
+    /// Prints the completions of `program` with all its subcommands.
     pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
         generate(self.shell, &mut program, "fos", &mut std::io::stdout());
         Ok(())

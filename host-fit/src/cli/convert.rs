@@ -1,4 +1,4 @@
-//! `convert`: a log of any format as one of the log format.
+//! `convert`: converts a log of any format to the log format.
 
 use std::path::PathBuf;
 

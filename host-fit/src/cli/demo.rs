@@ -1,4 +1,4 @@
-//! `demo`: the whole story on logs that the program simulates itself: a hidden effect, found, added, exported.
+//! `demo`: all steps on simulated logs: a hidden effect is found, added and exported.
 
 use std::time::Instant;
 
@@ -178,7 +178,7 @@ fn minutes(log: &Recording) -> f64 {
     (log.time_s[log.n_rows() - 1] - log.time_s[0]) / 60.0
 }
 
-/// Largest difference between `corrected` and what the model gives in f64, in the axis' unit.
+/// Largest difference between `corrected` and the model in f64, in the axis' unit.
 fn largest_difference(
     model: &UnitModel,
     log: &Recording,

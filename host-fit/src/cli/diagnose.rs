@@ -1,4 +1,4 @@
-//! `diagnose`: what is missing from a model, or from none, on a log.
+//! `diagnose`: missing effects of a model, or of a sensor without one, on a log.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -69,7 +69,7 @@ impl Diagnose {
         Ok(())
     }
 
-    /// Of every axis that was asked for; and as what the log was read, if it is not in the log format.
+    /// Diagnoses of all requested axes; and the format of the log, if it is not the log format.
     fn of_log(&self, library: &Library) -> Result<(Vec<Diagnosis>, Vec<String>), Failure> {
         if self.logs.from.is_some() {
             return Err(
@@ -97,7 +97,7 @@ impl Diagnose {
         for axis in &axes {
             match of_axis(axis) {
                 Ok(answer) => answers.push(answer),
-                // an axis that is not named, as one that is stuck, does not keep the others from being explained
+                // With all axes, one that cannot be diagnosed (for example stuck) does not prevent the others.
                 Err(error) if self.axis.as_ref().is_none_or(|axis| axis == "all") => refused.push(error),
                 Err(error) => return Err(error),
             }
@@ -108,16 +108,16 @@ impl Diagnose {
         refused
             .extend(field.quality.empty_axes.iter().filter_map(|axis| Some(field.axis(axis).err()?.into())));
         for error in &refused {
-            // what to do is what was done
-            let said = error.to_string();
-            print_warning(&format!("excluded: {}", said.split("\nhelp: ").next().unwrap_or_default()));
+            // The suggested help is the current command.
+            let message = error.to_string();
+            print_warning(&format!("excluded: {}", message.split("\nhelp: ").next().unwrap_or_default()));
         }
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
         let answers = with_shared_signal(answers, &field)?;
-        let mut said: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
+        let mut notes: Vec<String> = read_as.map(|read_as| format!("{}: {read_as}", field.paths())).collect();
         let joined = field.alignment.as_ref().map_or_else(String::new, ToString::to_string);
-        said.extend(joined.lines().map(|line| format!("  {line}")));
-        Ok((answers, said))
+        notes.extend(joined.lines().map(|line| format!("  {line}")));
+        Ok((answers, notes))
     }
 
     fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {
@@ -332,7 +332,7 @@ fn row(finding: &Finding, printed: Printed) -> Vec<String> {
     ]
 }
 
-/// Reasons for doubt, where the effect shows, and which effects are indistinguishable from it.
+/// Doubts, locations of the effect, and indistinguishable effects.
 fn evidence(finding: &Finding) -> Vec<String> {
     let effect = &finding.effect;
     let mut lines = Vec::new();

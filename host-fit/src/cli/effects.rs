@@ -1,4 +1,4 @@
-//! `effects`: the library, explained.
+//! `effects`: list of the library, or details of one effect.
 
 use std::path::PathBuf;
 

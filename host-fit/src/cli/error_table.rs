@@ -1,4 +1,4 @@
-//! The errors of several models on one axis, side by side.
+//! Errors of several models on one axis, side by side.
 
 use comfy_table::Table;
 
@@ -6,12 +6,12 @@ use super::output::table;
 use super::units::{ErrorUnit, Units, three};
 use fos_fit::evaluate::ModelErrors;
 
-/// The unit in which the errors of these models are shown.
+/// Unit in which the errors of these models are shown.
 pub(super) fn error_unit(column: &str, models: &[&ModelErrors], units: Units) -> ErrorUnit {
     ErrorUnit::of_models(column, models.iter().copied(), units)
 }
 
-/// One column per model, one row per error, as RMS.
+/// A column for each model, a row for each RMS error.
 pub(super) fn error_table(models: &[&ModelErrors], unit: ErrorUnit) -> Table {
     let mut header = vec![format!("  RMS, {}", unit.label)];
     header.extend(models.iter().map(|model| model.model.clone()));
@@ -29,7 +29,7 @@ pub(super) fn error_table(models: &[&ModelErrors], unit: ErrorUnit) -> Table {
     for horizon in [1.0, 10.0, 60.0].into_iter().filter(|horizon| horizons.contains(horizon)) {
         let at = |m: &ModelErrors| m.coast.iter().find(|coast| coast.horizon_s == horizon).copied();
         add(format!("free run, {horizon} s ahead"), &|m| unit.root(at(m).map(|coast| coast.mse)));
-        // of the root: half that of the mean square, over the root
+        // Standard error of the root: half that of the mean square, divided by the root.
         let error = |m: &ModelErrors| at(m).map(|coast| 0.5 * coast.standard_error / coast.mse.sqrt());
         add("  ± standard error".into(), &|m| {
             error(m).map_or_else(|| "–".to_owned(), |error| unit.show(error))

@@ -1,4 +1,4 @@
-//! `export`: from a study to what the device takes.
+//! `export`: converts a study for a device.
 
 use std::path::{Path, PathBuf};
 
@@ -60,7 +60,7 @@ impl Export {
         self.tables.check()?;
         let study = Study::read(&self.study)?;
         let (model, provenance) = (&study.model, study.provenance());
-        // an output that is impossible is refused before any is written
+        // All outputs are checked before any is written.
         let image = match &self.image {
             Some(path) => Some((path, image(model, &self.sensor, &provenance)?)),
             None => None,
@@ -106,7 +106,7 @@ impl Export {
         if !has_model {
             return Ok(());
         }
-        // the log format says so by leaving it out; a reader of an earlier version did not know
+        // The format omits unknown values; readers of an earlier version did not.
         let is_unknown =
             |source: &Source| source.read_as.as_ref().is_some_and(|read_as| read_as.provenance.is_none());
         if model.fitted_on == FittedOn::Raw && study.data.sources.iter().any(is_unknown) {
@@ -116,7 +116,7 @@ impl Export {
             );
         }
         match Refusal::of(model) {
-            // Rust source comes with a hub that has the room
+            // Rust source includes a hub of sufficient size.
             Some(Refusal::TooLargeForC(_)) if self.image.is_none() => {}
             Some(refusal) => {
                 print_warning(&refusal.to_string());
@@ -133,7 +133,7 @@ impl Export {
     }
 }
 
-/// What a hub that takes it must be set up for.
+/// Prints the sensor settings that a hub needs for this model.
 fn print_sensor(model: &UnitModel) {
     let values = match model.fitted_on {
         FittedOn::Raw => "raw values",

@@ -1,6 +1,5 @@
-//! The files that a command line names, before anything is read or computed: nothing is written over what is read, and
-//! no two things into one file. What a command reads besides, such as the logs of a study, the writer looks after
-//! (`inputs.rs`).
+//! Checks the paths of a command line before anything is read or computed: no input is overwritten, and no file is written twice. Files
+//! named elsewhere, such as the logs of a study, are protected by the writer (`inputs.rs`).
 
 use std::any::TypeId;
 use std::path::{Path, PathBuf};
@@ -10,18 +9,18 @@ use clap::{Arg, ArgMatches, Command};
 use super::arguments::{OutputFile, OutputFolder};
 use fos_data::file::process_reads::{Identity, Place};
 
-/// What an argument that is a path is for.
+/// Role of a path in the arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
-    /// A file or folder that is read.
+    /// A file or folder to read.
     Input,
-    /// A file that is written.
+    /// A file to write.
     OutputFile,
-    /// A folder that is written into.
+    /// A folder to write into.
     OutputFolder,
 }
 
-/// What an argument is for, if it is a path.
+/// Role of an argument, if it is a path.
 pub fn role_of(argument: &Arg) -> Option<Role> {
     let kind = argument.get_value_parser().type_id();
     let roles = [
@@ -32,36 +31,36 @@ pub fn role_of(argument: &Arg) -> Option<Role> {
     roles.into_iter().find(|(of, _)| kind == *of).map(|(_, role)| role)
 }
 
-/// A command line that would lose a file.
+/// A conflict of paths that would lose a file.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum OneFile {
-    /// Something that is read.
+    /// An output is an input.
     #[error("{output} {}: it is what {input} reads, {}, and would be lost\nhelp: write to another file", at.display(), read.display())]
     IsRead {
-        /// The argument.
+        /// Argument of the output.
         output: String,
-        /// The path that is to be written.
+        /// Path of the output.
         at: PathBuf,
-        /// The other argument.
+        /// Argument of the input.
         input: String,
-        /// The path that is read.
+        /// Path of the input.
         read: PathBuf,
     },
-    /// Something else that is written.
+    /// Two outputs are the same.
     #[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
     IsWritten {
-        /// An argument.
+        /// First argument.
         first: String,
-        /// Another.
+        /// Second argument.
         second: String,
-        /// What they name.
+        /// Common path.
         at: PathBuf,
     },
 }
 
 /// # Errors
 ///
-/// A file that is written is one that is read, or another one that is written.
+/// An output is an input, or another output.
 pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), OneFile> {
     let mut inputs: Vec<(String, &Path)> = Vec::new();
     let mut outputs: Vec<(String, &Path)> = Vec::new();
@@ -94,7 +93,7 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), OneFi
     Ok(())
 }
 
-/// As it stands in the help: --output, LOG.
+/// Name as in the help: --output, LOG.
 fn name_of(argument: &Arg) -> String {
     let placeholder = || argument.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
     match argument.get_long() {

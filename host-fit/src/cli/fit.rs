@@ -1,4 +1,4 @@
-//! `fit`: from a log to a study.
+//! `fit`: fits a log and writes a study.
 
 use std::path::PathBuf;
 

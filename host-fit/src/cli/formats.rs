@@ -1,4 +1,4 @@
-//! `formats`: which logs are read, and what is known of each format.
+//! `formats`: list of the supported formats, or details of one.
 
 use clap::Args;
 

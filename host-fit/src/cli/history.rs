@@ -1,4 +1,4 @@
-//! `history`: the staircase of a study.
+//! `history`: the added effects of a study.
 
 use std::path::PathBuf;
 

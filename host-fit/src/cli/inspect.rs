@@ -1,4 +1,4 @@
-//! `inspect`: what is in an image.
+//! `inspect`: content of an image.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ impl Inspect {
     }
 }
 
-/// A file that is no image; of a study with the command that makes one.
+/// Error for a file that is not an image; for a study with the command that makes one.
 pub(super) fn not_an_image(path: &Path, error: &impl Display) -> String {
     let help = match is_study(path) {
         true => {

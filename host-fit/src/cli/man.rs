@@ -20,7 +20,7 @@ pub(super) struct Man {
 }
 
 impl Man {
-    /// Of `program` and all its subcommands.
+    /// Writes the pages of `program` and all its subcommands.
     pub(super) fn run(&self, mut program: Command) -> Result<(), Failure> {
         make_folder(&self.folder)?;
         program.build();

@@ -88,7 +88,7 @@ enum Command {
     Man(man::Man),
 }
 
-/// The program in a few lines: the subcommands that most people need.
+/// Short help: the most common subcommands.
 const START: &str = "\
 fos models the bias drift of MEMS gyros and accelerometers from a log.
 
@@ -99,7 +99,7 @@ fos models the bias drift of MEMS gyros and accelerometers from a log.
 
 `fos demo` shows everything on simulated data, `fos --help` lists all commands.";
 
-/// The subcommands by what they are for.
+/// Subcommands by purpose.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Start here", &["demo", "diagnose", "fit", "calibrate-imu", "noise", "serve"]),
     ("Improve a model", &["compare", "add", "undo", "history", "report", "effects"]),
@@ -110,7 +110,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Shell", &["completions", "man"]),
 ];
 
-/// The subcommands and their arguments, as clap knows them.
+/// Subcommands and their arguments, as defined for clap.
 pub fn command() -> clap::Command {
     let program = Cli::command();
     let groups: String = GROUPS
@@ -130,23 +130,23 @@ pub fn command() -> clap::Command {
     program.help_template(template)
 }
 
-/// Every subcommand, those of subcommands too, with the words that call it: `fleet`, `fleet report`.
+/// All subcommands, including nested ones, with the words that call them: `fleet`, `fleet report`.
 pub fn subcommands() -> Vec<(String, clap::Command)> {
     command_tree::subcommands_of(&command())
 }
 
-/// How long the program runs.
+/// Expected lifetime of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lifetime {
-    /// Until its work is done.
+    /// Ends with its work.
     UntilDone,
-    /// Until somebody ends it: a workbench.
+    /// Ends on request: a workbench.
     UntilEnded,
 }
 
-/// Parses the arguments and runs the subcommand, `prepare` before it. Exit code 0: done; 1: could not; 2: wrong usage.
+/// Calls `prepare`, parses the arguments and runs the subcommand. Exit code 0: success; 1: failure; 2: wrong usage.
 pub fn run(prepare: impl FnOnce(Lifetime)) -> ExitCode {
-    // what clap has taken by its own description it takes by that of the derived type
+    // The derived type accepts everything that its own description accepts.
     let parsed = command().try_get_matches().and_then(|matches| {
         let command = Cli::from_arg_matches(&matches)?.command;
         Ok((matches, command))
@@ -211,7 +211,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Help, which is ours, as clap prints it; an error, which repeats what was given, as every other.
+/// Prints help, whose text is trusted, as clap formats it; an error repeats arguments and is made visible like any other.
 fn answer_of_clap(answer: &clap::Error) -> ExitCode {
     if std::env::args_os().len() <= 1 {
         output::print(format_args!("{START}\n"));
@@ -221,7 +221,7 @@ fn answer_of_clap(answer: &clap::Error) -> ExitCode {
     } else if answer.print().is_err() {
         return ExitCode::FAILURE;
     }
-    // as Unix has it, a code is of eight bits
+    // Exit codes of Unix have eight bits.
     ExitCode::from(answer.exit_code() as u8)
 }
 
@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_subcommand_stands_in_one_group_of_the_help() {
+    fn every_subcommand_is_in_one_group_of_the_help() {
         let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
         grouped.sort_unstable();
         let mut all: Vec<String> =

@@ -1,4 +1,4 @@
-//! `noise`: white noise, bias instability and random walk of a log at rest; the files that other stacks take.
+//! `noise`: white noise, bias instability and random walk of a log at rest, and files for other software.
 
 use std::path::PathBuf;
 
@@ -99,7 +99,7 @@ impl Noise {
         Ok(())
     }
 
-    /// The files of other stacks, once all of them are known to be possible.
+    /// Files for other software, after all of them are known to be possible.
     fn write_models<'a>(
         &'a self,
         log: &str,
@@ -130,7 +130,7 @@ impl Noise {
 fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
     let of_axis = |axis: &'a AxisNoise| (axis, ShownUnit::of_noise(&axis.column, units));
     let shown: Vec<(&AxisNoise, [ShownUnit; 3])> = axes.iter().map(of_axis).collect();
-    // axes of one unit together, so that a column has one unit
+    // Axes of one unit together, so that a column has one unit.
     for same in shown.chunk_by(|(_, one), (_, other)| one == other) {
         let [white, flicker, walk] = same[0].1.each_ref().map(|unit| &unit.label);
         let header = [

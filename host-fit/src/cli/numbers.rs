@@ -1,10 +1,10 @@
-//! Numbers on the command line: those that mean something, and no others.
+//! Parsers of numbers that accept only a meaningful range.
 
 use std::ops::RangeInclusive;
 
 use clap::builder::RangedU64ValueParser;
 
-/// A number of this range; infinities and NaN are in none.
+/// Parses a number within this range; refuses infinities and NaN.
 pub(super) fn within(
     range: RangeInclusive<f64>,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
@@ -17,10 +17,10 @@ pub(super) fn within(
     }
 }
 
-/// So many of something.
+/// Parses a count within this range.
 pub(super) fn count(range: RangeInclusive<u64>) -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(range)
 }
 
-/// In an axis' unit: any that a model can hold, and any code of a sensor.
+/// Largest value in an axis' unit: any that a model can hold, and any code of a sensor.
 pub(super) const IN_UNIT: f64 = 1e12;

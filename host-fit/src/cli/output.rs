@@ -1,8 +1,7 @@
-//! How results are printed: aligned tables for people, JSON for programs, progress only on a terminal.
+//! Output of results: aligned tables for people, JSON for programs, progress only on a terminal.
 //!
-//! Nothing else prints: logs, studies and images name columns, files and effects, and what they hold must not reach a
-//! terminal that would obey it. What is printed here is shown instead ([`visible_lines`]); colours are put around it
-//! afterwards.
+//! Nothing else prints. Logs, studies and images contain names of columns, files and effects, whose control characters must not reach a
+//! terminal; they are made visible here ([`visible_lines`]), and colours are added afterwards.
 
 use fos_diagnose::detect::rms_reduction;
 use std::error::Error;
@@ -23,7 +22,7 @@ pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};
 use fos_diagnose::study::StudyError;
 
-/// Any error on its way to the exit code.
+/// Any error before it becomes the exit code.
 pub(super) type Failure = Box<dyn Error + Send + Sync>;
 
 /// Prints a line of text for people on standard output.
@@ -36,7 +35,7 @@ macro_rules! print_line {
     };
 }
 
-/// Prints text for people on standard output; its lines end themselves.
+/// Prints text for people on standard output, including its line ends.
 macro_rules! print_text {
     ($($text:tt)*) => {
         $crate::cli::output::print(format_args!($($text)*))
@@ -64,8 +63,7 @@ macro_rules! say {
 pub(super) use print_note;
 pub(super) use {print_line, print_text, say};
 
-/// What nobody reads any more is no error; what cannot be written for another reason, as on a full disk, ends with exit
-/// code 1.
+/// A closed pipe is not an error; another failure to write, such as a full disk, ends with exit code 1.
 pub(super) fn print(text: Arguments<'_>) {
     let text = text.to_string();
     match std::io::stdout().write_all(visible_lines(&text).as_bytes()) {
@@ -87,13 +85,13 @@ pub(super) fn print_aside(text: Arguments<'_>) {
 /// A file that was written.
 #[derive(Debug, Serialize)]
 pub(super) struct Written {
-    /// Where it lies, as the arguments name it.
+    /// Path as in the arguments.
     pub(super) path: String,
-    /// As in `manual page`.
+    /// Kind of file, as in `manual page`.
     pub(super) what: String,
 }
 
-/// Says which files were written, in the one form or the other.
+/// Lists the written files, as text or JSON.
 pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure> {
     if json {
         return print_json(&files);
@@ -102,10 +100,9 @@ pub(super) fn print_written(files: &[Written], json: bool) -> Result<(), Failure
     Ok(())
 }
 
-/// An error as the user of the command line reads it: entries of a column map, and maps to choose from, as arguments to
-/// paste.
+/// An error in the terms of the command line: entries of a column map, and suggested maps, become arguments to paste.
 pub(super) fn in_words(failure: &Failure) -> String {
-    let said = failure.to_string();
+    let message = failure.to_string();
     if let Some(StudyError::NotAStudy { path, .. }) = failure.downcast_ref()
         && !path.ends_with(".json")
     {
@@ -117,17 +114,19 @@ pub(super) fn in_words(failure: &Failure) -> String {
         Some(RecordingError::Undecided { maps, .. }) => (maps, false),
         Some(RecordingError::NoHeader { maps, needs_rate, .. }) if !maps.is_empty() => (maps, *needs_rate),
         Some(RecordingError::GravityUnit { map, .. }) => {
-            return map.iter().fold(said, |said, entry| said.replace(entry, &format!("--map {entry}")));
+            return map
+                .iter()
+                .fold(message, |message, entry| message.replace(entry, &format!("--map {entry}")));
         }
         Some(RecordingError::NoTime { perhaps, .. } | RecordingError::NoAxes { perhaps, .. })
             if !perhaps.is_empty() =>
         {
-            return said.replace(&perhaps.join(", "), &map_arguments(perhaps));
+            return message.replace(&perhaps.join(", "), &map_arguments(perhaps));
         }
-        _ => return said,
+        _ => return message,
     };
     let arguments: Vec<String> = maps.iter().map(|map| map_arguments(map)).collect();
-    let problem = said.split("\nhelp: ").next().unwrap_or_default();
+    let problem = message.split("\nhelp: ").next().unwrap_or_default();
     let rate = if with_rate { "\n  with the sample rate, as in `rate_hz` 100" } else { "" };
     format!("{problem}\nhelp: choose one: {}{rate}", arguments.join("\n  or: "))
 }
@@ -137,12 +136,12 @@ fn map_arguments(map: &[String]) -> String {
     map.iter().map(|entry| format!("--map {}", quoted(entry))).collect::<Vec<_>>().join(" ")
 }
 
-/// A warning about a log as the user of the command line reads it.
+/// A warning about a log in the terms of the command line.
 pub(super) fn warning_in_words<'a>(
     warning: &Oddity,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
-    let said = match warning {
+    let message = match warning {
         Oddity::AssumedMap(map) => {
             format!(
                 "the file has no header; its values show {}. Check it, and pass it with the file",
@@ -151,50 +150,51 @@ pub(super) fn warning_in_words<'a>(
         }
         _ => warning.to_string(),
     };
-    with_flags(&said, arguments)
+    with_flags(&message, arguments)
 }
 
-/// The word before an error, in colour on a terminal only.
+/// Prints an error, with its label in colour on a terminal only.
 pub(super) fn print_error(failure: &dyn Display) {
     let style = AnsiColor::Red.on_default().bold();
     tell(format_args!("{style}error:{style:#} {}", visible_lines(&failure.to_string())));
 }
 
-/// Words of the libraries for what the command line does with an option.
+/// Terms of the libraries, and the corresponding options of the command line.
 const IN_WORDS: [(&str, &str); 2] = [("in the column map", "with --map"), ("the column map", "--map")];
 
-/// Messages of the libraries, which name options as their fields are called, `` `max_lag` ``, with the options of the
-/// command line: `--max-lag`. What helps one subcommand may be an option of another.
+/// Replaces the names of option fields in messages of the libraries, such as `` `max_lag` ``, by options of the command line: `--max-lag`.
+/// Other subcommands may have the option.
 pub(super) fn with_flags<'a>(
-    said: &impl ToString,
+    message: &impl ToString,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
-    let said = IN_WORDS.iter().fold(said.to_string(), |text, (words, option)| text.replace(words, option));
-    arguments.into_iter().fold(said, |text, argument| match argument.get_long() {
+    let message =
+        IN_WORDS.iter().fold(message.to_string(), |text, (words, option)| text.replace(words, option));
+    arguments.into_iter().fold(message, |text, argument| match argument.get_long() {
         Some(long) => text.replace(&format!("`{}`", argument.get_id()), &format!("--{long}")),
         None => text,
     })
 }
 
-/// The word before a warning, in colour on a terminal only.
+/// Prints a warning, with its label in colour on a terminal only.
 pub(super) fn print_warning(text: &str) {
     let style = AnsiColor::Yellow.on_default().bold();
     tell(format_args!("{style}warning:{style:#} {}", visible_lines(text)));
 }
 
-/// On standard error, if anybody hears it: a terminal that was closed is no reason to end otherwise.
+/// Prints on standard error; a closed terminal is not an error.
 fn tell(text: Arguments<'_>) {
     let _ = writeln!(anstream::stderr(), "{text}");
 }
 
-/// A line whose end says that all is well or not, in colour on a terminal only.
+/// Prints a line whose end states success or failure, in colour on a terminal only.
 pub(super) fn print_verdict(of: &str, text: &str, is_good: bool) {
     let colour = if is_good { AnsiColor::Green } else { AnsiColor::Yellow };
     let style = colour.on_default().bold();
     anstream::println!("{}: {style}{}{style:#}", visible(of), visible(text));
 }
 
-/// Values as bars of eight heights, the largest the highest: `█▃▁`.
+/// Values as bars of eight heights, relative to the largest: `█▃▁`.
 pub(super) fn sparkline(values: &[f64]) -> String {
     const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
     let largest = values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
@@ -221,7 +221,7 @@ pub(super) fn table<S: ToString>(header: &[S]) -> Table {
     table
 }
 
-/// Remarks on axes, each once with the axes that it holds for; those on all of `axes` axes without names.
+/// Remarks on axes, each once with its axes; those on all of `axes` axes without names.
 pub(super) fn grouped<'a>(remarks: impl IntoIterator<Item = (&'a str, String)>, axes: usize) -> Vec<String> {
     let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for (axis, remark) in remarks {
@@ -237,14 +237,14 @@ pub(super) fn grouped<'a>(remarks: impl IntoIterator<Item = (&'a str, String)>, 
     found.into_iter().map(line).collect()
 }
 
-/// The last line of a summary says how to print the rest.
+/// Last line of a summary: how to print the rest.
 pub(super) fn print_hint(printed: Printed) {
     if !printed.details {
         print_line!("--details prints the rest");
     }
 }
 
-/// At most so many lines, the last of which says how many more there are.
+/// The first `most` lines; the last states the number of further ones.
 pub(super) fn first(mut lines: Vec<String>, most: usize) -> Vec<String> {
     let more = lines.len().saturating_sub(most);
     if more > 0 {
@@ -254,7 +254,7 @@ pub(super) fn first(mut lines: Vec<String>, most: usize) -> Vec<String> {
     lines
 }
 
-/// A bar whose message is shown as all else is.
+/// A progress bar that makes control characters in its message visible.
 pub(super) struct Bar(ProgressBar);
 
 impl Bar {
@@ -284,7 +284,7 @@ pub(super) fn progress(length: u64, what: &str) -> Bar {
     bar
 }
 
-/// A sign of life on standard error for work of unknown length, if it is a terminal, else nothing.
+/// A spinner on standard error for work of unknown length, if it is a terminal, else nothing.
 pub(super) fn spinner(what: &str) -> Bar {
     let bar = progress(0, what);
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
@@ -294,7 +294,7 @@ pub(super) fn spinner(what: &str) -> Bar {
     bar
 }
 
-/// A reduction of a variance as that of the RMS.
+/// Converts a reduction of variance to one of the RMS, in per cent.
 pub(super) fn percent(of_variance: f64) -> String {
     units::percent(rms_reduction(of_variance))
 }
@@ -304,7 +304,7 @@ mod tests {
     use super::{first, grouped, sparkline};
 
     #[test]
-    fn a_remark_on_several_axes_stands_once() {
+    fn groups_equal_remarks_of_several_axes() {
         let remarks =
             [("gx", "short"), ("gy", "short"), ("gx", "hot")].map(|(axis, text)| (axis, text.to_owned()));
         assert_eq!(grouped(remarks.clone(), 2), ["short", "gx: hot"]);
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_staircase_that_falls_is_seen_to_fall() {
+    fn sparkline_shows_decreasing_values() {
         assert_eq!(sparkline(&[8.0, 3.0, 1.0]), "█▃▁");
         assert_eq!(sparkline(&[0.0, 0.0]), "▁▁");
         assert_eq!(sparkline(&[1.0, f64::NAN, 2.0]), "▄▁█");

@@ -1,5 +1,5 @@
-//! The terms of a physical part in the units of the log, as a data sheet has them: `0.0123 ± 0.0004 (°/s)/K of
-//! temp_c`. Inputs and axes are scaled while fitting; a coefficient there means nothing to a reader.
+//! Terms of a physical part in the units of the log, as in a data sheet: `0.0123 ± 0.0004 (°/s)/K of temp_c`. The stored coefficients are
+//! of scaled inputs and axes and not readable.
 
 use fos_core::{Channel, Factor, Source, Transform};
 
@@ -7,7 +7,7 @@ use super::units::{ErrorUnit, Units, three};
 use fos_data::column::Column;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
-/// The terms of the physical part of an axis.
+/// Terms of the physical part of an axis.
 pub(super) fn physical_terms(model: &UnitModel, axis: &FittedAxis, units: Units) -> Vec<String> {
     axis.physical.iter().map(|term| line(model, axis, term, units)).collect()
 }
@@ -18,7 +18,7 @@ fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm, units: Units) -
     let (value, error) =
         (term.coefficient * per_scaled, term.standard_error.map(|error| error * per_scaled.abs()));
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
-    // °/s and mg, as on data sheets
+    // °/s and mg, as in data sheets.
     let shown = ErrorUnit::of(&axis.column, f64::INFINITY, units);
     let unit = ratio(shown.label, &parts);
     let mut text = shown.show(value);
@@ -29,7 +29,7 @@ fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm, units: Units) -
         text += &format!(" {unit}");
     }
     text += &format!(" of {}", names.join(" · "));
-    // a product is told about where its inputs were centred: elsewhere it is another slope of each
+    // A product is stated with the centres of its inputs: about others, it would change the slope of each.
     if let [_, _, ..] = parts[..] {
         let about: Vec<String> = parts.iter().filter_map(Part::about).collect();
         if !about.is_empty() {
@@ -39,7 +39,7 @@ fn line(model: &UnitModel, axis: &FittedAxis, term: &FittedTerm, units: Units) -
     text
 }
 
-/// `(rad/s)/°C`, `mg/(°C·V)`; the numerator alone where the inputs have no unit, as a sine.
+/// `(rad/s)/°C`, `mg/(°C·V)`; only the numerator if the inputs have no unit, such as a sine.
 fn ratio(numerator: &str, parts: &[Part]) -> String {
     let below: Vec<&str> =
         parts.iter().map(|part| part.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
@@ -64,13 +64,13 @@ fn ratio(numerator: &str, parts: &[Part]) -> String {
 
 /// An input of a term.
 struct Part {
-    /// As `temp_c:lowpass(60)`.
+    /// Text of the input, as `temp_c:lowpass(60)`.
     name: String,
-    /// Of what the transform gives; empty for a plain number.
+    /// Unit after the transform; empty for a plain number.
     unit: String,
-    /// What one of the scaled input is in that unit.
+    /// Size of one scaled input in that unit.
     scale: f64,
-    /// What the quantity was centred about, with its unit; none where that changes nothing.
+    /// Centre of the quantity, with its unit; none if it has no effect.
     centre: Option<(String, f64, &'static str)>,
 }
 
@@ -83,7 +83,7 @@ impl Part {
             _ => None,
         };
         let label = quantity.map_or("", |logged| Column::named(&logged.column).unit().label());
-        // one whose name does not say its unit has one all the same
+        // A column whose name does not state a unit still has one.
         let own = match label {
             "" if quantity.is_some() => "unit",
             "°C" => "K",
@@ -108,7 +108,7 @@ impl Part {
             0 => name.clone(),
             lag => format!("{name} {lag} samples before"),
         };
-        // the others are differences, or about zero
+        // The others are differences, or centred on zero.
         let is_level = matches!(input.transform, Transform::Identity | Transform::LowPass { .. });
         let centre = quantity.filter(|_| is_level).map(|logged| (logged.column.clone(), input.centre, label));
         Some(Self { name, unit, scale, centre })
@@ -126,7 +126,7 @@ mod tests {
     use fos_core::{FittedOn, InnovationStatistics, Input, Quantity, Range, u};
     use fos_fit::model::LoggedQuantity;
 
-    /// Of one axis with the scale 0.002; inputs with the scales 2.5 and 0.05 about 25 and 3.3.
+    /// Model of one axis with the scale 0.002; inputs with the scales 2.5 and 0.05 about 25 and 3.3.
     fn model(column: &str, logged: [&str; 2], transform: Transform<f64>) -> UnitModel {
         let range = Range::new(-3.0, 3.0);
         let input = |index: u8, transform, (centre, scale)| NamedInput {
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_those_of_the_log() {
+    fn terms_have_the_units_of_the_log() {
         let of = |column, logged: [&str; 2], transform| lines(column, logged, transform)[0].clone();
         let tau_s = 10.0;
         for (column, logged, transform, says) in [
@@ -192,7 +192,7 @@ mod tests {
             ("ax_mps2", "supply_v", Transform::Identity, "-0.0408 ± 0.0204 mg/V of first"),
             ("gx_rads", "ax_mps2", Transform::LowPass { tau_s }, "-0.0229 ± 0.0115 (°/s)/(m/s²) of first"),
             ("gx_rads", "temp_c", Transform::Rate { tau_s }, "(°/s)/(K/s) of first"),
-            // the scale of the input squared
+            // The scale of the input squared.
             (
                 "gx_rads",
                 "ax_mps2",
@@ -200,21 +200,21 @@ mod tests {
                 "-0.00917 ± 0.00458 (°/s)/(m/s²)² of first",
             ),
             ("gx_rads", "charge_a", Transform::Identity, "(°/s)/unit of first"),
-            // a plain number, whatever the input's scale
+            // A plain number, for any scale of the input.
             ("gx_rads", "temp_c", Transform::Decay { tau_s }, "-0.0573 ± 0.0286 °/s of first"),
             ("gx_rads", "temp_c", Transform::Time, "(°/s)/s of first"),
             ("wind", "temp_c", Transform::Identity, "-0.000400 ± 0.000200 /K of first"),
         ] {
-            let said = of(column, [logged, "supply_v"], transform);
-            assert!(said.contains(says), "{said}\n{says}");
+            let text = of(column, [logged, "supply_v"], transform);
+            assert!(text.contains(says), "{text}\n{says}");
         }
     }
 
     #[test]
-    fn a_product_is_told_per_both_of_its_units_and_about_what() {
-        let said = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
+    fn product_states_both_units_and_centres() {
+        let text = &lines("gx_rads", ["temp_c", "supply_v"], Transform::Identity)[1];
         let says = "-0.458 ± 0.229 (°/s)/(K·V) of first · second";
-        assert!(said.starts_with(says), "{said}");
-        assert!(said.ends_with(", about temp_c = 25.0 °C, supply_v = 3.30 V"), "{said}");
+        assert!(text.starts_with(says), "{text}");
+        assert!(text.ends_with(", about temp_c = 25.0 °C, supply_v = 3.30 V"), "{text}");
     }
 }

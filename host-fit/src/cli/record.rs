@@ -1,4 +1,4 @@
-//! `record`: from the telemetry of a device to a log.
+//! `record`: converts the telemetry of a device into a log.
 
 use std::fmt::Display;
 use std::fs::{self, File, Metadata};
@@ -42,7 +42,7 @@ impl Record {
         let until = self.seconds.map(end_of).transpose()?;
         check_log_path(&self.output)?;
         let stream = Stream::at(&self.stream)?;
-        // what lies in a file is kept there
+        // The bytes of a file are stored already.
         let kept = (stream.kind != Kind::File).then(|| self.keep()).transpose()?;
         let of = |error: &dyn Display| format!("{}: {error}", stream.name());
         let notify = |notice: &Notice| print_warning(&of(&stream.says(notice)));
@@ -105,7 +105,7 @@ impl Record {
     }
 }
 
-/// Where the telemetry comes from.
+/// Source of the telemetry.
 #[derive(Debug, Clone)]
 struct Stream {
     /// None for standard input.
@@ -115,9 +115,9 @@ struct Stream {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// It is still there when this program is not.
+    /// Persists after this program ends.
     File,
-    /// It opens when somebody writes to it.
+    /// Opens when another process writes to it.
     Fifo,
     Other,
 }
@@ -179,7 +179,7 @@ fn is_fifo(_: &Metadata) -> bool {
     false
 }
 
-/// When so many seconds will be over.
+/// Time at which `seconds` have passed.
 fn end_of(seconds: f64) -> Result<Instant, String> {
     let duration = Duration::try_from_secs_f64(seconds).ok();
     duration
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_time_that_is_none_is_refused() {
+    fn rejects_invalid_duration() {
         for seconds in [f64::INFINITY, f64::NAN, -1.0, 1e20] {
             assert!(end_of(seconds).is_err(), "{seconds}");
         }

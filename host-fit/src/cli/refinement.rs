@@ -1,4 +1,4 @@
-//! What `add`, `undo`, `history` and `diagnose` of a study share: which axis, which logs, and the staircase as a table.
+//! Functions shared by `add`, `undo`, `history` and `diagnose` of a study: choice of axis and logs, and the table of added effects.
 
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ pub(super) struct LogArguments {
     pub(super) judge: Option<PathBuf>,
 }
 
-/// Reads the logs in the arguments, or those that the refinement of `column` names; `study` is in `file`.
+/// Reads the logs in the arguments, or those of the refinement of `column`; `study` is in `file`.
 pub(super) fn read_logs(
     logs: &LogArguments,
     reading: &Reading,
@@ -46,7 +46,7 @@ pub(super) fn read_logs(
         (None, Some(known)) => again(&known.field),
         (None, None) => Err("which log does the model fail on?\nhelp: give it with --from LOG".into()),
     };
-    // the study's own log is quiet, unless it is the very log where the model fails
+    // The study's own log is the reference, unless the model fails on it.
     let own = match (&logs.quiet, known, &study.data.sources[..]) {
         (None, None, [own]) => Some(own),
         _ => None,
@@ -74,7 +74,7 @@ pub(super) fn read_logs(
     Ok(Logs { field, quiet, judged, read })
 }
 
-/// The column of `--axis` in a study, or its only one.
+/// Column of `--axis` in a study, or its only one.
 pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Failure> {
     let columns: Vec<&str> = study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
     match (axis, &columns[..]) {
@@ -99,8 +99,7 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
     }
 }
 
-/// The staircase: every step with the predicted and the measured reduction, what it costs, then all errors of all
-/// steps.
+/// Prints every added effect with the predicted and the measured reduction and its cost, then all errors after each.
 pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
     let slow: Vec<f64> = refinement.steps.iter().map(|step| step.left.slow.sqrt()).collect();
     let unit = ErrorUnit::of(&refinement.column, slow.iter().copied().fold(0.0, f64::max), printed.units);

@@ -1,4 +1,4 @@
-//! `replay`: an image over a log, on fos-core in f32, as the device would.
+//! `replay`: runs an image over a log on fos-core in f32, as a device does.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `report`: a study in one file for people.
+//! `report`: writes a study as one file for people.
 
 use std::path::PathBuf;
 

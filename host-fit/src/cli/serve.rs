@@ -95,13 +95,13 @@ impl Serve {
             print_note!("Ctrl-C ends it; what is not taken along by then is gone");
             let end = async {
                 if tokio::signal::ctrl_c().await.is_err() {
-                    // it cannot be waited for: the process ends as any other does
+                    // An ordinary process end: there is nothing to wait for.
                     std::future::pending::<()>().await;
                 }
             };
             Ok::<(), Failure>(server.run(end).await?)
         })?;
-        // a computation that still runs is not waited for
+        // Running computations are abandoned.
         runtime.shutdown_background();
         Ok(())
     }

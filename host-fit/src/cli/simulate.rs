@@ -1,4 +1,4 @@
-//! `simulate`: a log with known truth; a case or many.
+//! `simulate`: a log with known truth, one case, or a suite of cases.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use fos_data::recording::{RATES_HZ, write_columns};
 use fos_simulate::band_limited::{self, band_limited};
 use fos_simulate::{Simulation, simulate};
 
-/// The most rows of a log, which is made in memory: some ten gigabytes.
+/// Maximum number of rows of a log, which is created in memory: some ten gigabytes.
 const MOST_ROWS: f64 = 7.0 * 86_400.0 * 200.0;
 
 /// Simulate a log with known truth

@@ -11,7 +11,7 @@ use super::output::{Failure, Written, print_written, progress};
 use super::world::World;
 use fos_simulate::{Axis, CasePlan, Disturbance, Effect, Kind, Level, Plant, Setup, simulate_case, suite_in};
 
-/// What goes into a case.
+/// Content of a case.
 #[derive(Debug, Args)]
 pub(super) struct CaseArguments {
     /// Write a case: reference log, log to explain and evaluation log of one device with known effects, and the truth
@@ -40,7 +40,7 @@ pub(super) struct CaseArguments {
     world: World,
 }
 
-/// How the unit is used, on the command line.
+/// Use of the device, as an argument.
 #[derive(Debug, Clone, Copy)]
 struct SetupArgument(Setup);
 
@@ -93,7 +93,7 @@ impl CaseArguments {
                 print_written(&[Written { path: folder.display().to_string(), what }], json)
             }
             (None, Some(count), Some(folder)) => write_suite(folder, (seed, self.world.0), count, json),
-            // clap asks for it
+            // clap requires the folder.
             _ => Err("name the folder to write into: fos simulate --suite 45 FOLDER".into()),
         }
     }

@@ -108,7 +108,7 @@ impl Table {
     }
 }
 
-/// With what to do about it on the command line.
+/// Adds advice for the command line.
 fn helpful(error: PaperError) -> Failure {
     match error {
         PaperError::Split(short) => {
@@ -178,12 +178,12 @@ fn print(comparison: &Comparison, settings: &Settings, markdown: bool, units: Un
     }
 }
 
-/// How the mean squares of a comparison are shown.
+/// Form in which the mean squares of a comparison are shown.
 #[derive(Debug, Clone, Copy)]
 enum ErrorShown {
-    /// As their roots, in a unit of the field.
+    /// Roots, in a unit of the field.
     Rms(ErrorUnit),
-    /// As they are, as in the paper.
+    /// Mean squares, as in the paper.
     MeanSquare,
 }
 

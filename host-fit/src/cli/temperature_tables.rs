@@ -1,4 +1,4 @@
-//! `export` of tables by temperature for autopilots, and the remaining error after each.
+//! Temperature tables of `export` for autopilots, and the remaining error after each.
 
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ pub(super) struct TableArguments {
     shown: UnitsOption,
 }
 
-/// Tables that can be written, and what they leave.
+/// Tables to write, with the remaining errors.
 #[derive(Debug)]
 pub(super) struct Tables {
     log: String,
@@ -51,12 +51,12 @@ pub(super) struct Tables {
     units: Units,
 }
 
-/// What they leave, for programs.
+/// Remaining errors, for programs.
 #[derive(Debug, Serialize)]
 pub(super) struct TablesLeft<'a> {
     range_c: [f64; 2],
     judged: &'a str,
-    /// Whose errors `corrected` has, in its order.
+    /// Corrections of the values in `corrected`, in their order.
     corrected_by: Vec<&'static str>,
     axes: &'a [LeftByTemperature],
 }
@@ -66,7 +66,7 @@ impl TableArguments {
         self.px4.is_some() || self.ardupilot.is_some()
     }
 
-    /// What makes no sense without a table.
+    /// Refuses options that need a table.
     pub(super) fn check(&self) -> Result<(), Failure> {
         if self.judge.is_some() && !self.are_given() {
             return Err(
@@ -86,7 +86,7 @@ impl TableArguments {
         Ok(())
     }
 
-    /// The tables of the log that `study`, which is in `file`, was fitted to, or of that where it was found to fail.
+    /// Tables from the log of the fit of `study`, which is in `file`, or from the log to explain.
     pub(super) fn fit(&self, study: &Study, file: &Path) -> Result<Option<Tables>, Failure> {
         if !self.are_given() {
             return Ok(None);
@@ -130,7 +130,7 @@ impl TableArguments {
         Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left, units: self.shown.units }))
     }
 
-    /// The sensor that the tables are for, as the user states it.
+    /// Statements of the user about the sensor.
     fn stated(&self) -> StatedSensor {
         let device_ids = match self.device_id[..] {
             [both] => [Some(both); 2],

@@ -1,4 +1,4 @@
-//! `undo`: takes the effect that was added last back.
+//! `undo`: removes the effect that was added last.
 
 use std::path::PathBuf;
 

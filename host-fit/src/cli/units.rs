@@ -1,4 +1,4 @@
-//! Numbers as people read them, and the options of the printed text.
+//! Numbers and units for people, and the options of the printed text.
 
 use clap::Args;
 
@@ -6,7 +6,7 @@ use crate::units::ShownUnit;
 pub(super) use crate::units::{ErrorUnit, Units};
 use fos_data::text::rounded;
 
-/// Units of the printed text, where its extent is fixed.
+/// Option for the units of a printed text of fixed extent.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct UnitsOption {
     /// Units of the printed text; JSON and files are always in SI
@@ -44,7 +44,7 @@ impl ErrorUnit {
         three(value / self.si)
     }
 
-    /// The root of a variance in SI, without the unit; a dash where there is none.
+    /// Root of a variance in SI, without the unit; a dash for none.
     pub(super) fn root(self, variance: Option<f64>) -> String {
         variance.map_or_else(|| "–".to_owned(), |variance| self.show(variance.max(0.0).sqrt()))
     }
@@ -63,7 +63,7 @@ pub(super) fn three(value: f64) -> String {
 
 /// A share in per cent, as `78.5 %`.
 pub(super) fn percent(share: f64) -> String {
-    // a small negative share is 0.0, not -0.0
+    // A small negative share is 0.0, not -0.0.
     format!("{:.1} %", (1000.0 * share).round() / 10.0 + 0.0)
 }
 
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn one_thing_is_singular() {
+    fn count_of_one_is_singular() {
         assert_eq!([counted(1, "segment"), counted(2, "segment")], ["1 segment", "2 segments"]);
     }
 }

@@ -1,14 +1,14 @@
-//! What disturbs simulated logs, on the command line.
+//! Disturbances of simulated logs, as arguments.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use fos_simulate::Disturbance;
 
-/// One of them.
+/// A disturbance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct World(pub(super) Disturbance);
 
-/// One of them, or all.
+/// A disturbance, or all.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Worlds(pub(super) Option<Disturbance>);
 

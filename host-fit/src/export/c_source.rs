@@ -1,4 +1,4 @@
-//! The model as a C header: its image, what is in it, and a check through the C interface, fos.h.
+//! The model as a C header: its image, a description of its content, and a check through the C interface, fos.h.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -14,12 +14,12 @@ use crate::escaping::c_comment;
 use fos_data::visible::visible;
 use fos_fit::model::UnitModel;
 
-/// C99 source of a header. Everything in it begins with `name`, such as the stem of its file: characters that C does
-/// not have in names become underscores.
+/// C99 source of a header. All its identifiers begin with `name`, such as the stem of its file; characters that C does not allow become
+/// underscores.
 ///
 /// # Errors
 ///
-/// The model makes no image, the hub behind fos.h refuses it, or the name is none.
+/// The model has no image, the hub behind fos.h refuses it, or the name is unusable in C.
 pub fn c_source(
     model: &UnitModel,
     name: &str,
@@ -38,7 +38,7 @@ pub fn c_source(
 }
 
 fn c_name(name: &str) -> Result<String, ExportError> {
-    // fos.h is the header that this one includes
+    // This header includes fos.h.
     if !name.starts_with(|first: char| first.is_ascii_alphabetic()) || name.eq_ignore_ascii_case("fos") {
         return Err(ExportError::Name(name.to_owned()));
     }
@@ -113,7 +113,7 @@ impl Header<'_> {
         for TestSample { motion, skipped, codes, temperature } in vector.samples {
             let still = i16::from(*motion == Motion::Still);
             let codes = codes.map(|code| code.to_string()).join(", ");
-            // i16::MIN would be -32768, whose type in C is wider, but it is converted back
+            // i16::MIN is written as -32768, which has a wider type in C and is converted back.
             writeln!(f, "    {{{skipped}, {still}, {codes}, {}}},", temperature.unwrap_or(i16::MIN))?;
         }
         writeln!(f, "}};\n")?;
@@ -239,7 +239,7 @@ static inline int {name}_check(void *memory, size_t size) {{
     }
 }
 
-/// The names of the hub's axes in fos.h.
+/// Names of the hub's axes in fos.h.
 const CHANNELS: [&str; AXES] = ["FOS_AX", "FOS_AY", "FOS_AZ", "FOS_GX", "FOS_GY", "FOS_GZ"];
 
 fn hex(bits: &u32) -> String {

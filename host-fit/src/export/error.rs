@@ -1,19 +1,19 @@
-//! Why a model cannot be exported.
+//! Errors of the export of a model.
 
 use fos_fit::export::UnusableImage;
 
 use super::Refusal;
 
-/// A model that a device does not take.
+/// The model cannot be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// There is no image of it.
+    /// The model has no image.
     #[error(transparent)]
     Image(#[from] UnusableImage),
-    /// The hub that the source is for refuses it.
+    /// The hub for this source refuses the model.
     #[error("{0}")]
     Refused(Refusal),
-    /// A name that is none in C.
+    /// The name is unusable in C.
     #[error(
         "{0:?} gives no name to use in C\nhelp: a file name that begins with a letter and is not fos.h, such as gyro_unit.h"
     )]

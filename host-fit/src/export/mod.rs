@@ -1,10 +1,10 @@
-//! What others take: a model as source code for a device, with the test vector that proves it runs there as here; what
-//! the bias is by temperature. The image and the files of a log's noise are of `fos_fit::export`.
+//! Exports for other software: a model as source code for a device, with a test vector that proves identical results, and the bias by
+//! temperature. The image and the noise files are written by `fos_fit::export`.
 //!
 //! | file | writes |
 //! |---|---|
 //! | `rust_source`, `c_source`, `test_vector` | a model for a device |
-//! | `px4`, `ardupilot` | the bias by temperature, as these autopilots correct it |
+//! | `px4`, `ardupilot` | bias by temperature, as corrected by these autopilots |
 //! | `target` | the sensor that such a table is for; refuses values that are already corrected |
 
 mod ardupilot;

@@ -1,9 +1,9 @@
 //! Temperature tables for PX4: parameters `TC_*` as QGroundControl loads them.
 //!
-//! PX4 subtracts Σ Xₖ·(clip(T) − TREF)ᵏ from what the sensor shows, T clipped to TMIN … TMAX
-//! (src/modules/temperature_compensation/TemperatureCompensation.cpp, `calc_thermal_offsets_3D`), of the sensor whose
-//! `device_id` is the table's. A line of the file is tab-separated: vehicle 1, component 1, name, value, type, which is 6
-//! for whole numbers and 9 for real ones (QGroundControl, ParameterManager.cc, `readParametersFromStream`).
+//! PX4 subtracts Σ Xₖ·(clip(T) − TREF)ᵏ from the sensor output, with T clipped to TMIN … TMAX
+//! (src/modules/temperature_compensation/TemperatureCompensation.cpp, `calc_thermal_offsets_3D`), for the sensor with the `device_id` of
+//! the table. A line of the file is tab-separated: vehicle 1, component 1, name, value, type, which is 6 for integers and 9 for floats
+//! (QGroundControl, ParameterManager.cc, `readParametersFromStream`).
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use fos_data::column::{ACCELEROMETERS, GYROS};
 use fos_fit::export::in_ascii;
 use fos_fit::thermal::ThermalTable;
 
-/// The parameters of one accelerometer and one gyro, as they are stored: in single precision.
+/// Parameters of one accelerometer and one gyro in single precision, as PX4 stores them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Px4 {
     /// TMIN, TMAX, TREF, °C.
@@ -21,7 +21,7 @@ pub struct Px4 {
 }
 
 impl Px4 {
-    /// A table, rounded.
+    /// Rounds a table.
     pub fn of(table: &ThermalTable) -> Self {
         let columns =
             table.axes.iter().map(|axis| (axis.column.clone(), axis.coefficients.map(|x| x as f32)));
@@ -31,16 +31,16 @@ impl Px4 {
         }
     }
 
-    /// What PX4 subtracts from a column at a temperature, in the column's unit; nothing from one that it does not have.
+    /// Correction that PX4 subtracts from a column at a temperature, in the column's unit; 0 for a column without parameters.
     pub fn offset(&self, column: &str, temperature_c: f64) -> f64 {
         let Some((_, x)) = self.columns.iter().find(|(name, _)| name == column) else { return 0.0 };
         let [low, high, reference] = self.range;
-        // PX4's comparisons, by which what is not finite is not clipped
+        // As PX4's comparisons, which do not clip NaN.
         let delta = (temperature_c as f32).clamp(low, high) - reference;
         f64::from(x[0] + x[1] * delta + x[2] * (delta * delta) + x[3] * (delta * delta * delta))
     }
 
-    /// The file, for the accelerometer and gyro of this number, counted from 0. `ids` are their `device_id`.
+    /// Content of the file for accelerometer and gyro `instance`, counted from 0. `ids` are their `device_id`.
     pub fn file(&self, log: &str, instance: u8, ids: [u32; 2]) -> String {
         let mut text = format!(
             "# Temperature tables of accelerometer and gyro {instance} (counted from 0), from {}, by fos export\n\
@@ -56,7 +56,7 @@ impl Px4 {
             if !columns.iter().any(|column| has(column)) {
                 continue;
             }
-            // writing to a string does not fail
+            // Writing to a string cannot fail.
             let _ = writeln!(text, "1\t1\tTC_{letter}_ENABLE\t1\t6\n1\t1\tTC_{letter}{instance}_ID\t{id}\t6");
             for (name, value) in ["TMIN", "TMAX", "TREF"].iter().zip(self.range) {
                 let _ = writeln!(text, "1\t1\tTC_{letter}{instance}_{name}\t{value}\t9");

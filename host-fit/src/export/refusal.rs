@@ -1,4 +1,4 @@
-//! Which hubs refuse a model, and what to do: the hubs themselves are asked.
+//! Hubs that refuse a model, and how to proceed; determined by loading the model into real hubs.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -8,24 +8,23 @@ use fos_embedded::raw::Scales;
 use super::test_vector::{Room, loaded};
 use fos_fit::model::UnitModel;
 
-/// Why a hub refuses a model, whatever its sensor is set to.
+/// Reason why a hub refuses a model with any settings of the sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Refusal {
-    /// The hub of the C interface has too little room; one in Rust is made as large as the model asks.
+    /// The hub of the C interface is too small; a hub in Rust has the size that the model needs.
     TooLargeForC(Room),
-    /// No hub takes it: it has an axis or a quantity that a six-axis sensor does not measure, or more of something than
-    /// the largest has room for.
+    /// No hub accepts the model: an axis or a quantity is not measured by a six-axis sensor, or the largest hub is too small.
     Hub {
-        /// What the hub says.
+        /// Error of the hub.
         error: HubError,
-        /// The column that it says it of.
+        /// Column to which the error refers.
         column: String,
     },
 }
 
 impl Refusal {
-    /// Why a hub refuses `model`; none if that of the C interface takes it, and so one in Rust of the same room. The
-    /// sensor is taken to be set to the model's sample period, and to give the values that it was fitted on.
+    /// Reason why a hub refuses `model`; none if the hub of the C interface accepts it, as then does a hub in Rust of the same size.
+    /// The sensor is assumed to have the model's sample period, and to provide the kind of values it was fitted on.
     pub fn of(model: &UnitModel) -> Option<Self> {
         let scales = Scales {
             accel_mps2: 1.0,
@@ -38,7 +37,7 @@ impl Refusal {
         if let Err(error) = loaded(model, scales) {
             return Some(Self::hub(error, model));
         }
-        // what a larger hub takes this one refuses for want of room
+        // A model accepted by a larger hub is refused by this one only because of its size.
         (!takes(&mut CHub::new(scales), model)).then(|| Self::TooLargeForC(room_in_c(model, scales)))
     }
 
@@ -98,7 +97,7 @@ impl Display for Refusal {
     }
 }
 
-/// The room of the hub of the C interface.
+/// Capacities of the hub of the C interface.
 const C: Room = room_of(&CHub::new);
 
 const fn room_of<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
@@ -114,8 +113,8 @@ fn takes<const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
     model.with::<f32, _>(|model| hub.load_model(model)).is_ok()
 }
 
-/// What `model` needs of the hub of the C interface. [`Room::for_model`] is on the safe side where the deepest terms do
-/// not use the first inputs: whether the history is long enough is the hub's to say.
+/// Capacities of the hub of the C interface needed by `model`. [`Room::for_model`] is too large if the deepest terms do not use the first
+/// inputs, so the history is tested with a hub.
 pub(super) fn room_in_c(model: &UnitModel, scales: Scales) -> Room {
     let mut needs = Room::for_model(model);
     if takes(&mut Hub::<32, 512, { C.history }>::new(scales), model) {

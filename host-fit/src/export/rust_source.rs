@@ -1,4 +1,4 @@
-//! The model as Rust source: statics that sit in flash, and that do not compile when a term is wrong.
+//! The model as Rust source: statics in flash, with terms that are checked at compile time.
 
 use std::fmt::{self, Display, Formatter, Write};
 
@@ -13,8 +13,8 @@ use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use crate::escaping::rust_comment;
 use fos_fit::model::UnitModel;
 
-/// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded.
-/// `provenance` goes into its comment. A model that no hub takes comes without the latter.
+/// Rust source: `MODEL`, which needs fos-core; then `TEST_VECTOR`, `check` and `ModelHub`, which need fos-embedded and are omitted for a
+/// model that no hub accepts. `provenance` goes into a comment.
 pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     let mut source = String::new();
     let _ = rust_comment(&mut source, "//", provenance);
@@ -31,7 +31,7 @@ pub fn rust_source(model: &UnitModel, provenance: &str) -> String {
     source
 }
 
-/// What checks that a device computes what was exported.
+/// Items that check the results of a device against those of the export.
 struct TestItems<'a> {
     model: &'a UnitModel,
     vector: &'a OwnedTestVector,
@@ -118,7 +118,7 @@ struct Items<'a>(&'a Model<'a, f32>);
 impl Display for Items<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let model = self.0;
-        // not every model needs all of them
+        // Some models do not use all of them.
         writeln!(f, "#[allow(unused_imports)]")?;
         writeln!(f, "use fos_core::{{")?;
         writeln!(
@@ -272,7 +272,7 @@ impl Display for InputItem<'_> {
     }
 }
 
-/// Things separated by commas.
+/// Items separated by commas.
 struct List<I>(I);
 
 impl<T: Display, I: Iterator<Item = T> + Clone> Display for List<I> {

@@ -1,12 +1,12 @@
-//! The sensor of an autopilot that a temperature table is for, by the provenance of the log that it was fitted to.
+//! Sensor of the autopilot to which a temperature table applies, from the provenance of the fitted log.
 //!
-//! A table of the wrong sensor, of values that the autopilot has already corrected, or in other axes is worse than none:
-//! the autopilot takes it without a word. So a table is written only where the log states its sensor, or the user does.
+//! A table for the wrong sensor, from values that the autopilot has already corrected, or in other axes is worse than none, and the
+//! autopilot accepts it silently. A table is therefore written only if the log or the user states the sensor.
 
 use fos_data::column::Triad;
 use fos_data::recording::{Format, Frame, Recording, SensorProvenance, Values};
 
-/// An autopilot that corrects by temperature.
+/// An autopilot with temperature correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Autopilot {
     /// PX4: `TC_A0_*`, `TC_G0_*` to `TC_A3_*`, `TC_G3_*` (`TemperatureCompensation.h`, `SENSOR_COUNT_MAX`).
@@ -15,72 +15,72 @@ pub enum Autopilot {
     ArduPilot,
 }
 
-/// What the user states of the sensor, where the log does not.
+/// Statements of the user about the sensor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StatedSensor {
-    /// Its number on the autopilot, from 0.
+    /// Number of the sensor on the autopilot, from 0.
     pub instance: Option<u8>,
     /// `device_id` of accelerometers and gyros.
     pub device_ids: [Option<u32>; 2],
 }
 
-/// The sensor that a table is for.
+/// Sensor to which a table applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TableSensor {
-    /// Its number on the autopilot, from 0.
+    /// Number of the sensor on the autopilot, from 0.
     pub instance: u8,
-    /// `device_id` of accelerometers and gyros, where it is known.
+    /// `device_id` of accelerometers and gyros, if known.
     pub device_ids: [Option<u32>; 2],
-    /// That of a sensor in the log is not known.
+    /// The `device_id` of a sensor in the log is unknown.
     pub lacks_device_id: bool,
 }
 
-/// Why a table is not written.
+/// Reason why a table is not written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TableRefusal {
-    /// The values are not those that the autopilot would correct.
+    /// The values are not those that the autopilot corrects.
     #[error(
         "{log}: no table for {}: its {sensor} were corrected before they were logged, by {by}; a table of them would correct a second time\nhelp: {help}",
         autopilot.name()
     )]
     Corrected {
-        /// The log.
+        /// Path of the log.
         log: String,
-        /// The autopilot.
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
         /// Accelerometers or gyros.
         sensor: &'static str,
-        /// What they were corrected by.
+        /// Existing correction of the values.
         by: String,
-        /// What to record instead.
+        /// Advice on what to record.
         help: &'static str,
     },
-    /// The values are in other axes than those that the autopilot corrects in.
+    /// The values are in other axes than those of the autopilot's correction.
     #[error(
         "{log}: no table for {}: its {sensor} are in the {frame}, and a table is in the axes of the board\nhelp: {help}",
         autopilot.name()
     )]
     OtherFrame {
-        /// The log.
+        /// Path of the log.
         log: String,
-        /// The autopilot.
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
         /// Accelerometers or gyros.
         sensor: &'static str,
-        /// The axes that they are in.
+        /// Axes of the values.
         frame: Frame,
-        /// What to record instead.
+        /// Advice on what to record.
         help: &'static str,
     },
-    /// Nothing says which sensor of the autopilot it is.
+    /// The sensor of the log is unknown.
     #[error(
         "{log}: no table for {}: which of its IMUs the log is of is not known\nhelp: state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
         autopilot.name()
     )]
     NoInstance {
-        /// The log.
+        /// Path of the log.
         log: String,
-        /// The autopilot.
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
     },
     /// The autopilot has no such sensor.
@@ -89,11 +89,11 @@ pub enum TableRefusal {
         autopilot.name()
     )]
     NoSuchInstance {
-        /// The autopilot.
+        /// Autopilot for which the table was requested.
         autopilot: Autopilot,
-        /// The number.
+        /// Requested number.
         instance: u8,
-        /// The highest that it has.
+        /// Highest valid number.
         last: u8,
     },
     /// The user states another sensor than the log.
@@ -101,19 +101,19 @@ pub enum TableRefusal {
         "{log}: it is of {found}, but {stated} was stated\nhelp: remove {option}, or fit the log of that sensor (--topic)"
     )]
     OtherSensor {
-        /// The log.
+        /// Path of the log.
         log: String,
-        /// The sensor by the log.
+        /// Sensor according to the log.
         found: String,
-        /// The sensor by the user.
+        /// Sensor according to the user.
         stated: String,
-        /// The option.
+        /// Option of the statement.
         option: &'static str,
     },
 }
 
 impl Autopilot {
-    /// Its name.
+    /// Name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Px4 => "PX4",
@@ -121,7 +121,7 @@ impl Autopilot {
         }
     }
 
-    /// The format of its own logs.
+    /// Format of the autopilot's own logs.
     fn format(self) -> Format {
         match self {
             Self::Px4 => Format::Ulog,
@@ -129,7 +129,7 @@ impl Autopilot {
         }
     }
 
-    /// The highest number of a sensor that it has a table for.
+    /// Highest number of a sensor with a table.
     pub fn last_instance(self) -> u8 {
         match self {
             Self::Px4 => 3,
@@ -139,18 +139,18 @@ impl Autopilot {
 }
 
 impl TableSensor {
-    /// The sensor that a table fitted to `log` is for.
+    /// Determines the sensor to which a table fitted to `log` applies.
     ///
     /// # Errors
     ///
-    /// The values of the log are corrected or in other axes, its sensor is not known, not one of the autopilot's, or
-    /// another than the user states.
+    /// The values of the log are corrected or in other axes, or the sensor is unknown, not one of the autopilot's, or another than the
+    /// user states.
     pub fn of(log: &Recording, autopilot: Autopilot, stated: StatedSensor) -> Result<Self, TableRefusal> {
         let path = log.paths();
         let mut instance = None;
         let mut device_ids = stated.device_ids;
         let mut lacks_device_id = false;
-        // numbers of another autopilot's log are not those of this one
+        // Sensor numbers in logs of another autopilot do not apply to this one.
         let format =
             |source: &fos_data::recording::Source| source.read_as.as_ref().map(|read_as| read_as.format);
         let is_own = log.sources.iter().all(|source| format(source) == Some(autopilot.format()));
@@ -201,7 +201,7 @@ impl TableSensor {
     }
 }
 
-/// Refuses values that the autopilot would not correct as they are.
+/// Refuses values on which the autopilot's correction would be wrong.
 fn refuse_values(
     log: &str,
     autopilot: Autopilot,

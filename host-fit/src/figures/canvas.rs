@@ -1,4 +1,4 @@
-//! Pen, brush and type: the few strokes a figure is made of, on any plotters backend.
+//! Strokes and text of figures, on any plotters backend.
 
 use std::sync::Once;
 
@@ -9,17 +9,17 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use fos_data::visible::visible;
 
-/// Device pixels per unit of length. plotters places everything on whole pixels, which is coarse for thin lines:
-/// figures are drawn this much larger; the SVG says so in its viewBox, the PNG is averaged down.
+/// Device pixels per unit of length. plotters places everything on whole pixels, which is coarse for thin lines, so figures are drawn
+/// larger by this factor; the SVG states it in its viewBox, the PNG is averaged down.
 pub(super) const PIXELS_PER_UNIT: u32 = 4;
 
-/// How far plotters puts a text above where its digits would be centred, in sizes.
+/// Offset of plotters' texts above the vertical centre of their digits, in font sizes.
 const CENTRING: f64 = 0.2;
 
-/// Looked up by this name in the PNG, where only Ubuntu Light is registered; a browser takes the first it has.
+/// Font family. The PNG has only Ubuntu Light, registered by this name; a browser takes the first available.
 const FONT: &str = "Ubuntu, Helvetica Neue, Helvetica, Arial, sans-serif";
 
-/// Why a stroke could not be made; the backend's own words.
+/// Result of a stroke, with the error of the backend.
 pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// A point on the canvas: units right and down from the upper left corner.
@@ -36,7 +36,7 @@ impl Colour {
     }
 }
 
-/// Where a text sits relative to its point; its digits are centred in height.
+/// Position of a text relative to its point; its digits are centred vertically.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Align {
     Left,

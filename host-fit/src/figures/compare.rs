@@ -1,4 +1,4 @@
-//! The figures of a comparison: model against measurement, from numbers computed before.
+//! Figures of a comparison: model against measurement, from computed numbers.
 
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use fos_fit::signal::allan::AllanPoint;
@@ -6,30 +6,30 @@ use fos_fit::signal::autocorrelation::Autocorrelation;
 use fos_fit::signal::blocks::Envelope;
 use fos_fit::signal::spectrum::Spectrum;
 
-/// What is compared, and in which words.
+/// Name and unit of the compared quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Subject<'a> {
-    /// What was measured, as in `gyro x`.
+    /// Measured quantity, as in `gyro x`.
     pub channel: &'a str,
-    /// Its unit, as in `rad/s`.
+    /// Unit, as in `rad/s`.
     pub unit: &'a str,
 }
 
-/// Parts of a recording that are set apart over time.
+/// Parts of a recording with a shaded background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SetApart<'a> {
-    /// Text in the legend for where the model does worst, as in `worst minutes`.
+    /// Legend text of the stretches with the largest error, as in `worst minutes`.
     pub label: &'a str,
-    /// First and last second of each of those, the worst first; they are numbered in this order.
+    /// First and last second of each stretch, the worst first; they are numbered in this order.
     pub worst_s: &'a [(f64, f64)],
-    /// What was not judged, as the unit was moved.
+    /// Detected motion, which is not evaluated.
     pub moved: &'a Shading,
 }
 
-/// Measured and predicted over time: every sample within its band above, moving means alone below, because noise
-/// at the full rate hides where a model fails.
+/// Measurement and prediction over time: all samples as a band in the upper panel, moving means in the lower one, because noise at the full
+/// rate hides the errors of a model.
 ///
-/// One envelope per gap-free stretch; `mean_label` says over how long the mean was taken, as in `1 s mean`.
+/// One envelope for each stretch without gaps; `mean_label` states the length of the mean, as in `1 s mean`.
 pub fn measured_and_predicted(
     subject: Subject,
     measured: &[Envelope],
@@ -41,12 +41,12 @@ pub fn measured_and_predicted(
     over_time(subject, "measured and predicted", &traces, mean_label, apart)
 }
 
-/// What the model leaves over time, with the same shading.
+/// Residual over time, with the same shading.
 pub fn residual(subject: Subject, residual: &[Envelope], mean_label: &str, apart: SetApart) -> Figure {
     over_time(subject, "residual", &[("residual", Ink::Residual, residual)], mean_label, apart)
 }
 
-/// Autocorrelation of the residual at lags ≥ 1 with the bounds that hold 95 % of the values of white noise.
+/// Autocorrelation of the residual at lags ≥ 1, with the bounds of 95 % of the values of white noise.
 pub fn residual_autocorrelation(
     subject: Subject,
     autocorrelation: &Autocorrelation,
@@ -71,10 +71,10 @@ pub fn residual_autocorrelation(
     Figure { title: headline(subject, "autocorrelation of the residual"), panels: vec![panel] }
 }
 
-/// Power spectral densities of what was measured, predicted and left. Smooth them first (`Spectrum::smoothed`).
+/// Power spectral densities of measurement, prediction and residual. Smooth them first (`Spectrum::smoothed`).
 ///
-/// `floor_density` (unit²/Hz, `NoiseFloor::density`) is drawn as a level: the spectrum of the residual of the best
-/// predictor. A residual may dip below it at some frequencies, but only to rise above it at others.
+/// `floor_density` (unit²/Hz, `NoiseFloor::density`) is drawn as a level: the spectrum of the residual of the best predictor. A residual
+/// below it at some frequencies is above it at others.
 pub fn spectra(
     subject: Subject,
     measured: &Spectrum,
@@ -84,7 +84,7 @@ pub fn spectra(
 ) -> Figure {
     let curve = |label: &str, ink, spectrum: &Spectrum| {
         let points = spectrum.frequency_hz.iter().copied().zip(spectrum.density.iter().copied());
-        // frequency 0 has no place on a logarithmic axis
+        // A logarithmic axis has no frequency 0.
         let points = points.filter(|(frequency, _)| *frequency > 0.0).collect();
         Series { label: label.into(), ink, shape: Shape::Line(points) }
     };
@@ -107,7 +107,7 @@ pub fn spectra(
     Figure { title: headline(subject, "spectrum"), panels: vec![panel] }
 }
 
-/// Allan deviation of what was measured, of what was predicted and of what is left, with 95 % intervals.
+/// Allan deviations of measurement, prediction and residual, with 95 % intervals.
 pub fn allan(
     subject: Subject,
     measured: &[AllanPoint],
@@ -132,7 +132,7 @@ pub fn allan(
     Figure { title: headline(subject, "Allan deviation"), panels: vec![panel] }
 }
 
-/// Block means of what is left against those of a channel; `apart` are the blocks of a stretch that is looked at.
+/// Block means of the residual against those of a channel; `apart` are the blocks of a selected stretch.
 pub fn against(
     subject: Subject,
     channel: &str,
@@ -213,7 +213,7 @@ pub(super) fn per_hertz(unit: &str) -> String {
     if unit.contains(['/', ' ', '·']) { format!("({unit})²/Hz") } else { format!("{unit}²/Hz") }
 }
 
-/// With its first letter large.
+/// Text with a capital first letter.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -230,7 +230,7 @@ mod tests {
     const NOWHERE: SetApart = SetApart { label: "worst", worst_s: &[], moved: &NOTHING };
 
     #[test]
-    fn pieces_of_a_recording_share_one_label_and_stay_apart() {
+    fn pieces_of_a_recording_share_one_label() {
         let piece = |start: f64| Envelope {
             time_s: vec![start, start + 1.0],
             low: vec![-1.0, -2.0],
@@ -246,13 +246,13 @@ mod tests {
     }
 
     #[test]
-    fn the_size_of_a_figure_does_not_grow_with_the_record() {
+    fn figure_size_is_independent_of_record_length() {
         let drawn = |samples: usize| {
             let series: Vec<f64> = (0..samples).map(|n| (n as f64 * 0.37).sin() * (n % 101) as f64).collect();
             let outline = envelope(&series, 0.0, 0.005, 1000, 1.0);
             svg(&residual(GYRO, &[outline], "1 s mean", NOWHERE)).unwrap().len()
         };
-        // 1000 buckets: 4000 corners at about 10 characters, and the axes
+        // 1000 buckets: 4000 corners of about 10 characters, and the axes.
         assert!(drawn(1_000_000) < 100_000 && drawn(10_000) < 100_000);
     }
 
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_are_those_of_white_noise_and_lag_zero_is_left_out() {
+    fn bounds_are_those_of_white_noise_without_lag_zero() {
         let found = Autocorrelation { values: vec![1.0, 0.5, 0.0], samples: 100 };
         let panel = residual_autocorrelation(GYRO, &found, 0.005).panels.remove(0);
         let Shape::Level(bound) = panel.series[0].shape else { panic!("a level") };
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_squared_with_brackets_where_they_need_them() {
+    fn compound_units_are_squared_in_brackets() {
         assert_eq!(per_hertz("rad/s"), "(rad/s)²/Hz");
         assert_eq!(per_hertz("mg"), "mg²/Hz");
     }

@@ -1,19 +1,19 @@
-//! The figure of what is left against everything that is logged.
+//! Figure of the dependence of the residual on the logged columns.
 
 use super::compare::{Subject, capitalised};
 use super::{Axis, Figure, Ink, Panel, Series, Shape, with_unit};
 use fos_diagnose::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
 
-/// Channels that are drawn: those that it depends on and all temperatures, at least the likeliest, at most so many.
+/// Maximum number of channels: those with a dependence and all temperatures, at least the most probable one.
 const DRAWN: usize = 4;
 
-/// A delay of 0 has no place on a logarithmic axis and is drawn here, s.
+/// Position of a delay of 0, which a logarithmic axis lacks, s.
 const NO_DELAY_AT: f64 = 0.3;
 
-/// 95 % point of χ²₁: what one coefficient gains by chance.
+/// 95 % point of χ²₁: gain of one coefficient by chance.
 const CHANCE: f64 = 3.84;
 
-/// Upper ends of the steps of the map, in times the usual.
+/// Upper ends of the steps of the map, relative to the usual power.
 const STEPS: [(f64, &str); 6] = [
     (0.5, "below ½"),
     (1.5, "usual"),
@@ -23,7 +23,7 @@ const STEPS: [(f64, &str); 6] = [
     (f64::INFINITY, "above 8 times"),
 ];
 
-/// What is left against channels, their delays, time and frequency.
+/// Residual against channels, their delays, time and frequency.
 pub fn dependence(subject: Subject, found: &Dependence) -> Figure {
     let drawn: Vec<&ChannelDependence> = found
         .channels

@@ -1,4 +1,4 @@
-//! Draws a figure: the only place that knows how it looks.
+//! Draws a figure; defines its appearance.
 
 use plotters::prelude::DrawingBackend;
 
@@ -8,9 +8,9 @@ use super::{Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone};
 
 /// Width of every figure, units of length.
 pub(super) const WIDTH: f64 = 1200.0;
-/// Height of one panel with its title, legend and axis labels, where there are several.
+/// Height of one of several panels, with its title, legend and axis labels.
 const PANEL_HEIGHT: f64 = 340.0;
-/// The same for a panel alone.
+/// Height of a single panel.
 const LONE_PANEL_HEIGHT: f64 = 420.0;
 /// Room for the headline.
 const HEADLINE: f64 = 56.0;
@@ -32,20 +32,20 @@ const HEADLINE_SIZE: f64 = 22.0;
 const TITLE_SIZE: f64 = 16.0;
 const TEXT_SIZE: f64 = 14.0;
 
-/// Room for what stands before a text in the legend, with a gap on its left.
+/// Width of the symbol before a text in the legend, with a gap on its left.
 const KEY_WIDTH: f64 = 56.0;
 
-/// Room between names under an axis.
+/// Smallest gap between names below an axis.
 const GAP_OF_NAMES: f64 = 12.0;
 
 const LINE_WIDTH: f64 = 1.5;
 const HAIRLINE: f64 = 0.75;
 
-/// The other palette of Okabe and Ito, for methods side by side.
+/// The other palette of Okabe and Ito, for comparing methods.
 const METHODS: [u32; 7] =
     [0x00_72_B2, 0x56_B4_E9, 0x00_9E_73, 0xCC_79_A7, 0xE6_9F_00, 0xD5_5E_00, 0x22_22_22];
 
-/// From Okabe and Ito's blue to vermilion, thinned out towards the usual, and darker beyond.
+/// From Okabe and Ito's blue to vermilion, pale in the middle, and darker beyond.
 const STEPS: [u32; 6] = [0x9C_C9_E6, 0xF1_F3_F5, 0xFC_E3_B8, 0xF2_AE_4E, 0xD5_5E_00, 0x7A_2E_00];
 
 fn colour(ink: Ink) -> Colour {
@@ -66,7 +66,7 @@ fn colour(ink: Ink) -> Colour {
 
 fn background(tone: Tone) -> Colour {
     match tone {
-        // Okabe–Ito orange, thinned out
+        // Okabe–Ito orange, made transparent.
         Tone::Apart => Colour(0xE6_9F_00, 0.20),
         Tone::LeftOut => Colour(0x6B_72_7B, 0.30),
     }
@@ -92,7 +92,7 @@ pub(super) fn figure<DB: DrawingBackend>(canvas: &Canvas<DB>, figure: &Figure) -
             Plot::new(panel, HEADLINE + panel_height(figure) * place as f64, panel_height(figure))
         })
         .collect();
-    // the widest tick label of all panels decides, so that their axes line up
+    // The widest tick label of all panels decides, so that their axes are aligned.
     let widest = plots
         .iter()
         .flat_map(|plot| plot.y.ticks(plot.y_ticks()))
@@ -107,7 +107,7 @@ pub(super) fn figure<DB: DrawingBackend>(canvas: &Canvas<DB>, figure: &Figure) -
     Ok(())
 }
 
-/// A panel, its axes and its place on the canvas.
+/// A panel with its axes and position on the canvas.
 struct Plot<'a> {
     panel: &'a Panel,
     x: Extent,
@@ -141,7 +141,7 @@ impl<'a> Plot<'a> {
         ((self.bottom - self.top) / 45.0) as usize
     }
 
-    /// Place of a value on the canvas.
+    /// Position of a value on the canvas.
     fn place(&self, x: f64, y: f64) -> Option<Point> {
         Some((self.across(x)?, self.up(y)?))
     }
@@ -179,7 +179,7 @@ impl<'a> Plot<'a> {
         canvas.text(&self.panel.y.label, (self.left, self.top - 17.0), Align::Left, TEXT_SIZE, TEXT)
     }
 
-    /// The named values of the x axis; where not all names have room, every so-manieth has its own.
+    /// Named values of the x axis, thinned out evenly if they do not all fit.
     fn named<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Vec<Tick> {
         let names = &self.panel.x.names;
         let widest = names.iter().map(|name| canvas.text_width(name, TEXT_SIZE)).fold(0.0, f64::max);
@@ -197,7 +197,7 @@ impl<'a> Plot<'a> {
 
     fn grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn<DB> {
         let shade = |tick: &Tick| if tick.label.is_some() { GRID } else { SUBGRID };
-        // subdivisions come first, so that no grid line is cut by a fainter one
+        // Subdivisions are drawn first, so that a fainter line never crosses a grid line.
         let named = self.named(canvas);
         let numbered = || self.x.ticks(((self.right - self.left) / 100.0) as usize);
         for tick in if named.is_empty() { numbered() } else { named } {
@@ -223,7 +223,7 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// Shaded ranges that reach into the panel.
+    /// Shaded ranges that overlap the panel.
     fn shaded<'s>(&self, shading: &'s Shading) -> impl Iterator<Item = &'s ShadedRange> {
         let (low, high) = (self.x.low, self.x.high);
         shading.ranges.iter().filter(move |range| range.to >= low && range.from <= high)
@@ -234,7 +234,7 @@ impl<'a> Plot<'a> {
             for range in self.shaded(shading) {
                 let (from, to) = (range.from.max(self.x.low), range.to.min(self.x.high));
                 let (Some(from), Some(to)) = (self.across(from), self.across(to)) else { continue };
-                // a range too short to see is widened about its middle
+                // A range too short to be visible is widened about its middle.
                 let (middle, half) = (0.5 * (from + to), (0.5 * (to - from)).max(1.5));
                 let corners = ((middle - half, self.top), (middle + half, self.bottom));
                 canvas.rectangle(corners.0, corners.1, background(shading.tone))?;
@@ -322,8 +322,7 @@ impl<'a> Plot<'a> {
         unbroken(&places).iter().try_for_each(|piece| canvas.line(piece, LINE_WIDTH, ink))
     }
 
-    /// Draws the legend above the axes: beside the panel's title, then beside the label of the y axis, where a
-    /// first line does not hold it all.
+    /// Draws the legend above the axes, beside the panel's title; continues beside the label of the y axis if one line is too short.
     fn legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn<DB> {
         let mut entries: Vec<(&str, Key)> = Vec::new();
         for series in &self.panel.series {
@@ -360,7 +359,7 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// What stands before a text in the legend.
+/// Symbol before a text in the legend.
 enum Key<'a> {
     Series(&'a Series),
     Shading(Tone),
@@ -394,7 +393,7 @@ impl Key<'_> {
     }
 }
 
-/// All (x, y) an axis must have room for; a level has no x.
+/// All (x, y) that must be within the range of an axis; a level has no x.
 fn corners(shape: &Shape) -> Vec<(Option<f64>, f64)> {
     match shape {
         Shape::Line(points) | Shape::Points(points) => points.iter().map(|(x, y)| (Some(*x), *y)).collect(),
@@ -413,7 +412,7 @@ fn corners(shape: &Shape) -> Vec<(Option<f64>, f64)> {
     }
 }
 
-/// Runs of places without a missing one between them.
+/// Runs of consecutive positions without a missing one.
 fn unbroken<T: Copy>(places: &[Option<T>]) -> Vec<Vec<T>> {
     places
         .split(Option::is_none)

@@ -1,11 +1,11 @@
-//! What speaks for an effect, as a figure: over time, and against the channel it shows best against.
+//! Evidence for an effect as a figure: over time, and against the channel that shows it best.
 
 use super::compare::{Subject, capitalised};
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use fos_diagnose::refine::Evidence;
 use fos_fit::signal::spectrum::Spectrum;
 
-/// The slow error without all other findings, beside what `effect` says of it; shaded where it is largest.
+/// The slow error without all other findings, with the contribution of `effect`; shaded where it is largest.
 pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
     let pairs =
         |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };

@@ -9,10 +9,10 @@ use super::round_joins::RoundJoins;
 use super::{Figure, draw};
 use fos_data::file::{FileError, write_atomically};
 
-/// Why a figure was not made.
+/// A figure could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// The drawing or encoding library refused; its own words.
+    /// Error of the drawing or encoding library.
     #[error("could not draw the figure: {0}")]
     Draw(String),
     /// The file could not be written.
@@ -28,8 +28,8 @@ pub fn svg(figure: &Figure) -> Result<String, FigureError> {
         SVGBackend::with_string(&mut document, (width * PIXELS_PER_UNIT, height * PIXELS_PER_UNIT)),
         figure,
     )?;
-    // the viewBox keeps the fine grid that was drawn on; the size is that of the figure. Text is centred in height
-    // as it is in the PNG, not by the height of the letters of whatever font the browser has.
+    // The viewBox has the fine grid of the drawing, the size is that of the figure. Text is centred vertically as in the PNG,
+    // independent of the letter height of the browser's font.
     let fine = |name: &str, length: u32| format!("{name}=\"{}\"", length * PIXELS_PER_UNIT);
     let plain = |name: &str, length: u32| format!("{name}=\"{length}\"");
     Ok(document
@@ -57,17 +57,17 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, FigureError> {
     Ok(file)
 }
 
-/// Writes a figure as SVG: beside the file first, then renamed, so that a reader never sees half of it.
+/// Writes a figure as SVG atomically.
 pub fn write_svg(figure: &Figure, path: &Path) -> Result<(), FigureError> {
     Ok(write_atomically(path, svg(figure)?.as_bytes())?)
 }
 
-/// Writes a figure as PNG: beside the file first, then renamed, so that a reader never sees half of it.
+/// Writes a figure as PNG atomically.
 pub fn write_png(figure: &Figure, path: &Path) -> Result<(), FigureError> {
     Ok(write_atomically(path, &png(figure)?)?)
 }
 
-/// Width and height, units of length, which are the pixels of the PNG.
+/// Width and height in units of length, which are the pixels of the PNG.
 fn size(figure: &Figure) -> (u32, u32) {
     (draw::WIDTH as u32, draw::height(figure) as u32)
 }
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn svg_holds_every_label_and_no_nan() {
+    fn svg_contains_every_label_and_no_nan() {
         let picture = svg(&everything(&[(1.0, 1.0), (2.0, f64::NAN), (4.0, 3.0)], Scale::Linear)).unwrap();
         for text in
             ["a figure", "a panel", "Time (s)", "Rate (rad/s)", "band", "line", "points", "bars", "stems"]
@@ -145,17 +145,17 @@ mod tests {
     }
 
     #[test]
-    fn png_has_the_size_of_the_figure_and_ink_on_it() {
+    fn png_has_size_and_colours_of_the_figure() {
         let (width, height, pixels) =
             decoded(&png(&everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Log)).unwrap());
         assert_eq!((width, height), (1200, 748));
-        // #0072B2, the colour of what was measured, somewhere at full strength
+        // #0072B2, the colour of measurements, occurs at full strength.
         assert!(pixels.chunks_exact(3).any(|pixel| pixel == [0x00, 0x72, 0xB2]));
         assert_eq!(pixels[..3], [255; 3]);
     }
 
     #[test]
-    fn nothing_one_point_constants_and_absurd_values_are_drawn_without_panic() {
+    fn draws_empty_constant_and_extreme_series() {
         let cases: [&[(f64, f64)]; 7] = [
             &[],
             &[(1.0, 1.0)],
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn file_is_replaced_whole_and_nothing_is_left_beside_it() {
+    fn file_is_replaced_atomically() {
         let folder = tempfile::tempdir().unwrap();
         let figure = everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Linear);
         for _ in 0..2 {
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_not_there_is_named_in_the_error() {
+    fn error_names_missing_folder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("missing").join("a.svg");
         let error = write_svg(&Figure::default(), &path).unwrap_err();

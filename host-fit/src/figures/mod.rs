@@ -1,7 +1,7 @@
-//! Figures: what a comparison shows, as plain data, and one way of drawing it.
+//! Figures as plain data, and one way of drawing them.
 //!
-//! A [`Figure`] holds numbers that were computed elsewhere ([`compare`] arranges them) and is drawn by the same
-//! code to SVG and to PNG, with a font that is built in. It serialises, so that a browser may draw it too.
+//! A [`Figure`] holds numbers that are computed elsewhere ([`compare`] arranges them) and is drawn by the same code to SVG and PNG, with a
+//! built-in font. It can be serialised, so that a browser may draw it too.
 //!
 //! ```
 //! use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, svg};
@@ -34,27 +34,27 @@ pub use shading::{ShadedRange, Shading, Tone, moved};
 pub struct Figure {
     /// Headline.
     pub title: String,
-    /// From top to bottom. Panels that show the same x range line up.
+    /// Panels from top to bottom. Panels with the same x range are aligned.
     pub panels: Vec<Panel>,
 }
 
-/// One pair of axes and what is drawn in it.
+/// A pair of axes with its content.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Panel {
-    /// What this panel shows, beside the legend.
+    /// Title, beside the legend.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Drawn in this order, later ones on top.
+    /// Series in the order of drawing, later ones on top.
     pub series: Vec<Series>,
     /// Ranges of x set apart by a shaded background; later ones on top.
     pub shading: Vec<Shading>,
 }
 
-/// An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones).
+/// An axis. Its range is that of the finite values (on a logarithmic axis, of the positive ones).
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Axis {
@@ -93,17 +93,15 @@ pub enum Scale {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Series {
-    /// Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
-    /// none with an empty one.
+    /// Text in the legend. Series with the same label share one entry (pieces of a recording with gaps); an empty label has none.
     pub label: String,
-    /// Whose numbers these are; decides the colour.
+    /// Origin of the numbers; decides the colour.
     pub ink: Ink,
-    /// The numbers, and how they are joined.
+    /// Numbers and their shape.
     pub shape: Shape,
 }
 
-/// How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
-/// out.
+/// Shape of a series. A value that is not finite (in JSON null) interrupts a line or band and is otherwise skipped.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Shape {
@@ -132,31 +130,31 @@ pub enum Shape {
     Frames(Vec<(f64, f64, f64, f64)>),
 }
 
-/// Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
-/// Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision.
+/// Origin of the numbers of a series. A colour has the same meaning in every figure; the colours are those of Okabe & Ito (Color Universal
+/// Design, 2008), distinguishable with any kind of colour vision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Ink {
-    /// What the sensor said (blue).
+    /// Measurements (blue).
     Measured,
-    /// What the model said (vermilion).
+    /// Predictions (vermilion).
     Predicted,
-    /// What is left (green).
+    /// Residuals (green).
     Residual,
-    /// What nobody could predict (black).
+    /// Noise floor, the unpredictable part (black).
     Floor,
-    /// Limits of what chance explains (grey).
+    /// Limits of values by chance (grey).
     Bound,
-    /// Anything else (purple).
+    /// Other numbers (purple).
     Other,
-    /// A step of a scale from too little (blue) over the usual (pale) to too much (orange to brown), numbered from 0;
-    /// beyond the last it stays.
+    /// A step of a scale from too little (blue) over usual (pale) to too much (orange to brown), numbered from 0; higher numbers use
+    /// the last colour.
     Step(usize),
     /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
     Method(usize),
 }
 
-/// A column with its unit, as under an axis.
+/// A column with its unit, shown below an axis.
 fn named_with_unit(column: &str) -> String {
     with_unit(column, Column::named(column).unit().label())
 }

@@ -29,7 +29,7 @@ fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {
     let (lowest, highest) = axis.allan.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), point| {
         (low.min(point.deviation), high.max(point.deviation))
     });
-    // a line far below what was measured would make the picture of it small
+    // A line far below the measurements would compress their picture.
     let line = |of: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
         let points = taus.iter().map(|tau| (*tau, of(*tau)));
         points.filter(|(_, value)| (0.5 * lowest..=2.0 * highest).contains(value)).collect()

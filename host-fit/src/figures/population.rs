@@ -1,4 +1,4 @@
-//! The figures of a population: how units lie about it, their lots in order, and of what their differences are made.
+//! Figures of a population: distribution of the units, their lots, and the parts of their variance.
 
 use statrs::distribution::{Continuous, Normal};
 
@@ -7,63 +7,63 @@ use super::{Axis, Figure, Ink, Panel, Series, Shape};
 /// A unit's estimate of a coefficient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitDot {
-    /// In the unit of the coefficient.
+    /// Value in the unit of the coefficient.
     pub value: f64,
-    /// The place of its lot among the lots.
+    /// Index of its lot.
     pub lot: Option<usize>,
-    /// It does not belong.
+    /// The unit does not belong to the population.
     pub is_odd: bool,
 }
 
-/// What is known of a lot's mean.
+/// Estimated mean of a lot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LotMean {
-    /// Its name.
+    /// Name of the lot.
     pub name: String,
     /// Mean.
     pub mean: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of the mean.
     pub interval: [f64; 2],
 }
 
-/// A coefficient of an axis, over the units of a part; all in one unit.
+/// A coefficient of an axis over the units of a part; all values in one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OfCoefficient {
-    /// As in `gyro x: bias`.
+    /// Title, as in `gyro x: bias`.
     pub title: String,
-    /// Quantity and unit, as under an axis.
+    /// Quantity and unit, shown below an axis.
     pub quantity: String,
-    /// In the order of their lots and names.
+    /// Estimates in the order of lots and names.
     pub units: Vec<UnitDot>,
-    /// In their order; empty where no lot is named.
+    /// Means of the lots in their order; empty if lots are unknown.
     pub lots: Vec<LotMean>,
     /// Mean of the part.
     pub mean: f64,
-    /// Standard deviation of units about it, lots included.
+    /// Standard deviation of units about the mean, lots included.
     pub scatter: f64,
-    /// Standard deviation of an estimate about its unit.
+    /// Standard deviation of an estimate about its true value.
     pub error: f64,
 }
 
-/// Shares of the variance of estimates.
+/// Parts of the variance of estimates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OfVariance {
-    /// As under an axis.
+    /// Name, shown below an axis.
     pub name: String,
-    /// Lots, units, error of a log; they add up to 1.
+    /// Shares of lots, units and log errors; they add up to 1.
     pub shares: [f64; 3],
 }
 
-/// What is further off, in standard deviations of the estimates, is left out: nothing else could be told apart.
+/// Largest deviation drawn, in standard deviations of the estimates: with further ones, the others would be indistinguishable.
 const FURTHEST: f64 = 12.0;
 
-/// Units that are drawn at most; of more, every so-manieth.
+/// Maximum number of units drawn; larger fleets are thinned out evenly.
 const DOTS: usize = 500;
 
-/// Bins of a histogram at most.
+/// Maximum number of bins of a histogram.
 const MOST_BINS: f64 = 200.0;
 
-/// Estimates as a histogram beside the population, and lot by lot.
+/// Histogram of the estimates with the population, and estimates by lot.
 pub fn of_coefficient(of: &OfCoefficient) -> Figure {
     let seen = of.scatter.hypot(of.error);
     let (near, far): (Vec<UnitDot>, Vec<UnitDot>) =
@@ -81,11 +81,11 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
     let n = near.len() as f64;
     let low = near.iter().map(|unit| unit.value).fold(f64::INFINITY, f64::min);
     let high = near.iter().map(|unit| unit.value).fold(f64::NEG_INFINITY, f64::max);
-    // half as wide as is best for a normal distribution (Scott 1979): the curve beside it is smooth enough
+    // Half of the best width for a normal distribution (Scott 1979), because the curve beside it is smooth.
     let width = (1.75 * seen * n.powf(-1.0 / 3.0)).max((high - low) / MOST_BINS);
     let width = if width.is_normal() { width } else { 1.0 };
     let mut series = Vec::new();
-    // bins as (number of the bin, units that belong, odd ones); the odd ones stand on the others
+    // (Number of the bin, units of the population, odd units); odd units are stacked on the others.
     let mut bins: Vec<(f64, [f64; 2])> = Vec::new();
     for unit in near {
         let number = ((unit.value - low) / width).floor();
@@ -107,7 +107,7 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
         }
     }
     let belonging = near.iter().filter(|unit| !unit.is_odd).count() as f64;
-    // a curve much narrower than a bin is a needle above all else
+    // A curve much narrower than a bin would be a needle above everything else.
     for (label, ink, deviation) in
         [("units and the error of a log", Ink::Bound, seen), ("units", Ink::Predicted, of.scatter)]
     {
@@ -128,17 +128,17 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
     }
 }
 
-/// Units about the means of their lots.
+/// Units around the means of their lots.
 fn by_lot(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
     let mut dots: Vec<(f64, UnitDot)> = Vec::new();
     for lot in 0..of.lots.len() {
         let units: Vec<&UnitDot> = near.iter().filter(|unit| unit.lot == Some(lot)).collect();
-        // side by side in the order of their names, within three fifths of the lot's room
+        // Side by side in the order of their names, within three fifths of the width of the lot.
         let across = |place: usize| 0.6 * ((place as f64 + 0.5) / units.len() as f64 - 0.5);
         dots.extend(units.iter().enumerate().map(|(place, unit)| (lot as f64 + across(place), **unit)));
     }
     let mut series = dots_of(&dots);
-    // each lot of its own: nothing lies between them
+    // A series for each lot, without a line between them.
     series.extend(of.lots.iter().enumerate().map(|(place, lot)| Series {
         label: "mean of the lot, 90 %".into(),
         ink: Ink::Floor,
@@ -155,7 +155,7 @@ fn by_lot(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
     }
 }
 
-/// Units one after the other, where no lots are known.
+/// Units in sequence, if lots are unknown.
 fn in_order(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
     let dots: Vec<(f64, UnitDot)> =
         near.iter().enumerate().map(|(place, unit)| (place as f64 + 1.0, *unit)).collect();
@@ -188,7 +188,7 @@ fn mean_of(of: &OfCoefficient) -> Series {
     Series { label: "mean of the part".into(), ink: Ink::Predicted, shape: Shape::Level(of.mean) }
 }
 
-/// Of what the differences of estimates are made, a panel for each of `coefficients`.
+/// Parts of the variance of the estimates, with a panel for each of `coefficients`.
 pub fn of_variance(title: &str, coefficients: &[(String, Vec<OfVariance>)]) -> Figure {
     let panel = |(name, axes): &(String, Vec<OfVariance>)| {
         let kinds = [("lots", Ink::Predicted), ("units", Ink::Measured), ("error of a log", Ink::Bound)];
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn every_unit_is_in_the_histogram_and_one_far_beyond_is_told() {
+    fn histogram_counts_every_unit_and_reports_far_ones() {
         let figure = of_coefficient(&drawn(&[-1.0, -0.5, 0.0, 0.1, 0.2, 1.5, 40.0], 2));
         let Shape::Cells(bins) = &figure.panels[0].series[0].shape else { panic!("bins") };
         assert_eq!(bins.iter().map(|(.., count)| *count as usize).sum::<usize>(), 6);
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_width_no_number_or_no_unit_is_drawn_all_the_same() {
+    fn draws_degenerate_populations() {
         for (values, scatter) in [(&[0.0; 3][..], 0.0), (&[f64::NAN, 1.0, f64::INFINITY], 1.0), (&[], 1.0)] {
             for lots in [0, 2] {
                 let of = OfCoefficient { scatter, error: 0.0, ..drawn(values, lots) };
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_lots_as_many_are_named_as_have_room() {
+    fn labels_as_many_lots_as_fit() {
         for (lots, named) in [(4, 4..5), (90, 9..16)] {
             let picture = svg(&of_coefficient(&drawn(&[0.0; 90], lots))).expect("drawn");
             let found = (0..lots).filter(|lot| picture.contains(&format!("2026-W{lot}\n"))).count();

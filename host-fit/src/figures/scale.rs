@@ -1,9 +1,8 @@
-//! From values to positions along an axis, and where its ticks go; for the page, `workbench/page/ticks.js` says the
-//! same.
+//! Positions of values along an axis, and its ticks. The page does the same in `workbench/page/ticks.js`.
 
 use super::Scale;
 
-/// Decades shown on a logarithmic axis at most; what lies lower is drawn at its lower end.
+/// Maximum number of decades on a logarithmic axis; lower values are drawn at the lower end.
 const MOST_DECADES: f64 = 12.0;
 
 /// Range of an axis, in values.
@@ -14,7 +13,7 @@ pub(super) struct Extent {
     pub(super) scale: Scale,
 }
 
-/// A value worth a grid line. Those without a label subdivide.
+/// A value with a grid line. Those without a label are subdivisions.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) value: f64,
@@ -22,8 +21,7 @@ pub(super) struct Tick {
 }
 
 impl Extent {
-    /// Range of the values that can be drawn, widened on both sides by a fraction of itself. `None` where there
-    /// are none.
+    /// Range of the values that can be drawn, widened on both sides by a fraction of itself; `None` without such values.
     pub(super) fn of(values: impl Iterator<Item = f64>, scale: Scale, margin: f64) -> Option<Extent> {
         let drawable = values.filter(|value| value.is_finite() && (scale == Scale::Linear || *value > 0.0));
         let (low, high) = drawable.fold(None, |range, value| match range {
@@ -41,8 +39,8 @@ impl Extent {
         Some(Extent { low, high, scale })
     }
 
-    /// Position of a value from 0 at the low end to 1 at the high end; values beyond are put at the ends. `None`
-    /// where it has no place (not finite; not positive on a logarithmic axis).
+    /// Position of a value from 0 at the low end to 1 at the high end; values beyond are put at the ends. `None` for values that cannot
+    /// be drawn (not finite, or not positive on a logarithmic axis).
     pub(super) fn position(&self, value: f64) -> Option<f64> {
         let fraction = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
@@ -52,7 +50,7 @@ impl Extent {
         has_place.then(|| fraction.clamp(0.0, 1.0))
     }
 
-    /// Ticks from low to high, about `wanted` of them with a label; those without one come first.
+    /// Ticks from low to high, about `wanted` of them labelled; those without a label come first.
     pub(super) fn ticks(&self, wanted: usize) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => labelled(self.round_values(wanted)),
@@ -75,7 +73,7 @@ impl Extent {
         let decades = (self.high / self.low).log10();
         let labelled_digits: &[i32] = if 3.0 * decades <= wanted as f64 + 2.0 { &[1, 2, 5] } else { &[1] };
         let every = (decades / (wanted + 2) as f64).ceil().max(1.0) as i32;
-        // one notation for all labels of an axis
+        // One notation for all labels of an axis.
         let plain = first >= -3 && last <= 4;
         let mut ticks: Vec<Tick> = (first..=last)
             .flat_map(|exponent| (1..=9).map(move |digit| (digit, exponent)))
@@ -96,13 +94,13 @@ impl Extent {
 }
 
 fn widened(low: f64, high: f64, margin: f64, if_constant: f64) -> (f64, f64) {
-    // a range of a few roundings is a constant to the eye, and has no ticks that differ
+    // A range of a few rounding errors is constant to the eye, and its ticks would not differ.
     let is_constant = high - low <= 1e-12 * low.abs().max(high.abs());
     let by = if is_constant { if_constant } else { margin * (high - low) };
     (low - by, high + by)
 }
 
-/// Labels evenly spaced values with as many digits as tell them apart.
+/// Labels evenly spaced values with the digits necessary to distinguish them.
 fn labelled(values: Vec<f64>) -> Vec<Tick> {
     let step = values.windows(2).map(|pair| pair[1] - pair[0]).next().unwrap_or(1.0);
     let largest = values.iter().fold(0f64, |largest, value| largest.max(value.abs()));
@@ -135,8 +133,7 @@ fn power_of_ten(digit: i32, exponent: i32, plain: bool) -> String {
 mod tests {
     use super::*;
 
-    /// An axis, and what of it is named: the page's chart code is held to the same table
-    /// (tests/browser/numbers.test.js).
+    /// An axis and its labels. The chart code of the page is tested against the same table (tests/browser/numbers.test.js).
     #[derive(serde::Deserialize)]
     struct Case {
         scale: String,
@@ -148,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_marked_as_in_the_table_that_the_page_is_held_to() {
+    fn ticks_match_the_table_of_the_page() {
         let cases: Vec<Case> = serde_json::from_str(include_str!("ticks.json")).unwrap();
         for Case { scale, low, high, count, values, labels } in cases {
             let scale = if scale == "Log" { Scale::Log } else { Scale::Linear };
@@ -161,14 +158,14 @@ mod tests {
             );
             assert_eq!(values.len(), named.len(), "{extent:?}");
             for (value, (drawn, _)) in values.iter().zip(&named) {
-                // each is a few roundings from its decimal
+                // Each is within a few rounding errors of its decimal.
                 assert!((value - drawn).abs() <= 1e-12 * value.abs(), "{drawn} is not {value}: {extent:?}");
             }
         }
     }
 
     #[test]
-    fn constants_get_a_range_around_them() {
+    fn constant_values_get_a_range_around_them() {
         for (value, scale) in
             [(0.0, Scale::Linear), (9.81, Scale::Linear), (-3.0, Scale::Linear), (1e-9, Scale::Log)]
         {
@@ -179,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_has_no_place() {
+    fn undrawable_values_have_no_position() {
         let extent = Extent::of([f64::NAN, 1.0, 100.0, -5.0, 0.0].into_iter(), Scale::Log, 0.0).unwrap();
         assert_eq!(
             (extent.position(10.0), extent.position(-5.0), extent.position(f64::NAN)),

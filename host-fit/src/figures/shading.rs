@@ -1,5 +1,4 @@
-//! Ranges of x that are set apart by their background, and the one that is the same wherever a log is drawn over time:
-//! where the unit was moved.
+//! Ranges of x with a shaded background, and detected motion, which is shaded in all figures over time.
 
 use std::ops::Range;
 
@@ -13,20 +12,20 @@ use fos_data::stillness::Stillness;
 pub struct Shading {
     /// Text in the legend.
     pub label: String,
-    /// Why it is set apart; decides the colour.
+    /// Reason for the shading; decides the colour.
     pub tone: Tone,
-    /// What is shaded.
+    /// Ranges of x.
     pub ranges: Vec<ShadedRange>,
 }
 
-/// Why a range is set apart.
+/// Reason for the shading of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Tone {
-    /// To be looked at (orange).
+    /// Range of interest (orange).
     #[default]
     Apart,
-    /// It has no say (grey).
+    /// Excluded range (grey).
     LeftOut,
 }
 
@@ -38,15 +37,14 @@ pub struct ShadedRange {
     pub from: f64,
     /// Right end, in units of x.
     pub to: f64,
-    /// Short text at its top, a number for instance.
+    /// Short text at the top, such as a number.
     pub mark: String,
-    /// What it is, in words, for who points at it; empty where the legend says it all.
+    /// Description for a tooltip; empty if the legend suffices.
     pub says: String,
 }
 
-/// Where a unit was moved though it was meant to be at rest, over the time stamps of `recording`, s, as far as
-/// `stillness` leaves it out. Each stretch is told as it is found in the whole log: of a hand that the detector of
-/// stillness has seen, only a rest is found among the rows that it takes for still.
+/// Detected motion on a device meant to be at rest, over the timestamps of `recording`, s, where `stillness` excludes it. Descriptions come
+/// from the whole log, because only parts of a motion remain among the rows that the detector accepts as still.
 pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
     let mut stretches: Vec<(Range<usize>, String)> = Vec::new();
     for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_left_out()) {
@@ -82,7 +80,7 @@ mod tests {
         Axis, CasePlan, Disturbance as Disturbed, Setup, Simulation, simulate, simulate_case,
     };
 
-    /// When it is knocked, s.
+    /// Times of the knock, s.
     const KNOCK_S: [f64; 2] = [60.0, 60.3];
 
     /// Two minutes at rest, with a knock.
@@ -112,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_unit_was_moved_is_shaded_and_named_once_in_each_panel() {
+    fn motion_is_shaded_with_one_legend_entry_per_panel() {
         let log = knocked(false);
         let moved = moved(&log, &stillness::find(&log));
         let [knock] = &moved.ranges[..] else { panic!("one knock: {moved:?}") };
@@ -131,13 +129,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_as_any_other_row_or_lasts_is_not_shaded() {
+    fn included_rows_and_lasting_vibration_are_not_shaded() {
         let log = knocked(true);
         let none = moved(&log, &stillness::find(&log));
         assert_eq!(none.ranges, []);
         let picture = drawn(&log, &none);
         assert!(!picture.contains(&none.label) && !picture.contains("fill=\"#6B727B\""));
-        // lasting vibration is a state of the surroundings
+        // Lasting vibration is a property of the environment.
         let log = knocked(false);
         let mut lasting = stillness::find(&log);
         lasting.disturbances[0].kind = Kind::Vibration;
@@ -145,9 +143,9 @@ mod tests {
         assert_eq!(moved(&log, &lasting).ranges.len(), 1, "the knock alone");
     }
 
-    /// A hand and its knocks are seen by the detector of stillness too: of what it had seen only the rest was told.
+    /// Regression test: motion found by the detector of stillness was described incompletely.
     #[test]
-    fn what_is_shaded_is_left_out() {
+    fn shaded_rows_are_excluded_rows() {
         for (disturbance, seed) in
             [(Disturbed::Knocks, 1), (Disturbed::Handling, 1), (Disturbed::Handling, 8)]
         {
@@ -161,8 +159,8 @@ mod tests {
             let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
             let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
             assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
-            let told = stillness.disturbances.iter().filter(|one| one.is_left_out());
-            assert!(told.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
+            let excluded = stillness.disturbances.iter().filter(|one| one.is_left_out());
+            assert!(excluded.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
             let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);
             let is_hand = moved.ranges.iter().any(|range| range.says.starts_with("handling"));
             assert_eq!(is_hand && longest > 8.0, disturbance == Disturbed::Handling, "{:?}", moved.ranges);
@@ -170,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_beyond_the_panel_is_cut_to_it() {
+    fn shading_is_clipped_to_the_panel() {
         let log = knocked(false);
         let beyond = ShadedRange { from: -1e3, to: 10.0, ..ShadedRange::default() };
         let outside = ShadedRange { from: 1e3, to: 2e3, ..ShadedRange::default() };

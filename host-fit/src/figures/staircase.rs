@@ -1,45 +1,45 @@
-//! The figure of a model that is refined: the error after every step, predicted and measured.
+//! Figure of the remaining error after each added effect, predicted and measured.
 
 use super::compare::capitalised;
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 
-/// A tread of a staircase: the error that a step of the refinement left.
+/// Remaining error after one step of the refinement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tread {
-    /// What was done, as under the axis.
+    /// Name of the step, shown below the axis.
     pub name: String,
-    /// Root of the variance of 1-s means that is left.
+    /// Slow error: RMS of the 1-s means.
     pub slow: f64,
-    /// Root of the variance of the samples that is left.
+    /// Broadband error: RMS of the samples.
     pub wide: f64,
-    /// What was predicted of the one or the other, with its interval.
+    /// Predicted slow or broadband error with its interval.
     pub predicted: Option<Predicted>,
-    /// Root mean square error when coasting: horizon in s, error.
+    /// RMS error while coasting: (horizon in s, error).
     pub coast: Vec<(f64, f64)>,
 }
 
-/// What was predicted of a step.
+/// Predicted error after a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicted {
-    /// Of the samples, else of the 1-s means.
+    /// The prediction is of the broadband error, otherwise of the slow error.
     pub wide: bool,
-    /// What should be left.
+    /// Predicted remaining error.
     pub left: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of `left`.
     pub interval: [f64; 2],
 }
 
-/// Half of the length of a tread: they meet, so that the risers are upright.
+/// Half of the length of a tread. Treads touch, so that the risers are vertical.
 const TREAD: f64 = 0.5;
 
-/// A line that is level at every step.
+/// Line with a level for each step.
 fn treads(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
     let treads =
         values.enumerate().map(|(at, value)| [(at as f64 - TREAD, value), (at as f64 + TREAD, value)]);
     treads.flatten().collect()
 }
 
-/// The staircase of `channel`, in `unit`.
+/// Figure of `channel`, in `unit`.
 pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
     let names: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
     let x = || Axis { names: names.clone(), ..Axis::linear("") };
@@ -50,7 +50,7 @@ pub fn staircase(channel: &str, unit: &str, steps: &[Tread]) -> Figure {
             let [low, high] = predicted.interval;
             Some((at as f64, predicted.left, low, high))
         });
-        // each step of its own: nothing was predicted in between
+        // A series for each step, without a line between them.
         let predicted = predicted.map(|bar| Series {
             label: "predicted, 90 %".into(),
             ink: Ink::Predicted,

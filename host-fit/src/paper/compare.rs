@@ -1,4 +1,4 @@
-//! Every method at every order on one axis of a log.
+//! Compares all methods at all orders on one axis of a log.
 
 use std::ops::Range;
 
@@ -13,23 +13,23 @@ use fos_fit::fit::autoregression::Method;
 use fos_fit::signal;
 use fos_fit::signal::noise_floor::noise_floor;
 
-/// Why there is no comparison.
+/// The comparison failed.
 #[derive(Debug, thiserror::Error)]
 pub enum PaperError {
     /// The log cannot be split.
     #[error(transparent)]
     Split(#[from] SplitError),
-    /// Nothing to predict.
+    /// The training part is constant.
     #[error(
         "{0}: every value in the training part is the same: a stuck or unconnected axis\nhelp: leave the axis out"
     )]
     Constant(String),
 }
 
-/// Compares the methods on the errors of one axis of `recording`; with the comparison, the split that it was made on.
+/// Compares the methods on the errors of one axis of `recording`; returns the comparison and its split.
 ///
 /// # Errors
-/// The log is too short for three parts, or the axis stuck.
+/// The log is too short for three parts, or the axis is stuck.
 pub fn compare(
     recording: &Recording,
     stillness: &Stillness,
@@ -48,7 +48,7 @@ pub fn compare(
         return Err(PaperError::Constant(series.channel.clone()));
     }
     let samples: Vec<f64> = series.values.iter().map(|value| (value - mean) / scale).collect();
-    // each part on its own: none sees another
+    // Each part is de-noised separately, without data of the others.
     let mut denoised = vec![f64::NAN; samples.len()];
     for range in split.parts().flatten().filter(|range| range.len() >= settings.denoising.shortest()) {
         denoised[range.clone()].copy_from_slice(&settings.denoising.denoise(&samples[range.clone()]));

@@ -1,4 +1,4 @@
-//! What the figures show beside the errors: the samples, part by part, and their autocorrelation.
+//! Data of the figures: the samples, part by part, and their autocorrelation.
 
 use std::ops::Range;
 
@@ -15,15 +15,15 @@ const LONGEST_LAG_S: f64 = 5.0;
 /// The samples of an axis at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curves {
-    /// Of all three parts, lags of 0 … 5 s; none where there are too few samples.
+    /// Autocorrelation over all three parts, lags of 0 … 5 s; none if there are too few samples.
     pub autocorrelation: Option<Autocorrelation>,
-    /// To train, to evaluate, to predict: an envelope for every gap-free stretch, less the first sample, in the axis'
-    /// unit.
+    /// Samples for training, evaluation and prediction: an envelope for every stretch without gaps, minus the first sample, in the
+    /// axis' unit.
     pub parts: [Vec<Envelope>; 3],
 }
 
 impl Curves {
-    /// Of `values`, a column of `recording`, which `comparison` split so.
+    /// Curves of `values`, a column of `recording` with the split of `comparison`.
     pub fn of(comparison: &Comparison, recording: &Recording, values: &[f64], split: &Split) -> Self {
         let everything: Vec<&[f64]> = split.parts().flatten().map(|range| &values[range.clone()]).collect();
         let lags = (LONGEST_LAG_S * comparison.rate_hz).round() as usize;

@@ -7,7 +7,7 @@ use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use fos_data::column::Column;
 use fos_fit::fit::autoregression::Method;
 
-/// The figures with their names; the autocorrelation is left out where there is none.
+/// Figures with their names; without the autocorrelation if the log is too short.
 pub fn figures(comparison: &Comparison, curves: &Curves) -> Vec<(&'static str, Figure)> {
     let mut figures = Vec::new();
     if let Some(correlation) = &curves.autocorrelation {
@@ -19,7 +19,7 @@ pub fn figures(comparison: &Comparison, curves: &Curves) -> Vec<(&'static str, F
     figures
 }
 
-/// Figure 2 over Figure 1: is it a first-order Gauss-Markov process?
+/// Figure 2 over Figure 1: test for a first-order Gauss-Markov process.
 fn against_gauss_markov(comparison: &Comparison, values: &[f64], period_s: f64) -> Figure {
     let at = |lag: usize| lag as f64 * period_s;
     let measured = values.iter().enumerate().map(|(lag, value)| (at(lag), *value)).collect();
@@ -70,7 +70,7 @@ fn mse_by_order(comparison: &Comparison) -> Figure {
             let (is_raw, ink) = (matches!(entry, Entry::Raw(_)), Ink::Method(place(entry)));
             let shape = if is_raw { Shape::Points(points) } else { Shape::Line(points) };
             if !is_raw || with_raw {
-                // explained by the title: thirteen entries are too many for a legend
+                // Listed in the title: thirteen entries are too many for a legend.
                 let label = if is_raw { String::new() } else { entry.to_string() };
                 series.push(Series { label, ink, shape });
             }
@@ -105,7 +105,7 @@ fn point(cell: &Cell, mse: fn(&Judged) -> f64) -> Option<(f64, f64)> {
     cell.result.as_ref().ok().map(|judged| (f64::from(cell.order), mse(judged)))
 }
 
-/// The colour of a method: the same on samples as measured and de-noised.
+/// Colour of a method, the same for measured and de-noised samples.
 fn place(entry: Entry) -> usize {
     match entry {
         Entry::Raw(Method::YuleWalker) | Entry::Denoised(Method::YuleWalker) => 0,

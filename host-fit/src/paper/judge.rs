@@ -1,4 +1,4 @@
-//! One method at one order: fitted to the training part, judged on the others.
+//! Fits one method at one order to the training part and evaluates it on the others.
 
 use std::ops::Range;
 
@@ -14,17 +14,17 @@ use fos_fit::fit::{NoiseRule, StopRule, autoregression, refit};
 use fos_fit::moments::Rows;
 use fos_fit::signal::noise_floor::NoiseFloor;
 
-/// Why a cell is empty, on its way to words.
+/// Reason for an empty cell.
 pub(super) type CellError = Box<dyn std::error::Error>;
 
-/// A fitted predictor, scaled units.
+/// A fitted predictor in scaled units.
 struct Predictor {
     constant: f64,
     terms: Vec<Monomial>,
     coefficients: Vec<f64>,
 }
 
-/// An axis, its samples centred and scaled by the training part.
+/// Samples of an axis, centred and scaled by the training part.
 pub(super) struct Prepared<'a> {
     pub(super) column: &'a str,
     pub(super) samples: Vec<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Prepared<'a> {
     pub(super) floor: Option<NoiseFloor>,
 }
 
-/// Fits and judges one model.
+/// Fits and evaluates one model.
 pub(super) fn judge(
     prepared: &Prepared<'_>,
     entry: Entry,
@@ -44,7 +44,7 @@ pub(super) fn judge(
 ) -> Result<Judged, CellError> {
     let (time_s, fitted) = median_time(settings.repeats, || fit(prepared, entry, order, settings));
     let predictor = fitted?;
-    // over the rows that have the largest order of samples before them, the same for all orders; in the axis' unit
+    // Mean over the rows preceded by as many samples as the largest order, so the same for all orders; in the axis' unit squared.
     let mse = |samples: &[f64], ranges: &[Range<usize>]| -> Result<f64, CellError> {
         let rows = Rows::usable(&[samples], ranges, &[y(settings.max_order)])?;
         let Predictor { constant, terms, coefficients } = &predictor;
@@ -71,7 +71,7 @@ pub(super) fn judge(
     })
 }
 
-/// Fits one model to the training part, all that it takes included.
+/// Fits one model to the training part, with all necessary preparation.
 fn fit(
     prepared: &Prepared<'_>,
     entry: Entry,

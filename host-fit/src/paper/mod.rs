@@ -1,15 +1,14 @@
 //! The paper's comparison on any log: Yule-Walker, covariance, modified covariance and Burg, on samples as measured and
 //! de-noised, against FOS on samples as measured, at every model order.
 //!
-//! The rows at rest are split in three, in the order of time: *train* (every model is fitted), *evaluate* (one is
-//! chosen) and
-//! *predict* (all are judged). Two mean square errors, always both:
+//! The rows at rest are split in three, in the order of time: *train* (every model is fitted), *evaluate* (one is chosen) and *predict*
+//! (all are evaluated). Two mean square errors are always given:
 //!
-//! - *as in the paper*: each method predicts what it was fitted to, de-noised samples from de-noised samples;
+//! - *as in the paper*: each method predicts the kind of samples it was fitted to, so de-noised samples from de-noised samples;
 //! - *same target*: every method predicts the samples as measured from samples as measured.
 //!
-//! Only the second compares methods. Residuals are formed sample by sample by the arithmetic of the refit; the tests
-//! hold them against fos-core.
+//! Only the second compares methods. Residuals are computed sample by sample with the arithmetic of the refit; the tests compare them with
+//! fos-core.
 
 mod compare;
 mod curves;

@@ -1,17 +1,17 @@
-//! What the comparison comes to: every method at every order, with both errors.
+//! Results of the comparison: every method at every order, with both errors.
 
 use serde::Serialize;
 
 use fos_fit::fit::autoregression::Method;
 
-/// A method, on which samples.
+/// A method and the kind of samples it uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Entry {
-    /// An autoregression of samples as measured.
+    /// Autoregression of the measured samples.
     Raw(#[serde(serialize_with = "in_words")] Method),
-    /// An autoregression of de-noised samples.
+    /// Autoregression of de-noised samples.
     Denoised(#[serde(serialize_with = "in_words")] Method),
-    /// FOS of this cross-product degree, on samples as measured.
+    /// FOS of this cross-product degree, on the measured samples.
     Fos(usize),
 }
 
@@ -36,28 +36,28 @@ pub struct Cell {
     pub entry: Entry,
     /// Model order: the largest output lag, L.
     pub order: u16,
-    /// The result, or why there is none.
+    /// Result, or the reason for its absence.
     pub result: Result<Judged, String>,
 }
 
-/// What a model does.
+/// Evaluation of one model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
-    /// Terms, the constant apart.
+    /// Number of terms without the constant.
     pub terms: usize,
-    /// MSE on the prediction part, each method on what it was fitted to.
+    /// MSE on the prediction part; each method predicts the kind of samples it was fitted to.
     pub mse_as_fitted: f64,
-    /// MSE on the prediction part, samples as measured.
+    /// MSE on the prediction part, on the measured samples.
     pub mse_same_target: f64,
-    /// MSE on the evaluation part, samples as measured.
+    /// MSE on the evaluation part, on the measured samples.
     pub mse_evaluation: f64,
-    /// `mse_as_fitted` lies below the noise floor of the samples as measured.
+    /// `mse_as_fitted` is below the noise floor of the measured samples.
     pub as_fitted_below_floor: bool,
-    /// `mse_same_target` does.
+    /// `mse_same_target` is below the noise floor.
     pub same_target_below_floor: bool,
-    /// The paper's position error from each of the two, m.
+    /// Position error as defined in the paper, from `mse_as_fitted`, m.
     pub position_error_as_fitted_m: Option<f64>,
-    /// The same from the second.
+    /// Position error from `mse_same_target`, m.
     pub position_error_same_target_m: Option<f64>,
     /// Time of a fit, de-noising and search included, s.
     pub time_s: f64,
@@ -66,15 +66,15 @@ pub struct Judged {
 /// The comparison of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
     /// Unit of the column; errors are in its square.
     pub unit: String,
     /// True sample rate, Hz.
     pub rate_hz: f64,
-    /// Samples in the three parts.
+    /// Number of samples in each of the three parts.
     pub samples: [usize; 3],
-    /// Highest frequency that de-noising keeps whole, Hz.
+    /// Highest frequency preserved by de-noising, Hz.
     pub band_hz: f64,
     /// Variance of the prediction part: the MSE of predicting its mean.
     pub variance: f64,
@@ -82,6 +82,6 @@ pub struct Comparison {
     pub noise_floor: Option<(f64, (f64, f64))>,
     /// Every method at every order.
     pub cells: Vec<Cell>,
-    /// Index of the FOS model chosen: the least MSE on the evaluation part.
+    /// Index of the chosen FOS model, which has the least MSE on the evaluation part.
     pub chosen: Option<usize>,
 }

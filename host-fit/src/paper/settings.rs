@@ -1,25 +1,25 @@
-//! What the comparison is made with.
+//! Settings of the comparison.
 
 use serde::Serialize;
 
 use fos_fit::fit::Search;
 use fos_fit::signal::wavelet::Denoising;
 
-/// How the comparison is made.
+/// Settings of the comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
     /// Length of the training part, s at rest.
     pub train_s: f64,
     /// Length of the evaluation part, s at rest.
     pub evaluate_s: f64,
-    /// Model orders 1 … this.
+    /// Largest model order; all from 1 are compared.
     pub max_order: u16,
-    /// Cross-product degrees 1 … this.
+    /// Largest cross-product degree; all from 1 are compared.
     pub max_degree: usize,
-    /// What is done to the training data of the methods of the autoregression.
+    /// De-noising of the training data for the autoregressive methods.
     pub denoising: Denoising,
-    /// Fits that each time is the median of.
+    /// Number of fits over which each time is the median.
     pub repeats: usize,
-    /// How FOS searches; the paper's is greedy.
+    /// Search method of FOS; greedy in the paper.
     pub search: Search,
 }

@@ -1,4 +1,4 @@
-//! Three parts of a log, one after the other in time.
+//! Splits a log into three consecutive parts.
 
 use std::ops::Range;
 
@@ -8,18 +8,18 @@ use super::settings::Settings;
 use fos_data::recording::Recording;
 use fos_data::stillness::Stillness;
 
-/// Gap-free ranges of rows at rest.
+/// Ranges of rows at rest, without gaps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Split {
-    /// For fitting.
+    /// Rows for the fit.
     pub train: Vec<Range<usize>>,
-    /// For choosing.
+    /// Rows for the choice of a model.
     pub evaluate: Vec<Range<usize>>,
-    /// For judging.
+    /// Rows for the evaluation.
     pub predict: Vec<Range<usize>>,
 }
 
-/// Why a log cannot be split.
+/// The time at rest is too short.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
     "{at_rest_s:.0} s at rest; {needed_s:.0} s are needed to train, to evaluate, and to predict at least as long as that"
@@ -37,14 +37,14 @@ impl Split {
         [&self.train, &self.evaluate, &self.predict].into_iter()
     }
 
-    /// Samples in each.
+    /// Number of samples in each part.
     pub fn samples(&self) -> [usize; 3] {
         [&self.train, &self.evaluate, &self.predict].map(|part| part.iter().map(ExactSizeIterator::len).sum())
     }
 }
 
-/// Splits the known rows at rest: so long to train, so long to evaluate, the rest, at least as long as the second, to
-/// predict.
+/// Splits the rows at rest: the first `train` samples, the next `evaluate` samples, and the remainder for prediction, which must be at
+/// least as long as the second part.
 pub(super) fn split(
     recording: &Recording,
     stillness: &Stillness,
@@ -66,7 +66,7 @@ pub(super) fn split(
     let mut split = Split { train: Vec::new(), evaluate: Vec::new(), predict: Vec::new() };
     let mut seen = 0;
     for stretch in stretches {
-        // where within this stretch one part ends and the next begins
+        // Boundary between two parts within this stretch.
         let cut = |at: usize| stretch.start + at.saturating_sub(seen).min(stretch.len());
         let (first, second) = (cut(train), cut(both));
         for (part, range) in [

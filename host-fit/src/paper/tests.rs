@@ -38,7 +38,7 @@ fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
 }
 
 #[test]
-fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do_not() {
+fn only_fos_reaches_the_innovation_of_a_quadratic_truth() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     for axis in ["ay", "gy"] {
@@ -47,7 +47,7 @@ fn where_the_truth_is_quadratic_fos_reaches_the_innovation_and_linear_methods_do
         let at_ten = |entry| judged(&comparison, entry, 10).mse_same_target;
         let (linear, quadratic) = (at_ten(Entry::Fos(1)), at_ten(Entry::Fos(2)));
         let innovation = innovation_variance(&comparison.column).unwrap();
-        // 72,000 squares of normal numbers: 0.5 % of scatter, four of them
+        // 72,000 squares of normal numbers: 0.5 % standard deviation, times four.
         assert!((quadratic / innovation - 1.0).abs() < 0.02, "{quadratic} for {innovation}");
         for method in Method::ALL {
             assert!(at_ten(Entry::Raw(method)) > 100.0 * quadratic, "{method}");
@@ -67,12 +67,12 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
     let fos = judged(&comparison, Entry::Fos(1), 10);
     let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
     assert_eq!(fos.terms, 10);
-    // the mean of the training part was taken off: an intercept has next to nothing to do
+    // The mean of the training part was subtracted, so an intercept has almost no effect.
     assert!((fos.mse_same_target / covariance.mse_same_target - 1.0).abs() < 1e-3);
 }
 
 #[test]
-fn the_residuals_are_those_of_fos_core() {
+fn residuals_equal_those_of_fos_core() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     let (comparison, split) = compared(&recording, &stillness, "gy", &settings()).unwrap();
@@ -85,16 +85,16 @@ fn the_residuals_are_those_of_fos_core() {
     let playback = fos_fit::playback::Playback::new(&recording, &fit.model, &stillness.still).unwrap();
     let rows = split.predict[0].clone();
     let trace = fos_fit::evaluate::trace::<f64>(&fit.model, &playback, rows.clone(), |_| {}).unwrap();
-    // the same rows: those with ten samples of the prediction part before them
+    // The same rows: those preceded by ten samples of the prediction part.
     let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
     let mse = signal::mean(&[&squares]);
     let ours = judged(&comparison, Entry::Raw(Method::Burg), 10).mse_same_target;
-    // the same sums in another order, 10⁵ rows
+    // The same sums of 10⁵ rows in another order.
     assert!((mse / ours - 1.0).abs() < 1e-9, "{mse} for {ours}");
 }
 
 #[test]
-fn a_log_too_short_for_three_parts_is_refused() {
+fn rejects_log_too_short_for_three_parts() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     let long = Settings { train_s: 500.0, ..settings() };

@@ -1,4 +1,4 @@
-//! What arrives on a stream, until it ends, the time is over, or somebody asks for the end.
+//! Bytes of a stream until it ends, the time is over, or the user stops.
 
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -8,34 +8,33 @@ use std::time::{Duration, Instant};
 use super::end::when_asked_to_end;
 use super::kept::Kept;
 
-/// Bytes that are read at once, and pieces that may wait: seconds of a serial port, while the disk is slow.
+/// Bytes per read, and reads that may wait for a slow disk: seconds of a serial port.
 const PIECE: usize = 4096;
 const WAITING: usize = 1024;
 
-/// After so long somebody is told that the stream is waited for: it does not open, or nothing comes.
+/// Time without an open stream, or without data, after which the user is notified.
 const PATIENCE_TO_OPEN: Duration = Duration::from_secs(1);
 const PATIENCE_TO_HEAR: Duration = Duration::from_secs(5);
 
-/// What is worth knowing while a recording runs.
+/// Notifications during a recording.
 #[derive(Debug)]
 pub enum Notice {
-    /// It does not open; a FIFO without a writer does not.
+    /// The stream does not open; a FIFO without a writer does not.
     NotOpen,
-    /// It is open, and nothing has come.
+    /// The stream is open, and no data have come.
     Silent,
-    /// What comes from now on is in memory only.
+    /// Further data are in memory only.
     NotKept(io::Error),
 }
 
-/// The bytes of a stream that another thread opens and reads: the end comes also where nothing opens, or nothing comes
-/// any more.
+/// Bytes of a stream that another thread opens and reads, so that the recording can end even if nothing opens or no data come.
 pub struct Arriving<N> {
     coming: Receiver<Coming>,
     until: Option<Instant>,
-    /// The next moment at which patience is over; none once something has come.
+    /// Time of the next notification; none after the first data.
     impatient: Option<(Instant, Notice)>,
     kept: Option<Kept>,
-    /// It can be written and brought to the disk.
+    /// The file can be written and synced.
     keeps: bool,
     notify: N,
     piece: Vec<u8>,
@@ -52,12 +51,12 @@ enum Coming {
 }
 
 impl<N: FnMut(&Notice)> Arriving<N> {
-    /// Of the stream that `open` opens, `until` then. What comes goes to `kept` before anything else is done with it;
-    /// `notify` is told what somebody who waits should know.
+    /// Reads the stream returned by `open` until `until`. Data are written to `kept` before any other use; `notify` receives the
+    /// notifications.
     ///
     /// # Errors
     ///
-    /// The system gives no notice of a wish to end.
+    /// The system cannot deliver requests to end.
     pub fn of<S: Read>(
         open: impl FnOnce() -> io::Result<S> + Send + 'static,
         until: Option<Instant>,
@@ -82,7 +81,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
         })
     }
 
-    /// The file that holds what arrived, if there is one.
+    /// File with the received bytes, if there is one.
     pub fn into_kept(self) -> Option<Kept> {
         self.kept
     }
@@ -115,7 +114,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
         }
     }
 
-    /// Until something comes, or there is something else to do.
+    /// Waits for data, or until a sync or notification is due.
     fn wait(&self) -> Result<Coming, RecvTimeoutError> {
         let impatient = self.impatient.as_ref().map(|(at, _)| *at);
         let due = self.kept.as_ref().filter(|_| self.keeps).map(Kept::due);
@@ -140,13 +139,13 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     }
 }
 
-/// Opens a stream, and passes on what it says after it is kept.
+/// Opens a stream, and forwards its bytes.
 fn pass_on<S: Read>(
     open: impl FnOnce() -> io::Result<S>,
     mut keep: Option<impl Write>,
     sender: &SyncSender<Coming>,
 ) {
-    // nobody hears it any more: the recording has ended
+    // Sending fails after the recording has ended.
     let tell = |coming| sender.send(coming).is_ok();
     let mut stream = match open() {
         Ok(stream) => stream,
@@ -186,7 +185,7 @@ impl<N: FnMut(&Notice)> Read for Arriving<N> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.taken == self.piece.len() && !self.ended {
             (self.piece, self.taken) = (self.next()?, 0);
-            // once it has ended nothing is waited for any more
+            // After the end nothing more is awaited.
             self.ended = self.piece.is_empty();
         }
         let length = buffer.len().min(self.piece.len() - self.taken);
@@ -200,18 +199,18 @@ impl<N: FnMut(&Notice)> Read for Arriving<N> {
 mod tests {
     use super::*;
 
-    /// A port that says something and then nothing any more.
+    /// A port that sends some bytes and then nothing.
     struct Silent(Option<Vec<u8>>);
 
     impl Read for Silent {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let Some(said) = self.0.take() else {
+            let Some(received) = self.0.take() else {
                 loop {
                     thread::park();
                 }
             };
-            buffer[..said.len()].copy_from_slice(&said);
-            Ok(said.len())
+            buffer[..received.len()].copy_from_slice(&received);
+            Ok(received.len())
         }
     }
 
@@ -223,27 +222,27 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_falls_silent_does_not_keep_a_recording() {
+    fn silent_device_does_not_block_the_recording() {
         let until = Instant::now() + Duration::from_millis(200);
-        let mut said = Vec::new();
-        arriving(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut said).unwrap();
-        assert_eq!(said, b"said");
+        let mut received = Vec::new();
+        arriving(Silent(Some(b"said".to_vec())), Some(until)).read_to_end(&mut received).unwrap();
+        assert_eq!(received, b"said");
         let mut whole = Vec::new();
         arriving(&[7; 10_000][..], None).read_to_end(&mut whole).unwrap();
         assert_eq!(whole, [7; 10_000]);
     }
 
     #[test]
-    fn the_end_stays_the_end() {
-        // asked again after the end, it waited for more for ever
+    fn read_after_the_end_returns_nothing() {
+        // Regression test: a second read after the end waited forever.
         let mut stream = arriving(&b"0123"[..], None);
-        let mut said = Vec::new();
-        stream.read_to_end(&mut said).unwrap();
-        assert_eq!((said.as_slice(), stream.read(&mut [0; 8]).unwrap()), (&b"0123"[..], 0));
+        let mut received = Vec::new();
+        stream.read_to_end(&mut received).unwrap();
+        assert_eq!((received.as_slice(), stream.read(&mut [0; 8]).unwrap()), (&b"0123"[..], 0));
     }
 
     #[test]
-    fn a_stream_that_never_stops_ends_when_the_time_is_over() {
+    fn endless_stream_ends_at_the_time_limit() {
         let until = Instant::now() + Duration::from_millis(100);
         let mut stream = arriving(io::repeat(7), Some(until));
         let read = io::copy(&mut stream, &mut io::sink()).unwrap();
@@ -251,18 +250,18 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_a_stream_that_does_not_open_is_told() {
+    fn notifies_of_a_stream_that_does_not_open() {
         let until = Instant::now() + PATIENCE_TO_OPEN + Duration::from_millis(300);
-        let mut told = Vec::new();
+        let mut notices = Vec::new();
         let never = || -> io::Result<io::Empty> {
             loop {
                 thread::park();
             }
         };
-        let notify = |notice: &Notice| told.push(format!("{notice:?}"));
+        let notify = |notice: &Notice| notices.push(format!("{notice:?}"));
         let mut stream = Arriving::of(never, Some(until), None, notify).unwrap();
         assert_eq!(stream.read(&mut [0; 8]).unwrap(), 0);
         drop(stream);
-        assert_eq!(told, ["NotOpen"]);
+        assert_eq!(notices, ["NotOpen"]);
     }
 }

@@ -1,15 +1,15 @@
-//! A wish to end from outside: Ctrl-C, and what a system that shuts down or a terminal that is closed sends.
+//! Requests to end from outside: Ctrl-C, and the signals of a shutdown or a closed terminal.
 
 use std::io;
 use std::thread;
 
 use tokio::runtime::{Builder, Runtime};
 
-/// From now on a wish to end does not end this process, but calls `end`, in a thread of its own.
+/// From now on such a request does not end the process but calls `end`, in a separate thread.
 ///
 /// # Errors
 ///
-/// The system gives no notice of it.
+/// The system cannot deliver the signals.
 pub(super) fn when_asked_to_end(end: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let runtime = Builder::new_current_thread().enable_all().build()?;
     let asked = wishes(&runtime)?;
@@ -27,9 +27,9 @@ fn wishes(runtime: &Runtime) -> io::Result<impl Future<Output = ()> + Send + use
     let _inside = runtime.enter();
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
-    // what nohup has asked for stays so
+    // `nohup` has set SIGHUP to be ignored.
     let mut hangup = (!is_hangup_ignored()).then(|| signal(SignalKind::hangup())).transpose()?;
-    // whoever reads what is said has gone: no reason to lose what comes
+    // A closed pipe only ends the messages; recording continues.
     let mut pipe = signal(SignalKind::pipe())?;
     let hung_up = async move {
         match &mut hangup {
@@ -56,7 +56,7 @@ fn wishes(_: &Runtime) -> io::Result<impl Future<Output = ()> + Send + use<>> {
     })
 }
 
-/// Whether this process was started so that it outlives its terminal. Where the system does not say, it was not.
+/// The process was started to outlive its terminal. False if the system does not report it.
 #[cfg(unix)]
 fn is_hangup_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

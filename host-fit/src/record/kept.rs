@@ -1,5 +1,4 @@
-//! What arrives is kept beside the log until the log is written: a recording that is killed, or whose power is cut, is
-//! made a log of from there.
+//! Stores received bytes beside the log until the log is written. After a crash or power loss the log is made from this file.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -8,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use fos_data::file::{FileError, folder_of, sync_folder};
 
-/// Behind the name of the log stands this.
+/// Appended to the name of the log.
 const ENDING: &str = ".telemetry";
 
-/// What arrived is brought to the disk so often: a cut of power costs no more.
+/// Interval between syncs to disk: the most that a power loss can cost.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
-/// The bytes of a stream as they came, in a file beside the log: itself a stream that can be recorded.
+/// File beside the log with the bytes of a stream as they came. It can itself be recorded as a stream.
 #[derive(Debug)]
 pub struct Kept {
     file: File,
@@ -22,13 +21,13 @@ pub struct Kept {
     synced: Instant,
 }
 
-/// What stands in the way of keeping a stream.
+/// A stream cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
-    /// The system refused.
+    /// A file operation failed.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Two recordings of one log: the second would replace the first.
+    /// Another recording writes to the same log and would be overwritten.
     #[error(
         "{}: another recording is keeping there what arrives\nhelp: end that one first, or give this one another log with -o",
         .0.display()
@@ -37,12 +36,12 @@ pub enum KeepError {
 }
 
 impl Kept {
-    /// An empty file for a log at `output`, `NAME.telemetry`; and what recordings of the same name left that were
-    /// broken off, which stays: the new one is then `NAME.2.telemetry`, and so on.
+    /// Creates the file `NAME.telemetry` for a log at `output`. Files of interrupted recordings of the same name are preserved and
+    /// returned; the new one is then `NAME.2.telemetry`, and so on.
     ///
     /// # Errors
     ///
-    /// It cannot be made, or another recording of this log is running.
+    /// The file cannot be created, or another recording of this log is running.
     pub fn beside(output: &Path) -> Result<(Self, Vec<PathBuf>), KeepError> {
         let mut left = Vec::new();
         let named = |number: usize| {
@@ -74,30 +73,30 @@ impl Kept {
         unreachable!("there are more numbers than files in a folder")
     }
 
-    /// The file of bytes as they arrived.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What is written to it is there at once for whoever reads the file, also if this process is killed.
+    /// Unbuffered writer: its bytes are in the file even if this process is killed.
     ///
     /// # Errors
     ///
-    /// What the system refuses.
+    /// The handle cannot be duplicated.
     pub fn writer(&self) -> io::Result<impl Write + Send + use<>> {
         self.file.try_clone()
     }
 
-    /// When it is to be brought to the disk next.
+    /// Time of the next sync.
     pub fn due(&self) -> Instant {
         self.synced + SYNC_EVERY
     }
 
-    /// Brings it to the disk if it is time.
+    /// Syncs the file to disk if it is due.
     ///
     /// # Errors
     ///
-    /// What the system refuses.
+    /// The sync fails.
     pub fn sync_if_due(&mut self) -> io::Result<()> {
         if Instant::now() < self.due() {
             return Ok(());
@@ -107,13 +106,13 @@ impl Kept {
         synced
     }
 
-    /// Takes it away: the log is written, or there is nothing in it. If it cannot be removed, it harms nobody.
+    /// Removes the file because the log is written or there are no data. A failure to remove it does no harm.
     pub fn remove(self) {
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// As long as the recording runs; a file system without locks does without.
+/// Locks the file while the recording runs; without a lock if the file system has none.
 fn lock(file: &File) -> io::Result<()> {
     match file.lock() {
         Err(error) if error.kind() == ErrorKind::Unsupported => Ok(()),
@@ -130,15 +129,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_another_recording_left_or_is_writing_stays() {
+    fn preserves_files_of_other_recordings() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("field.parquet");
         let (first, left) = Kept::beside(&output).unwrap();
         assert_eq!(left, [""; 0].map(PathBuf::from));
         first.writer().unwrap().write_all(b"first").unwrap();
-        let said = Kept::beside(&output).unwrap_err().to_string();
-        assert!(said.contains("another recording") && said.contains("help: "), "{said}");
-        // killed
+        let message = Kept::beside(&output).unwrap_err().to_string();
+        assert!(message.contains("another recording") && message.contains("help: "), "{message}");
+        // The process was killed.
         let path = first.path().to_owned();
         drop(first);
         let (second, left) = Kept::beside(&output).unwrap();

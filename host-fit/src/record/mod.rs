@@ -1,4 +1,4 @@
-//! From a stream of telemetry to a log.
+//! Converts a stream of telemetry into a log.
 
 pub mod arriving;
 mod end;
@@ -10,37 +10,37 @@ use std::io::{self, BufRead};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, TelemetryError, VERSION, decode};
 use serde::Serialize;
 
-/// Frames longer than this are no frames: a stream of something else.
+/// Longest accepted frame, bytes; longer ones are not telemetry.
 const LONGEST: u64 = 4096;
 
-/// So many bytes without a single frame are no telemetry: some twenty seconds of a serial port at 115200 baud.
+/// Number of bytes without a valid frame after which the stream is refused: some twenty seconds of a serial port at 115200 baud.
 const STRANGE: u64 = 1 << 18;
 
-/// Ticks that go back by more than this are a restart and not a wrapped counter.
+/// A tick that decreases by more than this is a restart, not a wrapped counter.
 const RESTART: u32 = 1 << 31;
 
-/// Why a stream makes no log.
+/// A stream cannot be converted into a log.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The port or file behind the stream fails, as the system says.
+    /// Reading the port or file fails, with the reason of the system.
     #[error(
         "the stream cannot be read: {0}\nhelp: is the device connected, and may you read its port (on Linux: are you in the group dialout)?"
     )]
     Read(#[from] io::Error),
-    /// Another version.
+    /// The telemetry has another version.
     #[error(
         "the device sends telemetry of version {found}; this program reads version {VERSION}\nhelp: use the fos that came with the firmware"
     )]
     Version {
-        /// What it sends.
+        /// Version of the telemetry.
         found: u16,
     },
-    /// Not a byte.
+    /// The stream is empty.
     #[error(
         "nothing came\nhelp: is the device on, and is this its port? A FIFO needs somebody who writes into it"
     )]
     Silent,
-    /// Something else, without end.
+    /// The stream has data but no frames, and does not end.
     #[error(
         "no frame of telemetry in the first {bytes} bytes\nhelp: is it the telemetry of fos, at the right baud rate, as `stty -F PORT raw 115200` sets it? In a file, what comes before it can be cut off: `tail -c +{bytes} FILE | fos record - -o LOG`"
     )]
@@ -48,7 +48,7 @@ pub enum RecordError {
         /// Bytes read.
         bytes: u64,
     },
-    /// Nothing in it.
+    /// The stream has no samples.
     #[error(
         "no sample in {bytes} bytes ({damaged} damaged frames)\nhelp: is it the telemetry of fos, at the right baud rate? A device sends what its samples hold once a minute: wait for it"
     )]
@@ -61,45 +61,45 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Whether the stream may be worth something to another program; else there is nothing in it.
+    /// The stream may be readable by another program, so its bytes are preserved.
     pub fn holds_something(&self) -> bool {
         matches!(self, Self::Version { .. })
     }
 }
 
-/// A log, and what was lost on the way.
+/// A log, with statistics of lost data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
-    /// Columns by name.
+    /// Names and values of the columns.
     pub columns: Vec<(String, Vec<f64>)>,
-    /// What was lost.
+    /// Statistics of lost data.
     pub report: Report,
 }
 
-/// What came and what was lost.
+/// Received and lost data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// Samples that came whole.
+    /// Complete samples.
     pub samples: u64,
-    /// Samples that the tick counter misses: gaps in the log.
+    /// Samples missing from the tick counter: gaps in the log.
     pub lost: u64,
     /// Frames that could not be decoded.
     pub damaged: u64,
-    /// Samples that came before what they hold was known.
+    /// Samples received before the start frame that defines their columns.
     pub unknown: u64,
-    /// Restarts of the device: new segments.
+    /// Restarts of the device, each beginning a new segment.
     pub restarts: u64,
     /// Bytes read.
     pub bytes: u64,
-    /// Why the stream broke off; none if it came to its end.
+    /// Reason of an early end of the stream; none if it was read to its end.
     pub broken_off: Option<String>,
 }
 
-/// Reads `stream` to its end. Where it breaks off, what came until then is a log.
+/// Reads `stream` to its end. If it fails midway, the samples until then are the log.
 ///
 /// # Errors
 ///
-/// The stream cannot be read, is of another version, has no sample, or goes on and on without a frame.
+/// The stream cannot be read, has another version, has no samples, or has no frame in its first bytes.
 pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
     let mut log = Log::default();
     let mut frame = Vec::new();
@@ -123,7 +123,7 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
                 Ok(Frame::Start(start)) => log.start(&start)?,
                 Ok(Frame::Sample(sample)) => log.sample(&sample),
                 Err(TelemetryError::OtherVersion(found)) => return Err(RecordError::Version { found }),
-                // who joins late hears the end of a frame first
+                // A late start begins in the middle of a frame.
                 Err(_) if !joined => {}
                 Err(_) => log.report.damaged += 1,
             }
@@ -140,7 +140,7 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
 struct Log {
     names: Option<Names>,
     period_s: f64,
-    /// Ticks since the first sample, and the counter of the last.
+    /// Ticks since the first sample, and the counter value of the last.
     tick: Option<(u64, u32)>,
     time_s: Vec<f64>,
     segment: Vec<f64>,
@@ -149,7 +149,7 @@ struct Log {
     report: Report,
 }
 
-/// Columns of a log, as its start frame names them.
+/// Columns of a log, as named in its start frame.
 struct Names {
     axes: Vec<String>,
     quantities: Vec<String>,
@@ -166,7 +166,7 @@ impl Log {
         }
         let lines = |text: &str| text.lines().map(str::to_owned).collect();
         let names = Names { axes: lines(start.axes), quantities: lines(start.quantities) };
-        // once there are samples the columns stay; what does not fit them is not theirs
+        // The columns are fixed after the first sample; other frames are ignored.
         if self.time_s.is_empty() {
             self.values = vec![Vec::new(); 3 * names.axes.len() + names.quantities.len()];
             self.names = Some(names);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stream_becomes_a_log_and_lost_frames_become_gaps() {
+    fn lost_frames_become_gaps_of_the_log() {
         let mut bytes = stream(&[Frame::Start(START)]);
         [0, 1, 2, 5, 6].map(sample).iter().for_each(|frame| bytes.extend(frame));
         let recorded = read(&bytes);
@@ -283,7 +283,7 @@ mod tests {
         );
         let times = column(&recorded, "t_s");
         let wanted = [0.0, 0.005, 0.01, 0.025, 0.03];
-        // the period travels as f32
+        // The period is transmitted as f32.
         assert!(times.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{times:?}");
         assert_eq!(column(&recorded, "gx_rads"), [0.0, 1.0, 2.0, 5.0, 6.0]);
         assert_eq!(column(&recorded, "validity_gx_rads"), [0.0, 256.0, 0.0, 0.0, 0.0]);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_a_cable_was_pulled_is_a_log() {
+    fn failed_stream_gives_a_log_of_its_start() {
         struct Pulled<'a>(&'a [u8]);
         impl io::Read for Pulled<'_> {
             fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_stay_as_they_are_from_the_first_sample_on() {
+    fn columns_are_fixed_by_the_first_sample() {
         let nothing = StartFrame { axes: "", quantities: "", ..START };
         let empty = SampleFrame {
             tick: 1,
@@ -326,14 +326,14 @@ mod tests {
         let recorded = read(&bytes);
         assert_eq!((recorded.report.samples, recorded.report.unknown), (1, 1));
         assert!(recorded.columns.iter().all(|(_, values)| values.len() == 1));
-        // of a sensor without a period nothing can be timed
+        // Without a sample period there are no timestamps.
         let timeless = stream(&[Frame::Start(StartFrame { period_s: f32::NAN, ..START })]);
         let recorded = read(&[timeless, stream(&[Frame::Start(START)]), sample(0)].concat());
         assert_eq!(recorded.report.damaged, 1);
     }
 
     #[test]
-    fn any_damage_costs_no_more_than_its_frame() {
+    fn damage_costs_only_the_damaged_frame() {
         let mut whole = stream(&[Frame::Start(START)]);
         let start = whole.len();
         (0..20).map(sample).for_each(|frame| whole.extend(frame));
@@ -345,14 +345,14 @@ mod tests {
             for bytes in [changed, shorter] {
                 let Report { samples, lost, damaged, .. } = read(&bytes).report;
                 assert!(samples >= 18 && damaged <= 2, "at {place}: {samples}, {damaged}");
-                // those at the ends leave no hole between ticks
+                // Samples lost at the ends leave no gap between ticks.
                 assert!(samples + lost >= 18 && samples + lost <= 20, "at {place}: {samples} + {lost}");
             }
         }
     }
 
     #[test]
-    fn who_joins_late_waits_for_what_the_samples_hold() {
+    fn late_start_waits_for_a_start_frame() {
         let mut bytes = sample(0)[3..].to_vec();
         bytes.extend(sample(1));
         bytes.extend(stream(&[Frame::Start(START)]));
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_wraps_and_a_device_restarts() {
+    fn distinguishes_wrapped_counter_from_restart() {
         let mut bytes = stream(&[Frame::Start(START)]);
         [u32::MAX - 1, u32::MAX, 0, 1].map(sample).iter().for_each(|frame| bytes.extend(frame));
         let wrapped = read(&bytes);
@@ -374,13 +374,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_telemetry_says_so() {
+    fn rejects_other_data_than_telemetry() {
         let noise: Vec<u8> = (0..20_000_u32).map(|n| (n * n % 251) as u8).collect();
-        let said = record(&noise[..]).expect_err("nothing in it").to_string();
-        assert!(said.contains("baud rate"), "{said}");
-        // it need not end for that
-        let said = record(io::BufReader::new(io::repeat(b'x'))).expect_err("nothing in it").to_string();
-        assert!(said.contains("no frame of telemetry in the first 262144 bytes\nhelp: "), "{said}");
+        let message = record(&noise[..]).expect_err("nothing in it").to_string();
+        assert!(message.contains("baud rate"), "{message}");
+        // Detected before the end of the stream.
+        let message = record(io::BufReader::new(io::repeat(b'x'))).expect_err("nothing in it").to_string();
+        assert!(message.contains("no frame of telemetry in the first 262144 bytes\nhelp: "), "{message}");
         assert!(matches!(record(&[][..]), Err(RecordError::Silent)));
         let other = stream(&[Frame::Start(StartFrame { version: 9, ..START })]);
         assert!(matches!(record(&other[..]), Err(RecordError::Version { found: 9 })));

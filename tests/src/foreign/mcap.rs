@@ -66,7 +66,7 @@ fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
-/// The log of several sensors.
+/// Log of several sensors.
 pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     let mut log = Log(MAGIC.to_vec());
     log.record(0x01, &[&text("ros2"), &text("by hand")]);
@@ -75,7 +75,7 @@ pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     log.record(0x03, &[&schema, &text("sensor_msgs/msg/Imu"), &text("ros2msg"), &text(&definition)]);
     let mut channels: Vec<u16> = Vec::new();
     for publisher in publishers {
-        // ROS 2 has one channel for all publishers of a topic
+        // ROS 2 has one channel for all publishers of a topic.
         if !channels.contains(&publisher.connection) {
             let (channel, none) = (publisher.connection.to_le_bytes(), 0_u32.to_le_bytes());
             log.record(0x04, &[&channel, &schema, &text(publisher.topic), &text("cdr"), &none]);
@@ -92,7 +92,7 @@ pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     log.0
 }
 
-/// The log of a flight, with a second, slower inertial topic that is not the one to take.
+/// Log of a flight, with a second, slower inertial topic that must not be chosen.
 pub fn mcap(flight: &Flight) -> Vec<u8> {
     let mut log = Log(MAGIC.to_vec());
     log.record(0x01, &[&text("ros2"), &text("by hand")]);

@@ -1,13 +1,13 @@
-//! Text and archives that phone apps and tools write.
+//! Text files and archives written by phone apps and tools.
 
 use std::fmt::Write as _;
 
 use super::{Flight, zip};
 
-/// A text format: the short name of what is to be recognised, the name of a file, and the file of a flight.
+/// A text format: short name expected from recognition, name of a file, and the function that writes it.
 pub type Text = (&'static str, &'static str, fn(&Flight) -> Vec<u8>);
 
-/// Every one, and variants of some.
+/// All formats, with variants of some.
 pub const TEXTS: &[Text] = &[
     ("named", "named.csv", named),
     ("euroc", "data.csv", euroc),
@@ -27,7 +27,7 @@ pub const TEXTS: &[Text] = &[
 
 const G: f64 = 9.80665;
 
-/// One line for each sample: `row` is handed the stamp in µs, acceleration and rate.
+/// One line for each sample; `row` receives the timestamp in µs, acceleration and rate.
 fn lines(flight: &Flight, header: &str, row: impl Fn(u64, [f64; 3], [f64; 3]) -> String) -> Vec<u8> {
     let mut text = format!("{header}\n");
     for sample in 0..flight.len() {
@@ -55,7 +55,7 @@ fn named(flight: &Flight) -> Vec<u8> {
     )
 }
 
-/// As the app of Movella exports a DOT: its clock has 32 bits and is about to wrap.
+/// DOT in the export of Movella's app: its clock has 32 bits and is about to wrap.
 fn dot(flight: &Flight) -> Vec<u8> {
     const HEADER: &str = "sep=,\nDeviceTag:,Xsens DOT\nFirmwareVersion:,2.0.0\n\nPacketCounter,SampleTimeFine,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z";
     let first = flight.stamps_us[0];
@@ -87,10 +87,10 @@ fn sensor_logger(flight: &Flight, ios: bool) -> Vec<u8> {
     let row = |us: u64, [x, y, z]: [f64; 3]| {
         format!("{},{},{z},{y},{x}", (EPOCH_US + us) * 1000, (us - first) as f64 / 1e6)
     };
-    // an iPhone has g, and up is down
+    // An iPhone logs in g, with the opposite sign.
     let scale = if ios { -1.0 / G } else { 1.0 };
     let force = lines(flight, HEADER, |us, a, _| row(us, a.map(|a| a * scale)));
-    // without gravity
+    // Acceleration without gravity.
     let linear = lines(flight, HEADER, |us, [x, y, z], _| row(us, [x, y, z - G]));
     let turn = lines(flight, HEADER, |us, _, w| row(us, w));
     let metadata = format!(
@@ -178,7 +178,7 @@ fn st(flight: &Flight) -> Vec<u8> {
 
 fn physics_toolbox(flight: &Flight) -> Vec<u8> {
     let header = "time;gFx;gFy;gFz;TgF;ax;ay;az;wx;wy;wz";
-    // with decimal commas, as a phone in Europe writes
+    // With decimal commas, as written by a phone in Europe.
     lines(flight, header, |us, a, w| {
         let linear = [a[0], a[1], a[2] - G];
         let row = format!(

@@ -6,7 +6,7 @@ use super::Flight;
 
 const G: f64 = 9.80665;
 
-/// Samples of a flight in blocks of so many, of which none has a gap within.
+/// Ranges of up to `most` samples of a flight without a gap.
 fn blocks(flight: &Flight, most: usize) -> Vec<std::ops::Range<usize>> {
     let period_us = flight.stamps_us[1] - flight.stamps_us[0];
     let mut blocks: Vec<std::ops::Range<usize>> = Vec::new();
@@ -24,7 +24,7 @@ fn clock(us: u64) -> (u64, u64, u64, u64) {
     (us / 3_600_000_000, us / 60_000_000 % 60, us / 1_000_000 % 60, us % 1_000_000)
 }
 
-/// The log of a GENEActiv at 200 Hz: accelerometers only, in steps of 4 mg.
+/// Log of a GENEActiv at 200 Hz: accelerometers only, in steps of 4 mg.
 pub fn geneactiv(flight: &Flight) -> Vec<u8> {
     const GAIN: [f64; 3] = [25_344.0, 25_870.0, 25_470.0];
     const OFFSET: [f64; 3] = [1104.0, 454.0, -1433.0];
@@ -54,29 +54,29 @@ pub fn geneactiv(flight: &Flight) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// How an Axivity device stores its samples.
+/// Storage format of an Axivity device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axivity {
-    /// AX3, 10 bits an axis.
+    /// AX3, 10 bits per axis.
     Packed,
-    /// AX3, 16 bits an axis.
+    /// AX3, 16 bits per axis.
     Unpacked,
     /// AX6, with gyro.
     WithGyro,
 }
 
-/// The log of an Axivity device at 200 Hz.
+/// Log of an Axivity device at 200 Hz.
 pub fn axivity(flight: &Flight, layout: Axivity) -> Vec<u8> {
     let (most, axes, scales) = match layout {
         Axivity::Packed => (120, 0x30, 0),
         Axivity::Unpacked => (80, 0x32, 0),
-        // 1/2048 g and 250 °/s
+        // 1/2048 g and 250 °/s.
         Axivity::WithGyro => (40, 0x62, 3_u16 << 13 | 5 << 10),
     };
     let counts_per_g = if layout == Axivity::WithGyro { 2048.0 } else { 256.0 };
     let mut log = vec![0xff; 1024];
     log[..4].copy_from_slice(b"MD\xfc\x03");
-    // an annotation without text
+    // An annotation without text.
     log[64..512].fill(b' ');
     log[4] = if layout == Axivity::WithGyro { 0x64 } else { 0x17 };
     for (number, block) in blocks(flight, most).into_iter().enumerate() {
@@ -106,7 +106,7 @@ pub fn axivity(flight: &Flight, layout: Axivity) -> Vec<u8> {
                 flight.rate[sample].map(|w| (f64::from(w).to_degrees() / 250.0 * 32_768.0).round() as i16);
             match layout {
                 Axivity::Packed => {
-                    // the least exponent by which all three have ten bits
+                    // The smallest exponent with which all three values have ten bits.
                     let exponent =
                         (0..4).find(|e| counts.iter().all(|c| (-512..512).contains(&(c >> e)))).unwrap_or(3);
                     let [x, y, z] = counts.map(|count| (count >> exponent) as u32 & 0x3ff);

@@ -1,4 +1,4 @@
-//! The folder that fos works in.
+//! Working folder of the tests.
 
 use std::error::Error;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use super::writer::Writer;
 use crate::form::Form;
 
-/// With the logs and studies that are needed.
+/// A folder with the necessary logs and studies.
 pub(crate) struct Bench {
     pub(crate) host_fit: PathBuf,
     pub(crate) folder: PathBuf,
@@ -32,7 +32,7 @@ impl Bench {
         fs::read(self.folder.join(name)).map_err(|error| format!("{name}: {error}").into())
     }
 
-    /// The files of a folder, by their names from here.
+    /// Names of the files in a folder, relative to the working folder.
     pub(crate) fn listed(&self, folder: &str) -> Result<Vec<String>, Box<dyn Error>> {
         let entries = fs::read_dir(self.folder.join(folder))?;
         let mut names: Vec<String> = entries
@@ -42,7 +42,7 @@ impl Bench {
         Ok(names)
     }
 
-    /// A dozen subcommands, with the logs and studies that they need. The others write by the same code.
+    /// A dozen subcommands with their inputs. The others write by the same code.
     pub(crate) fn writers(&self) -> Result<Vec<Writer>, Box<dyn Error>> {
         self.done(&["simulate", "log.parquet", "--minutes", "2", "--seed", "1", "--at-rest"])?;
         self.done(&[
@@ -70,7 +70,7 @@ impl Bench {
             self.done(&["simulate", "--case", "case", "--effect", "thermal_lag"])?;
             case = self.listed("case")?;
         }
-        // with the kills of `short` and of `full`
+        // With the numbers of kills in `short` and `full`.
         let writer = |name: &str, line: &str, targets: Vec<String>, kills| {
             Writer::new(name, &self.host_fit, &line.split(' ').collect::<Vec<_>>(), targets, kills)
         };
@@ -117,7 +117,7 @@ impl Bench {
     }
 }
 
-/// What could not be looked at is said, and is no failure.
+/// Reports a skipped check, which is not a failure.
 pub(crate) fn skipped(why: &str) -> bool {
     println!("\nskipped: {why}");
     eprintln!("skipped: {why}");

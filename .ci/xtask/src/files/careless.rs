@@ -1,4 +1,4 @@
-//! Writers without precautions: `xtask write in-place FROM TO`, `xtask write hasty TO`.
+//! Careless writers as controls: `xtask write in-place FROM TO`, `xtask write hasty TO`.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -7,10 +7,10 @@ use std::path::Path;
 
 use super::writer::Writer;
 
-/// What they write to.
+/// File that they write.
 pub(crate) const TARGET: &str = "in_place";
 
-/// One that writes what is in a file.
+/// A writer that overwrites a file in place with the content of another.
 pub(crate) fn in_place(from: &Path) -> Result<Writer, Box<dyn Error>> {
     let from = from.to_str().ok_or("a folder whose name is no text")?;
     Ok(Writer::new(
@@ -22,10 +22,10 @@ pub(crate) fn in_place(from: &Path) -> Result<Writer, Box<dyn Error>> {
     ))
 }
 
-/// What they do.
+/// Runs a careless writer.
 pub(crate) fn write(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
     match arguments {
-        // in pieces; a disk takes its time, so that a kill has something to hit
+        // In pieces with pauses, so that a kill can interrupt it.
         ["in-place", from, to] => {
             let (content, mut file) = (fs::read(from)?, File::create(to)?);
             for piece in content.chunks(content.len() / 64 + 1) {
@@ -34,7 +34,7 @@ pub(crate) fn write(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
             }
             Ok(())
         }
-        // beside and renamed, but nothing is put onto the disk before the file has its name
+        // Atomic rename, but without a sync before it.
         ["hasty", to] => {
             fs::write(".fos-hasty.tmp", "new")?;
             Ok(fs::rename(".fos-hasty.tmp", to)?)

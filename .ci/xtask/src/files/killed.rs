@@ -1,4 +1,4 @@
-//! Writers that are killed.
+//! Kills writers.
 
 use std::error::Error;
 use std::os::unix::process::ExitStatusExt;
@@ -11,7 +11,7 @@ use super::careless;
 use super::writer::Writer;
 
 const SEED: u64 = 1;
-/// Of ten kills so many come while something is being written, the others anywhere in the run.
+/// Number of kills, out of ten, that occur while a file is being written; the others occur at any time.
 const WATCHED: u32 = 7;
 const SIGKILL: i32 = 9;
 
@@ -23,12 +23,12 @@ struct Tally {
     old: usize,
     new: usize,
     torn: usize,
-    /// Files under another name, at most.
+    /// Largest number of temporary files.
     left: usize,
 }
 
-/// Kills `writer` so often, and, if it must be, until it was writing; looks at what is there after every one. Whether
-/// one that is not killed leaves anything beside afterwards.
+/// Kills `writer` the given number of times, and further until one kill hit a write; checks the files after each.
+/// Returns whether an undisturbed run leaves temporary files.
 fn kill_it(
     bench: &Bench,
     writer: &Writer,
@@ -63,14 +63,14 @@ fn kill_it(
         let found = writer.content(folder)?;
         let is_new = |target: &String| found[target] == learnt.new[target];
         if status.signal() != Some(SIGKILL) {
-            // it was done before; that must have gone well
+            // The writer had finished, which must have succeeded.
             if !status.success() || !writer.targets.iter().all(is_new) {
                 return Err(format!("{}: {status}, and not all files are new", writer.name).into());
             }
             continue;
         }
         tally.kills += 1;
-        // what was there at the start is swept by the next writer, so that it is not counted twice
+        // The next writer removes older temporary files, so that none is counted twice.
         tally.hits += usize::from(left.difference(&known).next().is_some());
         for target in &writer.targets {
             let count = match () {
@@ -81,13 +81,13 @@ fn kill_it(
             *count += 1;
         }
     }
-    // one that is not killed clears up after those that were
+    // An undisturbed writer removes the files of killed ones.
     writer.begin(folder)?;
     writer.start(folder)?.wait()?;
     Ok(!writer.beside(folder).is_empty())
 }
 
-/// Every writer, and one that writes in place.
+/// Every writer, and a control that writes in place.
 pub(crate) fn look(bench: &Bench, writers: &[Writer]) -> Result<bool, Box<dyn Error>> {
     println!(
         "| command | kills | while a file was being written | old file | new file | torn | left beside, at most |\n|---|---|---|---|---|---|---|"
@@ -96,11 +96,11 @@ pub(crate) fn look(bench: &Bench, writers: &[Writer]) -> Result<bool, Box<dyn Er
     for writer in writers.iter().filter(|writer| writer.kills(bench.form) > 0) {
         eprintln!("killing {}", writer.name);
         let mut tally = Tally::default();
-        // kills that hit nothing show nothing
+        // Kills that hit no write prove nothing.
         let stale = kill_it(bench, writer, writer.kills(bench.form), true, &mut chance, &mut tally)?;
         let Tally { kills, hits, old, new, torn, left } = tally;
         println!("| `{}` | {kills} | {hits} | {old} | {new} | {torn} | {left} |", writer.name);
-        // a killed writer leaves one; the next one removes it
+        // A killed writer leaves one temporary file, which the next one removes.
         if torn > 0 || left > 1 || stale || hits == 0 {
             eprintln!("{}: torn {torn}, left {left}, stale {stale}, hits {hits}", writer.name);
             good = false;
@@ -118,7 +118,7 @@ pub(crate) fn look(bench: &Bench, writers: &[Writer]) -> Result<bool, Box<dyn Er
     println!("| all | {} | {} | {} | {} | {} | |", all.kills, all.hits, all.old, all.new, all.torn);
     let in_place = careless::in_place(&bench.folder.join("log.parquet"))?;
     let mut torn = Tally::default();
-    // most of its time may go into starting: until one is torn
+    // Most of the time may be spent on starting, so it is repeated until a file is damaged.
     while torn.torn == 0 && torn.kills < 400 {
         let kills = torn.kills + 20;
         kill_it(bench, &in_place, kills, false, &mut chance, &mut torn)?;

@@ -1,10 +1,9 @@
-//! `cargo xtask files short|full`: what fos writes is there whole, as it was or as it should be, whatever happens
-//! meanwhile.
+//! `cargo xtask files short|full`: files written by fos are complete, old or new, under all conditions.
 //!
-//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills fos
-//! at random moments, most of them while it writes; fills its disk; makes it read-only; takes away the right to write
-//! into its folder; lets several processes change one study; looks at the order in which it has its bytes put onto the
-//! disk. Prints the figures as Markdown. A writer without these precautions ([`careless`]) must be found out.
+//! `short`: some dozen kills of the quickest subcommands; `full`: more than a thousand kills of a dozen. Kills fos at
+//! random moments, mostly while it writes; fills its disk; makes it read-only; removes the permission to write into its
+//! folder; lets several processes change one study; checks the order of its syncs. Prints the figures as Markdown.
+//! Writers without these precautions ([`careless`]) must fail.
 
 mod bench;
 pub(crate) mod careless;
@@ -24,7 +23,7 @@ use crate::form::{Form, host_fit};
 use bench::Bench;
 use writer::Writer;
 
-/// Prints what was seen; an error if a file was not as it is promised.
+/// Prints the figures; an error if a file is not as promised.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     own_mounts();
     let world = tempfile::tempdir()?;
@@ -47,8 +46,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     if results.contains(&false) { Err("files are not as they are promised".into()) } else { Ok(()) }
 }
 
-/// A disk that is mounted here goes with this process, however that ends: in a namespace of its own, if it may have
-/// one.
+/// Moves this process into its own mount namespace, if permitted, so that mounted disks disappear with it.
 fn own_mounts() {
     let inside = "FOS_OWN_MOUNTS";
     let may =

@@ -1,4 +1,4 @@
-//! What a cut of power could leave: judged by what the system is asked for.
+//! Behaviour at a power loss, from the order of system calls.
 
 use std::error::Error;
 use std::fs;
@@ -13,7 +13,7 @@ pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
         return Ok(skipped("no strace: the order of what is put onto the disk was not looked at"));
     }
     fs::write(bench.folder.join("ordered.json"), bench.read("grown.json")?)?;
-    // what is replaced whatever is there, and what is replaced only if it still is what was read
+    // A file that is always replaced, and one that is replaced only if unchanged since it was read.
     let export = ["export", "fitted.json", "--image", "unit.fosm"];
     let kept = is_in_order(&bench.folder, &bench.host_fit, &export, "unit.fosm")?
         && is_in_order(
@@ -33,7 +33,7 @@ pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
     Ok(kept && found_out)
 }
 
-/// Whether the bytes are on the disk before they get the name `target`, and the name before the command ends.
+/// The bytes are synced before the file is renamed to `target`, and the folder before the command ends.
 fn is_in_order(
     folder: &Path,
     program: &Path,
@@ -50,7 +50,7 @@ fn is_in_order(
     Ok(in_order(&fs::read_to_string(trace)?, &folder.to_string_lossy(), target))
 }
 
-/// Of the calls as strace prints them.
+/// Checks the order in a trace of strace.
 fn in_order(trace: &str, folder: &str, target: &str) -> bool {
     let calls: Vec<&str> = trace.lines().map(str::trim_end).filter(|call| call.ends_with("= 0")).collect();
     let is_named = |call: &&str| call.contains("rename") && call.contains(&format!("{target}\""));
@@ -84,7 +84,7 @@ mod tests {
     const FOLDER: &str = "7 fsync(9</w>)    = 0\n";
 
     #[test]
-    fn bytes_name_folder_is_the_order() {
+    fn requires_order_of_syncs_and_rename() {
         assert!(in_order(&[BYTES, NAME, FOLDER].concat(), "/w", "unit.fosm"));
         for other in [
             [BYTES, FOLDER, NAME],

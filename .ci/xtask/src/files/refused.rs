@@ -1,4 +1,4 @@
-//! Writers that cannot write: on a full and on a read-only disk, and in a folder that they have no right to.
+//! Writers that cannot write: on a full and on a read-only disk, and in a folder without permission.
 
 use std::error::Error;
 use std::fs::{self, File, OpenOptions, Permissions};
@@ -12,7 +12,7 @@ use super::careless::{self, TARGET};
 use super::writer::Writer;
 use crate::workspace::output;
 
-/// What a writer reads, and what is there of what it writes.
+/// Copies the inputs of a writer and the old versions of its outputs into `place`.
 fn lay_out(bench: &Bench, writer: &Writer, place: &Path) -> Result<(), Box<dyn Error>> {
     for name in ["log.parquet", "field.parquet", "fitted.json", "fitted.fosm"] {
         fs::copy(bench.folder.join(name), place.join(name))?;
@@ -20,27 +20,27 @@ fn lay_out(bench: &Bench, writer: &Writer, place: &Path) -> Result<(), Box<dyn E
     writer.begin(place)
 }
 
-/// Whether it ended with an error that names a file and what to do, and left everything as it was.
+/// The writer ended with an error that names a file and a remedy, and changed nothing.
 fn is_refused_whole(
     writer: &Writer,
     place: &Path,
     ended: &Output,
     state: &str,
 ) -> Result<bool, Box<dyn Error>> {
-    let said = String::from_utf8_lossy(&ended.stderr);
-    let names = |target: &String| said.contains(target.rsplit('/').next().unwrap_or(target));
+    let message = String::from_utf8_lossy(&ended.stderr);
+    let names = |target: &String| message.contains(target.rsplit('/').next().unwrap_or(target));
     let as_it_must = ended.status.code() == Some(1)
         && writer.targets.iter().any(names)
-        && said.contains("help: ")
+        && message.contains("help: ")
         && writer.content(place)? == writer.old
         && writer.beside(place).is_empty();
     if !as_it_must {
-        eprintln!("{}, {state}: {}: {said}", writer.name, ended.status);
+        eprintln!("{}, {state}: {}: {message}", writer.name, ended.status);
     }
     Ok(as_it_must)
 }
 
-/// Takes all the room that is left on a disk.
+/// Fills the remaining space of a disk.
 fn fill(path: &Path) -> Result<(), Box<dyn Error>> {
     let mut file = OpenOptions::new().create(true).append(true).open(path)?;
     for size in [1 << 16, 1 << 12, 1] {
@@ -57,7 +57,7 @@ fn mount(options: &str, disk: &Path) -> Result<(), Box<dyn Error>> {
     output(Command::new("mount").args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(disk)).map(|_| ())
 }
 
-/// A disk that is there until this is dropped.
+/// A mounted disk, unmounted when dropped.
 struct Disk(PathBuf);
 
 impl Drop for Disk {
@@ -75,7 +75,7 @@ impl Disk {
         Ok(())
     }
 
-    /// What a writer does on it when it is in this state.
+    /// Runs a writer on this disk in the given state and checks the result.
     fn ended(&self, bench: &Bench, writer: &Writer, state: &str) -> Result<bool, Box<dyn Error>> {
         self.clear()?;
         lay_out(bench, writer, &self.0)?;
@@ -92,7 +92,7 @@ impl Disk {
     }
 }
 
-/// Every writer on a full and on a read-only disk.
+/// Runs every writer on a full and on a read-only disk.
 pub(crate) fn full_and_read_only(
     bench: &Bench,
     writers: &[&Writer],
@@ -132,7 +132,7 @@ pub(crate) fn full_and_read_only(
     Ok(destroyed && refused == [writers.len(); 2])
 }
 
-/// Everything below a folder, itself among it: of folders these permissions, of files those.
+/// Sets the permissions of everything below a folder and of the folder itself.
 fn permit(folder: &Path, of_folders: u32, of_files: u32) -> Result<(), Box<dyn Error>> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
@@ -145,10 +145,10 @@ fn permit(folder: &Path, of_folders: u32, of_files: u32) -> Result<(), Box<dyn E
     Ok(fs::set_permissions(folder, Permissions::from_mode(of_folders))?)
 }
 
-/// Every writer in a folder that it may not write into, by a user who has no more rights than others.
+/// Runs every writer in a folder without write permission, as an unprivileged user.
 pub(crate) fn forbidden(bench: &Bench, writers: &[&Writer], world: &Path) -> Result<bool, Box<dyn Error>> {
     let (closed, program) = (world.join("closed"), world.join("fos"));
-    // others must get there
+    // The user must be able to enter the folder.
     fs::set_permissions(world, Permissions::from_mode(0o755))?;
     fs::copy(&bench.host_fit, &program)?;
     fs::set_permissions(&program, Permissions::from_mode(0o755))?;
@@ -157,7 +157,7 @@ pub(crate) fn forbidden(bench: &Bench, writers: &[&Writer], world: &Path) -> Res
         eprintln!("a folder that may not be written into: {}", writer.name);
         fs::create_dir(&closed)?;
         lay_out(bench, writer, &closed)?;
-        // the file itself may be written: in place it could be destroyed
+        // The file itself is writable, so a writer in place would destroy it.
         permit(&closed, 0o555, 0o666)?;
         let mut command = if is_root() { Command::new("setpriv") } else { Command::new("env") };
         if is_root() {

@@ -1,4 +1,4 @@
-//! Several processes that change one study at once.
+//! Concurrent changes of one study by several processes.
 
 use std::error::Error;
 use std::fs;
@@ -14,12 +14,12 @@ use crate::form::Form;
 
 const AXES: [&str; 3] = ["gx", "gy", "gz"];
 
-/// What became of some rounds.
+/// Results of the rounds.
 #[derive(Default)]
 struct Tally {
     done: usize,
     refused: usize,
-    /// Steps said to be done and not there, or there and said not to be.
+    /// Steps reported as done but missing, or reported as refused but present.
     lost: usize,
 }
 
@@ -28,7 +28,7 @@ impl Bench {
         self.folder.join("shared.json")
     }
 
-    /// The axes of the shared study that have an effect.
+    /// Axes of the shared study with an added effect.
     fn grown(&self) -> Result<Vec<String>, Box<dyn Error>> {
         let study: Value = serde_json::from_slice(&fs::read(self.shared())?)?;
         let growths = study["growth"].as_array().cloned().unwrap_or_default();
@@ -44,11 +44,11 @@ impl Bench {
             .collect())
     }
 
-    /// Each takes the step of one axis back; `told`: those refused say why.
+    /// Each process removes the step of one axis; `require_reason`: refused ones state the reason.
     fn round(
         &self,
         command: impl Fn(&str) -> Command,
-        told: bool,
+        require_reason: bool,
         tally: &mut Tally,
     ) -> Result<(), Box<dyn Error>> {
         fs::write(self.shared(), self.read("grown.json")?)?;
@@ -65,22 +65,22 @@ impl Bench {
             let taken_back = !grown.iter().any(|other| other == axis);
             tally.lost += usize::from(taken_back != ended.status.success());
             *(if ended.status.success() { &mut tally.done } else { &mut tally.refused }) += 1;
-            let said = String::from_utf8_lossy(&ended.stderr);
-            if told
+            let message = String::from_utf8_lossy(&ended.stderr);
+            if require_reason
                 && !ended.status.success()
-                && !(said.contains("shared.json: changed meanwhile") && said.contains("help:"))
+                && !(message.contains("shared.json: changed meanwhile") && message.contains("help:"))
             {
-                return Err(format!("refused without a reason: {said}").into());
+                return Err(format!("refused without a reason: {message}").into());
             }
         }
         Ok(())
     }
 
-    /// One that reads first and writes last, over a study that was replaced meanwhile: whether it was refused, and the
-    /// study kept.
+    /// A process that reads first and writes last, after the study was replaced. Returns whether it was refused and
+    /// the study unchanged.
     fn late(&self) -> Result<bool, Box<dyn Error>> {
         let grown = self.read("grown.json")?;
-        // when it has read depends on the machine
+        // The time at which it has read depends on the machine.
         let mut wait = Duration::from_millis(20);
         for _ in 0..12 {
             fs::write(self.shared(), self.read("fitted.json")?)?;

@@ -1,4 +1,4 @@
-//! A command that writes files, and what is there of them.
+//! A command that writes files, and their contents.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::form::Form;
 
-/// What is at each place that is written to.
+/// Content of each output.
 pub(crate) type Contents = BTreeMap<String, Vec<u8>>;
 
 /// A subcommand.
@@ -18,17 +18,17 @@ pub(crate) struct Writer {
     pub(crate) program: PathBuf,
     pub(crate) arguments: Vec<String>,
     pub(crate) targets: Vec<String>,
-    /// In `short`, in `full`.
+    /// Number of kills in `short` and in `full`.
     kills: [usize; 2],
-    /// What is there before.
+    /// Contents before the run.
     pub(crate) old: Contents,
 }
 
-/// What a writer does when it is left alone.
+/// Results of an undisturbed run.
 pub(crate) struct Learnt {
     pub(crate) new: Contents,
     pub(crate) takes: Duration,
-    /// So long one file is there under another name.
+    /// Time during which a temporary file exists.
     pub(crate) window: Duration,
 }
 
@@ -46,7 +46,7 @@ impl Writer {
         Self { name: name.to_owned(), program: program.to_owned(), arguments, targets, kills, old }
     }
 
-    /// With a target that is read first, and so must be what it must be.
+    /// Adds an output that is also an input, and so needs valid content.
     pub(crate) fn over(mut self, target: &str, content: Vec<u8>) -> Self {
         self.old.insert(target.to_owned(), content);
         self
@@ -56,12 +56,12 @@ impl Writer {
         self.kills[usize::from(form == Form::Full)]
     }
 
-    /// Whether it is looked at where nothing is killed.
+    /// Included in the checks without kills.
     pub(crate) fn is_of(&self, form: Form) -> bool {
         form == Form::Full || self.kills[0] > 0 || self.name == "man"
     }
 
-    /// What is there before it begins.
+    /// Restores the contents before the run.
     pub(crate) fn begin(&self, folder: &Path) -> Result<(), Box<dyn Error>> {
         for (target, content) in &self.old {
             let path = folder.join(target);
@@ -91,7 +91,7 @@ impl Writer {
             .collect::<Result<_, _>>()?)
     }
 
-    /// The files that are being written, or were when their writer was killed.
+    /// Temporary files of running and killed writers.
     pub(crate) fn beside(&self, folder: &Path) -> BTreeSet<PathBuf> {
         let places: BTreeSet<PathBuf> =
             self.targets.iter().filter_map(|target| Some(folder.join(target).parent()?.to_owned())).collect();
@@ -104,7 +104,7 @@ impl Writer {
         entries.map(|entry| entry.path()).filter(is_one).collect()
     }
 
-    /// Runs it twice: it writes the same.
+    /// Runs the writer twice; the results must be equal.
     pub(crate) fn learn(&self, folder: &Path) -> Result<Learnt, Box<dyn Error>> {
         let first = self.learn_once(folder)?;
         let learnt = self.learn_once(folder)?;
@@ -128,8 +128,8 @@ impl Writer {
             if let Some(status) = process.try_wait()? {
                 break status;
             }
-            // from the last look that did not see it to the first that sees it no more: it may be there for one look
-            // alone
+            // From the last look before the file appears to the first after it is gone: it may be seen only
+            // once.
             let (before, there) = (now, self.beside(folder));
             now = Instant::now();
             for path in there {

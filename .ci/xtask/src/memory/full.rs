@@ -1,4 +1,4 @@
-//! Up to eight hours, every axis.
+//! Measures logs of up to eight hours, with all axes.
 
 use std::error::Error;
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use super::runs::{Log, four_times, starved};
 
 const AXES: [&str; 6] = ["ax", "ay", "az", "gx", "gy", "gz"];
 
-/// Least squares over (rows, bytes): bytes, and bytes a row.
+/// Least squares over (rows, bytes): bytes, and bytes per row.
 fn line(points: &[(u64, u64)]) -> (f64, f64) {
     let n = points.len() as f64;
     let mean = |of: fn(&(u64, u64)) -> u64| points.iter().map(|point| of(point) as f64).sum::<f64>() / n;
@@ -19,7 +19,7 @@ fn line(points: &[(u64, u64)]) -> (f64, f64) {
     (y - slope * x, slope)
 }
 
-/// The runs of one length: what each command took at most.
+/// Runs of one length: peak memory of each command.
 fn peaks(limited: &Limited, axes: &[&str]) -> Result<([u64; 3], bool), Box<dyn Error>> {
     let (mut peaks, mut good) = ([0; 3], true);
     let mut run = |at: usize, arguments: &[&str]| -> Result<(), Box<dyn Error>> {
@@ -51,7 +51,8 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
     for hours in [1, 2, 4, 8] {
         eprintln!("{hours} h");
         let log = Log::new(limited, "log.parquet", 60 * hours)?;
-        // every axis of the longest, one of the others: an axis more is no more at a time
+        // All axes of the longest log, one axis of the others: axes are processed in turn, so more axes need no
+        // more memory.
         let (peaks, succeeded) = peaks(limited, if hours == 8 { &AXES } else { &AXES[3..4] })?;
         good &= succeeded;
         let mut row = format!("| {hours} | {} | {} | {} |", log.rows, mega(log.raw), mega(log.peak));
@@ -85,29 +86,29 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
         mega(text.peak),
         mega(ended.peak)
     );
-    let (said, succeeded) = flat()?;
-    println!("\n`cargo test --release -p host-fit --test flat_memory`: {said}.\n{control}");
+    let (summary, succeeded) = flat()?;
+    println!("\n`cargo test --release -p host-fit --test flat_memory`: {summary}.\n{control}");
     let starved =
         starved(limited, &["fit", "log.parquet", "--axis", "all", "-o", "unit.json"], all_axes_took)?;
     Ok(starved && found_out && good && succeeded)
 }
 
-/// What the test of many fits in one process says of their memory.
+/// Memory of many fits in one process, as reported by their test.
 fn flat() -> Result<(String, bool), Box<dyn Error>> {
     let arguments = ["test", "--release", "-p", "host-fit", "--test", "flat_memory", "--", "--nocapture"];
     let ended = Command::new("cargo").args(arguments).stderr(Stdio::inherit()).output()?;
     let printed = String::from_utf8(ended.stdout)?;
-    let said: Vec<&str> = printed
+    let summary: Vec<&str> = printed
         .lines()
         .filter(|line| line.contains("in one process") || line.starts_with("skipped"))
         .collect();
-    Ok((said.concat(), ended.status.success() && said.len() == 1))
+    Ok((summary.concat(), ended.status.success() && summary.len() == 1))
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
-    fn a_line_goes_through_what_lies_on_one() {
+    fn line_fits_collinear_points() {
         let (base, slope) = super::line(&[(1, 13), (2, 23), (4, 43)]);
         assert!((base - 3.0).abs() < 1e-9 && (slope - 10.0).abs() < 1e-9);
     }

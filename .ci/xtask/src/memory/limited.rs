@@ -1,4 +1,4 @@
-//! Commands with little memory: in a control group if one can be made, else by their address space, which is stricter.
+//! Runs commands with limited memory: in a control group if possible, otherwise by address space, which is stricter.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -12,20 +12,20 @@ use wait4::Wait4;
 
 use super::line::mega;
 
-/// Bytes.
+/// Memory limit, bytes.
 pub(crate) const LIMIT: u64 = 2 << 30;
-/// No command takes longer, on a machine that is busy with other things.
+/// Time limit of a command, generous for a busy machine.
 const LONGEST: Duration = Duration::from_secs(1800);
 const GROUPS: &str = "/sys/fs/cgroup";
 
-/// Where fos runs.
+/// Environment of the limited runs.
 pub(crate) struct Limited {
     program: PathBuf,
     folder: TempDir,
     group: Option<Group>,
 }
 
-/// A control group, removed at the end.
+/// A control group, removed when dropped.
 struct Group(PathBuf);
 
 impl Drop for Group {
@@ -34,14 +34,14 @@ impl Drop for Group {
     }
 }
 
-/// What became of a run.
+/// Result of a run.
 pub(crate) struct Ended {
     status: Option<ExitStatus>,
-    /// In words.
+    /// Description.
     pub(crate) how: String,
-    /// It had to be ended.
+    /// The time limit was exceeded.
     pub(crate) is_late: bool,
-    /// Resident memory, bytes.
+    /// Peak resident memory, bytes.
     pub(crate) peak: u64,
     pub(crate) printed: String,
 }
@@ -70,12 +70,12 @@ impl Limited {
         }
     }
 
-    /// With [`LIMIT`].
+    /// Runs a command with [`LIMIT`].
     pub(crate) fn run(&self, arguments: &[&str]) -> Result<Ended, Box<dyn Error>> {
         self.run_with(arguments, LIMIT)
     }
 
-    /// What fos needs to start at all: of address space, hardly any of which is memory.
+    /// Address space needed to start, hardly any of which is resident memory.
     pub(crate) fn to_start(&self) -> Result<u64, Box<dyn Error>> {
         let mut beside = 0;
         while self.group.is_none() && !self.run_with(&["--version"], beside)?.is_success() {
@@ -99,7 +99,7 @@ impl Limited {
         Ok(command)
     }
 
-    /// With so many bytes.
+    /// Runs a command with a limit of this many bytes.
     pub(crate) fn run_with(&self, arguments: &[&str], limit: u64) -> Result<Ended, Box<dyn Error>> {
         let folder = self.folder.path();
         let (out, error) = (folder.join("out"), folder.join("error"));
@@ -125,9 +125,9 @@ impl Limited {
         let peak = used.rusage.maxrss;
         eprintln!("  {}: {how}, {} MB, {} s", arguments.join(" "), mega(peak), began.elapsed().as_secs());
         if !used.status.success() {
-            let mut said = String::new();
-            File::open(&error)?.take(300).read_to_string(&mut said)?;
-            eprintln!("    {}", said.lines().next().unwrap_or("nothing said"));
+            let mut output = String::new();
+            File::open(&error)?.take(300).read_to_string(&mut output)?;
+            eprintln!("    {}", output.lines().next().unwrap_or("nothing said"));
         }
         Ok(Ended {
             status: (!is_late).then_some(used.status),

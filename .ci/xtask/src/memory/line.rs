@@ -1,16 +1,16 @@
-//! The line that peaks lie below.
+//! Upper line of peak memory.
 
-/// Peaks lie below this line, bytes and bytes a row: at 8 h, where fit took 1484 MB, diagnose 939 and report 1250, a
-/// fifth above.
+/// Upper line of the peaks, bytes and bytes per row: a fifth above those at 8 h, where fit took 1484 MB, diagnose 939
+/// and report 1250.
 pub(crate) const BASE: u64 = 40_000_000;
 pub(crate) const BYTES_A_ROW: [(&str, u64); 3] = [("fit", 300), ("diagnose", 210), ("report", 250)];
 
-/// In MB.
+/// Formats bytes as MB.
 pub(crate) fn mega(bytes: u64) -> String {
     format!("{:.0}", bytes as f64 / 1e6)
 }
 
-/// The line of a command, bytes.
+/// Limit of a command, bytes.
 pub(crate) fn at_most(command: &str, rows: u64) -> u64 {
     let (_, bytes_a_row) = BYTES_A_ROW.into_iter().find(|(name, _)| *name == command).unwrap_or(("", 0));
     BASE + bytes_a_row * rows

@@ -1,8 +1,8 @@
-//! `cargo xtask memory short|full`: a working day of six axes fits into a small machine.
+//! `cargo xtask memory short|full`: logs of a working day with six axes fit into a small machine.
 //!
-//! `short`: half an hour, whose peak stays below the line that the full run measured. `full`: 1, 2, 4 and 8 hours on a
-//! machine of 2 GiB; CSV; 200 fits in one process. Prints peaks of resident memory as Markdown. With a quarter of the
-//! memory fos must fail, and soon.
+//! `short`: half an hour, whose peak must be below the line measured by the full run. `full`: 1, 2, 4 and 8 hours on a
+//! machine of 2 GiB; CSV; 200 fits in one process. Prints peaks of resident memory as Markdown. As a control, fos must
+//! fail quickly with a quarter of the memory.
 
 mod full;
 mod limited;
@@ -17,7 +17,7 @@ use limited::Limited;
 use line::{at_most, holds, mega};
 use runs::{Log, four_times, starved};
 
-/// Prints what was measured; an error if it is more than is promised.
+/// Prints the measurements; an error if they exceed the stated ones.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     if !cfg!(target_os = "linux") {
         println!("skipped: memory is limited and measured on Linux only");
@@ -53,7 +53,7 @@ fn short(limited: &Limited) -> Result<bool, Box<dyn Error>> {
         good &= ended.is_success() && holds(arguments[0], ended.peak, log.rows);
         fit_took = fit_took.max(if arguments == fit { ended.peak } else { 0 });
     }
-    let (found_out, said) = four_times(limited, &log)?;
-    println!("{said}");
+    let (found_out, description) = four_times(limited, &log)?;
+    println!("{description}");
     Ok(starved(limited, &fit, fit_took)? && found_out && good)
 }

@@ -1,17 +1,17 @@
-//! Runs that both forms have: logs, and what must fail.
+//! Runs of both forms: logs, and controls that must fail.
 
 use std::error::Error;
 
 use super::limited::Limited;
 use super::line::{at_most, holds, mega};
 
-/// A simulated log in the folder of the runs.
+/// A simulated log in the working folder.
 pub(crate) struct Log {
     pub(crate) name: &'static str,
     pub(crate) rows: u64,
-    /// Of its numbers as f64, bytes.
+    /// Size of its numbers as f64, bytes.
     pub(crate) raw: u64,
-    /// While it was written.
+    /// Peak memory while it was written, bytes.
     pub(crate) peak: u64,
 }
 
@@ -36,7 +36,7 @@ impl Log {
     }
 }
 
-/// Whether it fails with a quarter of what it took, before its time is over; says so.
+/// The command fails within its time limit with a quarter of its peak memory; prints the result.
 pub(crate) fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Result<bool, Box<dyn Error>> {
     let quarter = peak / 4;
     let beside = limited.to_start()?;
@@ -54,12 +54,12 @@ pub(crate) fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Resul
     Ok(!ended.is_late && !ended.is_success())
 }
 
-/// Whether a command that holds its log four times is above the line of one, and what to say of it.
+/// Control: a command that holds its log four times exceeds the line for one. Returns that, and a description.
 pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String), Box<dyn Error>> {
     let arguments = ["fit", log.name, log.name, log.name, log.name, "--axis", "gx", "-o", "four.json"];
     let ended = limited.run(&arguments)?;
     let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
-    let said = format!(
+    let description = format!(
         "\nNegative control: `fos {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
         arguments.join(" "),
         log.rows,
@@ -67,5 +67,5 @@ pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String),
         if found_out { "above" } else { "BELOW" },
         mega(at_most("fit", log.rows))
     );
-    Ok((found_out, said))
+    Ok((found_out, description))
 }

@@ -1,9 +1,9 @@
-//! What is there in tests alone.
+//! Detects items that exist only in tests.
 
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Item, Meta, Token};
 
-/// Those of any item.
+/// Attributes of an item of any kind.
 pub(crate) fn attributes(item: &Item) -> &[Attribute] {
     match item {
         Item::Const(item) => &item.attrs,
@@ -25,7 +25,7 @@ pub(crate) fn attributes(item: &Item) -> &[Attribute] {
     }
 }
 
-/// Whether it is there in tests alone.
+/// The item is compiled only in tests.
 pub(crate) fn is_excluded(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         let holds = attribute.path().is_ident("cfg").then(|| attribute.parse_args::<Meta>().ok()).flatten();
@@ -34,14 +34,14 @@ pub(crate) fn is_excluded(attributes: &[Attribute]) -> bool {
     })
 }
 
-/// Whether a condition holds where no test is built; none if that depends on more.
+/// Value of a `cfg` condition without `test`; none if it depends on other options.
 fn without_tests(condition: &Meta) -> Option<bool> {
     match condition {
         Meta::Path(path) if path.is_ident("test") => Some(false),
         Meta::List(list) => {
             let parts = list.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated).ok()?;
             let parts: Vec<Option<bool>> = parts.iter().map(without_tests).collect();
-            // one that decides does, whatever the others are
+            // One deciding operand is enough, whatever the others are.
             let decided_by = |one: bool| {
                 if parts.contains(&Some(one)) {
                     Some(one)

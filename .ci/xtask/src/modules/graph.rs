@@ -1,4 +1,4 @@
-//! Arrows between files, and circles of them.
+//! Graph of dependencies between files, and its cycles.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -9,13 +9,13 @@ use petgraph::visit::EdgeRef;
 
 use super::source::{Defined, File, Sources};
 
-/// Files, and what each takes from which.
+/// Files, and the names that each takes from others.
 pub(crate) struct Graph<'a> {
     files: DiGraph<&'a File, BTreeSet<String>>,
 }
 
 impl<'a> Graph<'a> {
-    /// Follows every reference.
+    /// Resolves every reference.
     pub(crate) fn of(sources: &'a Sources) -> Self {
         let mut taken: BTreeMap<(usize, usize), BTreeSet<String>> = BTreeMap::new();
         for reference in &sources.references {
@@ -49,7 +49,7 @@ impl<'a> Graph<'a> {
         format!("{} -> {}: {}", self.files[from].path, self.files[to].path, names.join(", "))
     }
 
-    /// Every arrow, a line each, in order.
+    /// Every edge on its own line, sorted.
     pub(crate) fn arrows(&self) -> String {
         let arrow = |edge: petgraph::graph::EdgeReference<BTreeSet<String>>| {
             self.arrow(edge.source(), edge.target(), edge.weight()) + "\n"
@@ -58,7 +58,7 @@ impl<'a> Graph<'a> {
         lines.into_iter().collect()
     }
 
-    /// Files that import each other: each circle with its files, and what ties each pair.
+    /// Cycles, each with its files and the names of each edge.
     pub(crate) fn circles(&self) -> Vec<String> {
         let mut circles: Vec<String> = tarjan_scc(&self.files)
             .iter()
@@ -85,7 +85,7 @@ impl<'a> Graph<'a> {
         text
     }
 
-    /// For Graphviz: a cluster a package.
+    /// Graph for Graphviz, with a cluster for each package.
     pub(crate) fn dot(&self) -> String {
         let mut packages: BTreeMap<&str, Vec<NodeIndex>> = BTreeMap::new();
         for file in self.files.node_indices() {

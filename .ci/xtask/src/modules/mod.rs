@@ -1,9 +1,9 @@
-//! `cargo xtask modules`: which file takes names from which.
+//! `cargo xtask modules`: dependencies between files.
 //!
-//! A name is followed through `pub use` and globs to the file that defines it, so that a file that only passes names on
-//! ties nothing. What has been read: `use`, paths in code, in macros and in serde's attributes, `impl` blocks (of a
-//! type that another file defines). Left out: `#[cfg(test)]`, tests, build scripts, and what only the compiler can
-//! know: the types of method calls.
+//! A name is followed through `pub use` and globs to the file that defines it, so that a file which only re-exports
+//! names adds no dependency. Covered: `use`, paths in code, in macros and in serde's attributes, and `impl` blocks of
+//! types from other files. Not covered: `#[cfg(test)]`, tests, build scripts, and the types of method calls, which only
+//! the compiler knows.
 
 mod excluded;
 mod graph;
@@ -20,18 +20,18 @@ use std::path::Path;
 
 use crate::{crates, workspace};
 
-/// What `cargo xtask modules` prints beside what it finds.
+/// Output of `cargo xtask modules` in addition to the errors.
 #[derive(PartialEq)]
 pub(crate) enum Print {
-    /// How much there is of what.
+    /// Numbers of files, edges and cycles.
     Summary,
-    /// Every arrow, with the names that it stands for.
+    /// Every edge with its names.
     Arrows,
-    /// The same for Graphviz.
+    /// The graph for Graphviz.
     Dot,
 }
 
-/// Reads the workspace; an error if files import each other in a circle, or a crate depends on one that it must not.
+/// Reads the workspace; an error if files import each other in a cycle, or a crate has a forbidden dependency.
 pub(crate) fn run(print: Print, root: &Path) -> Result<(), Box<dyn Error>> {
     let packages = workspace::packages(root)?;
     let sources = read::workspace(&packages, root)?;
@@ -58,8 +58,8 @@ pub(crate) fn run(print: Print, root: &Path) -> Result<(), Box<dyn Error>> {
     if circles.is_empty() && refused.is_empty() {
         return Ok(());
     }
-    for told in circles.iter().chain(&refused) {
-        eprintln!("{told}");
+    for problem in circles.iter().chain(&refused) {
+        eprintln!("{problem}");
     }
     Err(summary.into())
 }

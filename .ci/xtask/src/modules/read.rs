@@ -1,4 +1,4 @@
-//! From files to modules, names and references.
+//! Reads modules, names and references from files.
 
 use std::error::Error;
 use std::fs;
@@ -11,7 +11,7 @@ use super::excluded::is_excluded;
 use super::source::*;
 use crate::workspace::Package;
 
-/// All that is compiled of these packages, but for tests and build scripts.
+/// Reads all compiled files of these packages except tests and build scripts.
 pub(crate) fn workspace(packages: &[Package], root: &FilePath) -> Result<Sources, Box<dyn Error>> {
     let mut sources = Sources::default();
     let mut libraries: Vec<(&str, CrateId)> = Vec::new();
@@ -42,14 +42,14 @@ pub(crate) fn workspace(packages: &[Package], root: &FilePath) -> Result<Sources
     Ok(sources)
 }
 
-/// Where the reader is.
+/// State of the reader.
 pub(crate) struct Reader<'a> {
     pub(crate) sources: &'a mut Sources,
     pub(crate) of: CrateId,
     pub(crate) root: &'a FilePath,
     pub(crate) package: &'a str,
     pub(crate) module: ModuleId,
-    /// Where files of modules are that are declared here, and where `#[path]` begins.
+    /// Folders for modules declared here, and for `#[path]`.
     pub(crate) modules_in: PathBuf,
     pub(crate) paths_from: PathBuf,
     pub(crate) locals: Locals,
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A module in a file of its own; `is_mod_rs`: its modules lie beside it.
+    /// Reads a module in its own file. `is_mod_rs`: its submodules are in the same folder.
     fn file(
         &mut self,
         path: &FilePath,
@@ -81,7 +81,7 @@ impl<'a> Reader<'a> {
     ) -> Result<ModuleId, Box<dyn Error>> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let parsed = syn::parse_file(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        // as #[path] may have written it
+        // `#[path]` may give any spelling.
         let path = path.canonicalize()?;
         let name =
             path.strip_prefix(self.root.canonicalize()?).unwrap_or(&path).to_string_lossy().into_owned();

@@ -1,18 +1,18 @@
-//! From a name to the file that defines it.
+//! Resolves names to the files that define them.
 
 use super::source::*;
 
-/// What is looked for at this moment: imports may lead in a circle.
+/// Names being resolved, to detect cyclic imports.
 type Looking = Vec<(ModuleId, String, Wanted)>;
 
-/// What a path leads to: each definition, with the segment that names it.
+/// Definitions at the end of a path, with the segment that names them.
 pub(crate) struct Found {
     pub(crate) defined: Vec<Defined>,
     pub(crate) name: String,
 }
 
 impl Sources {
-    /// What a reference leads to.
+    /// Resolves a reference.
     pub(crate) fn follow(&self, reference: &Reference) -> Found {
         self.path(reference.module, &reference.path, reference.wanted, &mut Vec::new())
     }
@@ -33,7 +33,7 @@ impl Sources {
         let mut name = first;
         for (at, segment) in rest.iter().enumerate() {
             let is_item = |one: &Defined| !matches!(one, Defined::Module(_));
-            // a variant, a constant or a function of it
+            // A variant, constant or function of the type.
             if defined.iter().any(is_item) {
                 defined.retain(is_item);
                 break;
@@ -57,7 +57,7 @@ impl Sources {
         Found { defined, name: name.clone() }
     }
 
-    /// A name by itself, as it is seen from a block or a module.
+    /// Resolves a single name in a block or module.
     fn lexical(&self, from: ModuleId, name: &str, wanted: Wanted, looking: &mut Looking) -> Vec<Defined> {
         let mut at = from;
         loop {
@@ -79,7 +79,7 @@ impl Sources {
         vec![other.map_or(Defined::Outside, |&other| Defined::Module(self.crates[other].root))]
     }
 
-    /// A macro of a module around, or of one there that gives its macros.
+    /// Finds a macro of an enclosing module, or of a `#[macro_use]` module in one.
     fn textual(&self, from: ModuleId, name: &str) -> Vec<Defined> {
         let mut at = Some(from);
         while let Some(module) = at {
@@ -98,8 +98,8 @@ impl Sources {
         vec![Defined::Outside]
     }
 
-    /// A name of a module by a path through it. What is not found there is made by a macro, or passed on from another
-    /// crate.
+    /// Resolves a name by a path through its module. If it is not found there, a macro makes it or it is
+    /// re-exported from another crate.
     fn inside(
         &self,
         module: ModuleId,
@@ -129,7 +129,7 @@ impl Sources {
         }]
     }
 
-    /// A name of a module: its own, imported, or by a glob, in this order.
+    /// Resolves a name of a module: its own, imported, or by a glob, in this order.
     fn named(
         &self,
         module: ModuleId,

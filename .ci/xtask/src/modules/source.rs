@@ -9,7 +9,7 @@ pub(crate) type ModuleId = usize;
 /// Index into [`Sources::crates`].
 pub(crate) type CrateId = usize;
 
-/// Everything that was read.
+/// All files, crates and modules read.
 #[derive(Default)]
 pub(crate) struct Sources {
     pub(crate) files: Vec<File>,
@@ -20,9 +20,9 @@ pub(crate) struct Sources {
 
 /// A file of source.
 pub(crate) struct File {
-    /// From the root of the workspace.
+    /// Path from the root of the workspace.
     pub(crate) path: String,
-    /// The package that it belongs to.
+    /// Package of the file.
     pub(crate) package: String,
 }
 
@@ -30,25 +30,25 @@ pub(crate) struct File {
 #[derive(Default)]
 pub(crate) struct Crate {
     pub(crate) root: ModuleId,
-    /// The crates of this workspace that it can name.
+    /// Crates of this workspace that it can name.
     pub(crate) externs: HashMap<String, CrateId>,
 }
 
-/// A module, or a block with items of its own.
+/// A module, or a block with its own items.
 pub(crate) struct Module {
     pub(crate) of: CrateId,
     pub(crate) file: FileId,
-    /// None of the root of a crate.
+    /// None for the root of a crate.
     pub(crate) parent: Option<ModuleId>,
-    /// Sees the names around it, as a module does not.
+    /// A block also sees the names around it, unlike a module.
     pub(crate) is_block: bool,
     pub(crate) names: HashMap<String, Vec<Name>>,
     pub(crate) imports: Vec<Import>,
-    /// `#[macro_use]`: its macros are those of its parent too.
+    /// `#[macro_use]`: its macros are visible in its parent.
     pub(crate) gives_macros: bool,
 }
 
-/// What stands behind a name in its own module.
+/// A name and its definition in a module.
 pub(crate) struct Name {
     pub(crate) space: Space,
     pub(crate) visible: Visible,
@@ -58,46 +58,46 @@ pub(crate) struct Name {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Defined {
     Module(ModuleId),
-    /// Anything else; which of them is of no interest.
+    /// Any other item.
     Item(FileId),
-    /// In a crate that is not of the workspace.
+    /// Defined in a crate outside the workspace.
     Outside,
 }
 
-/// Names of different spaces may be alike.
+/// Namespace; the same name may exist in several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Space {
-    /// Modules too.
+    /// Types and modules.
     Type,
     Value,
     Macro,
 }
 
-/// Which modules see a name.
+/// Visibility of a name.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Visible {
     Everywhere,
     InCrate,
-    /// And in all that are inside of it.
+    /// Visible in this module and all inside it.
     Inside(ModuleId),
 }
 
 /// One name, or a glob, of a `use`.
 pub(crate) struct Import {
     pub(crate) path: Path,
-    /// None of a glob.
+    /// None for a glob.
     pub(crate) name: Option<String>,
-    /// Everything of that name, but of `{self}` and of globs modules and types alone.
+    /// Accepted namespaces: all, but for `{self}` and globs only those of modules and types.
     pub(crate) takes: Wanted,
     pub(crate) visible: Visible,
 }
 
-/// As it is written.
+/// A path as written.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Path {
-    /// With `crate`, `self` and `super` as they are.
+    /// Segments, with `crate`, `self` and `super` unresolved.
     pub(crate) segments: Vec<String>,
-    /// `::name`: another crate, whatever is called so here.
+    /// `::name`, which is always another crate.
     pub(crate) is_global: bool,
 }
 
@@ -108,15 +108,15 @@ pub(crate) struct Reference {
     pub(crate) wanted: Wanted,
 }
 
-/// Which of several things of one name is meant.
+/// Namespaces in which a name is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Wanted {
-    /// What another segment may follow.
+    /// Names that a further segment may follow.
     Scope,
-    /// A type or a value.
+    /// Types and values.
     Plain,
     Macro,
-    /// As `use` does.
+    /// All namespaces, as in `use`.
     All,
 }
 
@@ -131,7 +131,7 @@ impl Wanted {
     }
 }
 
-/// The names that patterns have bound, innermost last.
+/// Names bound by patterns, innermost last.
 #[derive(Default)]
 pub(crate) struct Locals(pub(crate) Vec<HashSet<String>>);
 
@@ -142,16 +142,16 @@ impl Locals {
 }
 
 impl Sources {
-    /// The module that a block stands in; of a module itself.
+    /// Module that contains a block; a module itself.
     pub(crate) fn module_of(&self, mut module: ModuleId) -> ModuleId {
         while self.modules[module].is_block {
-            // a block stands in something
+            // Every block has a parent.
             module = self.modules[module].parent.unwrap_or(module);
         }
         module
     }
 
-    /// Whether one is the other, or inside of it.
+    /// `module` is `outer` or inside it.
     pub(crate) fn is_inside(&self, module: ModuleId, outer: ModuleId) -> bool {
         let mut at = Some(module);
         while let Some(module) = at {

@@ -1,4 +1,4 @@
-//! Small trees of source, and the arrows and circles in them.
+//! Tests on small source trees: edges between files, and cycles.
 
 use std::fs;
 
@@ -7,11 +7,11 @@ use crate::workspace::{Dependency, Package, Target};
 use super::graph::Graph;
 use super::read;
 
-/// A package of that name with a library, whose dependencies are the packages before it.
+/// Packages by name, each with the files of a library; a package depends on all before it.
 type Tree<'a> = &'a [(&'a str, &'a [(&'a str, &'a str)])];
 
-/// The arrows between files, `from -> to: names`, and the circles.
-fn looked_at(tree: Tree) -> (Vec<String>, Vec<String>) {
+/// Edges between files as `from -> to: names`, and cycles.
+fn edges_and_cycles(tree: Tree) -> (Vec<String>, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let mut packages: Vec<Package> = Vec::new();
     for (name, files) in tree {
@@ -41,39 +41,39 @@ fn looked_at(tree: Tree) -> (Vec<String>, Vec<String>) {
     (graph.arrows().lines().map(str::to_owned).collect(), graph.circles())
 }
 
-/// The same of one package, without its name in the paths.
-fn arrows(files: &[(&str, &str)]) -> Vec<String> {
-    looked_at(&[("a", files)]).0.iter().map(|arrow| arrow.replace("a/", "")).collect()
+/// Edges in one package, without its name in the paths.
+fn edges(files: &[(&str, &str)]) -> Vec<String> {
+    edges_and_cycles(&[("a", files)]).0.iter().map(|arrow| arrow.replace("a/", "")).collect()
 }
 
-fn circles(files: &[(&str, &str)]) -> Vec<String> {
-    looked_at(&[("a", files)]).1.iter().map(|circle| circle.replace("a/", "")).collect()
+fn cycles(files: &[(&str, &str)]) -> Vec<String> {
+    edges_and_cycles(&[("a", files)]).1.iter().map(|circle| circle.replace("a/", "")).collect()
 }
 
 #[test]
-fn files_that_use_one_another_in_one_direction_are_no_circle() {
+fn one_way_dependencies_are_no_cycle() {
     let files = [
         ("lib.rs", "mod one; mod two;"),
         ("one.rs", "pub struct One;"),
         ("two.rs", "use crate::one::One; pub fn two(_: One) {}"),
     ];
-    assert_eq!(arrows(&files), ["two.rs -> one.rs: One"]);
-    assert_eq!(circles(&files), [""; 0]);
+    assert_eq!(edges(&files), ["two.rs -> one.rs: One"]);
+    assert_eq!(cycles(&files), [""; 0]);
 }
 
 #[test]
-fn what_passes_names_on_ties_nothing() {
+fn reexports_add_no_edges() {
     let files = [
         ("lib.rs", "mod folder;"),
         ("folder/mod.rs", "mod error; mod load; pub use error::Error; pub(crate) use load::*;"),
         ("folder/error.rs", "pub struct Error;"),
         ("folder/load.rs", "use super::Error; pub fn load() -> Result<(), Error> { Err(Error) }"),
     ];
-    assert_eq!(arrows(&files), ["folder/load.rs -> folder/error.rs: Error"]);
+    assert_eq!(edges(&files), ["folder/load.rs -> folder/error.rs: Error"]);
 }
 
 #[test]
-fn a_circle_through_what_passes_names_on_is_found() {
+fn finds_cycle_through_reexports() {
     let files = [
         ("lib.rs", "mod folder; pub use folder::{Error, load};"),
         ("folder.rs", "mod error; mod load; pub use error::*; pub(crate) use load::*;"),
@@ -87,7 +87,7 @@ fn a_circle_through_what_passes_names_on_is_found() {
         ),
     ];
     assert_eq!(
-        circles(&files),
+        cycles(&files),
         [
             "a circle of 2 files: folder/error.rs, folder/load.rs\n  folder/error.rs -> folder/load.rs: other\n  folder/load.rs -> folder/error.rs: Error"
         ]
@@ -95,7 +95,7 @@ fn a_circle_through_what_passes_names_on_is_found() {
 }
 
 #[test]
-fn groups_name_each_of_their_parts() {
+fn use_groups_name_each_part() {
     let files = [
         ("lib.rs", "mod part; mod user;"),
         ("part/mod.rs", "pub mod b; pub mod c; pub struct Own;"),
@@ -107,25 +107,25 @@ fn groups_name_each_of_their_parts() {
         ),
     ];
     assert_eq!(
-        arrows(&files),
+        edges(&files),
         ["user.rs -> part/b.rs: B, Other", "user.rs -> part/c.rs: D, called", "user.rs -> part/mod.rs: Own"]
     );
 }
 
 #[test]
-fn a_module_and_a_function_of_one_name_are_told_apart() {
+fn distinguishes_module_from_function_of_same_name() {
     let files = [
         ("lib.rs", "mod lines; mod user; fn lines() {}"),
         ("lines.rs", "pub fn find() {}"),
         ("user.rs", "use super::lines::{self}; pub fn user() { lines::find() }"),
     ];
-    assert_eq!(arrows(&files), ["user.rs -> lines.rs: find"]);
+    assert_eq!(edges(&files), ["user.rs -> lines.rs: find"]);
     let files = [files[0], files[1], ("user.rs", "use super::lines; pub fn user() { lines() }")];
-    assert_eq!(arrows(&files), ["user.rs -> lib.rs: lines"]);
+    assert_eq!(edges(&files), ["user.rs -> lib.rs: lines"]);
 }
 
 #[test]
-fn modules_in_a_file_are_that_file() {
+fn inline_modules_belong_to_their_file() {
     let files = [
         ("lib.rs", "mod outer; mod user;"),
         (
@@ -139,7 +139,7 @@ fn modules_in_a_file_are_that_file() {
         ("user.rs", "fn user() { crate::outer::inner::Inner; }"),
     ];
     assert_eq!(
-        arrows(&files),
+        edges(&files),
         [
             "outer.rs -> outer/inner/deep.rs: Deep",
             "outer/inner/deep.rs -> outer.rs: Inner, Outer",
@@ -149,17 +149,17 @@ fn modules_in_a_file_are_that_file() {
 }
 
 #[test]
-fn an_impl_elsewhere_takes_the_type() {
+fn impl_in_another_file_uses_the_type() {
     let files = [
         ("lib.rs", "mod model; mod shown;"),
         ("model.rs", "pub struct Model; mod inside { impl super::Model {} }"),
         ("shown.rs", "impl std::fmt::Display for crate::model::Model {}"),
     ];
-    assert_eq!(arrows(&files), ["shown.rs -> model.rs: Model"]);
+    assert_eq!(edges(&files), ["shown.rs -> model.rs: Model"]);
 }
 
 #[test]
-fn macros_are_followed_by_path_and_by_place() {
+fn macros_resolve_by_path_and_by_scope() {
     let files = [
         (
             "lib.rs",
@@ -176,7 +176,7 @@ fn macros_are_followed_by_path_and_by_place() {
         ),
     ];
     assert_eq!(
-        arrows(&files),
+        edges(&files),
         [
             "log.rs -> print.rs: written",
             "user.rs -> lib.rs: root",
@@ -187,17 +187,17 @@ fn macros_are_followed_by_path_and_by_place() {
 }
 
 #[test]
-fn what_a_macro_makes_belongs_to_the_file_that_calls_it() {
+fn macro_output_belongs_to_the_calling_file() {
     let files = [
         ("lib.rs", "mod made; mod user; pub use made::Faults;"),
         ("made.rs", "bitflags::bitflags! { pub struct Faults: u8 {} }"),
         ("user.rs", "use crate::Faults;"),
     ];
-    assert_eq!(arrows(&files), ["user.rs -> made.rs: Faults"]);
+    assert_eq!(edges(&files), ["user.rs -> made.rs: Faults"]);
 }
 
 #[test]
-fn names_through_a_glob_are_taken_where_they_are_used() {
+fn glob_imports_resolve_where_names_are_used() {
     let files = [
         ("lib.rs", "mod one; mod two; mod user;"),
         ("one.rs", "pub struct One; pub fn rate() {} struct Hidden;"),
@@ -207,11 +207,11 @@ fn names_through_a_glob_are_taken_where_they_are_used() {
             "use crate::one::*; use crate::two::*; fn user(_: One, _: Hidden, _: Renamed) { let rate = 1; rate; }",
         ),
     ];
-    assert_eq!(arrows(&files), ["user.rs -> one.rs: One, Renamed", "user.rs -> two.rs: Hidden"]);
+    assert_eq!(edges(&files), ["user.rs -> one.rs: One, Renamed", "user.rs -> two.rs: Hidden"]);
 }
 
 #[test]
-fn imports_of_a_block_are_those_of_the_block() {
+fn block_imports_are_local_to_the_block() {
     let files = [
         ("lib.rs", "mod one; mod user;"),
         ("one.rs", "pub mod inner { pub fn called() {} }"),
@@ -220,11 +220,11 @@ fn imports_of_a_block_are_those_of_the_block() {
             "mod inner { pub fn called() {} } fn user() { inner::called(); { use crate::one::inner; inner::called(); } }",
         ),
     ];
-    assert_eq!(arrows(&files), ["user.rs -> one.rs: called"]);
+    assert_eq!(edges(&files), ["user.rs -> one.rs: called"]);
 }
 
 #[test]
-fn serde_calls_what_its_attributes_name() {
+fn serde_attributes_are_references() {
     let files = [
         ("lib.rs", "mod text; mod user;"),
         ("text.rs", "pub fn serialize() {} pub fn deserialize() {}"),
@@ -233,11 +233,11 @@ fn serde_calls_what_its_attributes_name() {
             r#"#[derive(serde::Serialize)] struct User { #[serde(with = "crate::text", rename = "text")] text: u8 }"#,
         ),
     ];
-    assert_eq!(arrows(&files), ["user.rs -> text.rs: serialize"]);
+    assert_eq!(edges(&files), ["user.rs -> text.rs: serialize"]);
 }
 
 #[test]
-fn tests_are_left_out_and_what_is_built_without_them_is_not() {
+fn excludes_test_only_items() {
     let files = [
         ("lib.rs", "mod one; mod two; #[cfg(all(test, unix))] mod absent;"),
         (
@@ -250,41 +250,41 @@ fn tests_are_left_out_and_what_is_built_without_them_is_not() {
             "#[cfg(any(test, feature = \"more\"))] use crate::one::One; #[cfg(not(test))] pub struct Two;",
         ),
     ];
-    assert_eq!(arrows(&files), ["two.rs -> one.rs: One"]);
+    assert_eq!(edges(&files), ["two.rs -> one.rs: One"]);
 }
 
 #[test]
-fn other_crates_are_followed_to_the_file() {
+fn names_of_other_crates_resolve_to_files() {
     let core: (&str, &[_]) =
         ("fos-core", &[("lib.rs", "mod model; pub use model::Model;"), ("model.rs", "pub struct Model;")]);
     let passed_on: (&str, &[_]) =
         ("host", &[("lib.rs", "pub use fos_core::*; pub mod own;"), ("own.rs", "use fos_core::Model;")]);
     let user: (&str, &[_]) =
         ("user", &[("lib.rs", "fn user(_: host::Model, _: ::host::own::Own, _: std::fmt::Error) {}")]);
-    let (arrows, circles) = looked_at(&[core, passed_on, user]);
+    let (edges, cycles) = edges_and_cycles(&[core, passed_on, user]);
     assert_eq!(
-        arrows,
+        edges,
         [
             "host/own.rs -> fos-core/model.rs: Model",
             "user/lib.rs -> fos-core/model.rs: Model",
             "user/lib.rs -> host/own.rs: Own"
         ]
     );
-    assert_eq!(circles, [""; 0]);
+    assert_eq!(cycles, [""; 0]);
 }
 
 #[test]
-fn imports_that_lead_in_a_circle_end() {
+fn cyclic_imports_terminate() {
     let files = [
         ("lib.rs", "mod one; mod two; fn user() { one::Something; }"),
         ("one.rs", "pub use crate::two::*; pub use crate::two::Nothing;"),
         ("two.rs", "pub use crate::one::*; pub use crate::one::Nothing; pub struct Something;"),
     ];
-    assert_eq!(arrows(&files), ["lib.rs -> two.rs: Something"]);
+    assert_eq!(edges(&files), ["lib.rs -> two.rs: Something"]);
 }
 
 #[test]
-fn without_the_one_arrow_back_there_is_no_circle() {
+fn removing_the_back_edge_removes_the_cycle() {
     let back = "use crate::three::Three; pub struct One;";
     let chain = |one| {
         [
@@ -294,7 +294,7 @@ fn without_the_one_arrow_back_there_is_no_circle() {
             ("three.rs", "pub struct Three(crate::two::Two);"),
         ]
     };
-    assert_eq!(circles(&chain(back)).len(), 1);
-    assert!(circles(&chain(back))[0].starts_with("a circle of 3 files: one.rs, three.rs, two.rs\n"));
-    assert_eq!(circles(&chain("pub struct One;")), [""; 0]);
+    assert_eq!(cycles(&chain(back)).len(), 1);
+    assert!(cycles(&chain(back))[0].starts_with("a circle of 3 files: one.rs, three.rs, two.rs\n"));
+    assert_eq!(cycles(&chain("pub struct One;")), [""; 0]);
 }

@@ -1,4 +1,4 @@
-//! Paths in what is not parsed as such: the arguments of macros and attributes.
+//! Paths in unparsed tokens: the arguments of macros and attributes.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::punctuated::Punctuated;
@@ -6,8 +6,8 @@ use syn::{Meta, Token};
 
 use super::source::{Path, Wanted};
 
-/// The paths in these tokens: those of several segments, and single names that look like a type, a constant, a call or
-/// a macro.
+/// Paths in these tokens: those of several segments, and single names that look like a type, a constant, a call or a
+/// macro.
 pub(crate) fn paths(tokens: TokenStream) -> Vec<(Path, Wanted)> {
     let mut found = Vec::new();
     collect(tokens, &mut found);
@@ -36,7 +36,7 @@ fn collect(tokens: TokenStream, found: &mut Vec<(Path, Wanted)>) {
                 let is_macro =
                     is_punctuation(tokens.get(at + 1), '!') && !is_punctuation(tokens.get(at + 2), '=');
                 let is_call = matches!(tokens.get(at + 1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
-                // a field, a method, or what a macro puts in; a path that began with something else
+                // A field, a method, a macro variable, or the end of another path.
                 let preceded = before > 0
                     && (is_punctuation(tokens.get(before - 1), '.')
                         || is_punctuation(tokens.get(before - 1), '$'));
@@ -66,7 +66,7 @@ pub(crate) fn written(path: &syn::Path) -> Path {
     Path { segments, is_global: path.leading_colon.is_some() }
 }
 
-/// What serde calls for a field: `with = "module"`, `default = "function"` and their like.
+/// Paths in serde attributes: `with = "module"`, `default = "function"` and similar.
 pub(crate) fn serde_paths(list: &syn::MetaList) -> Vec<Path> {
     const KEYS: [&str; 8] = [
         "with",
@@ -91,7 +91,7 @@ pub(crate) fn serde_paths(list: &syn::MetaList) -> Vec<Path> {
         if let Ok(path) = text.parse::<syn::Path>() {
             let mut path = written(&path);
             if pair.path.is_ident("with") {
-                // the function that is called in it
+                // The function called in this module.
                 path.segments.push("serialize".to_owned());
             }
             found.push(path);

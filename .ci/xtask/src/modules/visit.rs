@@ -1,4 +1,4 @@
-//! The names that a file declares, passes on and uses.
+//! Collects the names that a file declares, re-exports and uses.
 
 use std::collections::HashSet;
 
@@ -34,7 +34,7 @@ impl Reader<'_> {
             Visibility::Restricted(to) if to.path.is_ident("super") => inside(
                 self.sources.modules[self.sources.module_of(self.module)].parent.unwrap_or(self.module),
             ),
-            // `pub(in …)` is none of a module that lies elsewhere, or it would not compile
+            // `pub(in …)` always names an enclosing module, or the code would not compile.
             Visibility::Restricted(_) => Visible::InCrate,
         }
     }
@@ -72,7 +72,7 @@ impl Reader<'_> {
             UseTree::Glob(_) => (before.to_vec(), None, Wanted::Scope),
         };
         let path = Path { segments, is_global };
-        // what is passed on is not used by that
+        // A re-export is not a use.
         if matches!(visibility, Visibility::Inherited) && !path.segments.is_empty() {
             self.refer(path.clone(), takes);
         }
@@ -93,7 +93,7 @@ impl Reader<'_> {
             self.declare(name, Space::Macro, Visible::Everywhere, Defined::Item(file));
             self.module = inside;
         }
-        // other names are those of the place where it is called
+        // Other names are resolved where the macro is called.
         let own = tokens::paths(item.mac.tokens.clone())
             .into_iter()
             .filter(|(path, _)| path.segments[0] == "crate");
@@ -111,7 +111,7 @@ impl<'ast> Visit<'ast> for Reader<'_> {
             Item::Enum(item) => self.item(&item.ident, Space::Type, &item.vis),
             Item::Fn(item) => self.item(&item.sig.ident, Space::Value, &item.vis),
             Item::Static(item) => self.item(&item.ident, Space::Value, &item.vis),
-            // of a tuple or a unit the name is a value too, in the same file
+            // A tuple or unit struct is also a value, in the same file.
             Item::Struct(item) => {
                 self.item(&item.ident, Space::Type, &item.vis);
                 self.item(&item.ident, Space::Value, &item.vis);

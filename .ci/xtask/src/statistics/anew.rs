@@ -1,4 +1,4 @@
-//! A new calibration, and one of a diagnosis that finds nothing.
+//! Runs a new calibration, and one of a diagnosis that finds nothing.
 
 use std::error::Error;
 use std::fs;
@@ -11,10 +11,10 @@ use serde_json::Value;
 use super::page::{CALIBRATION, CASES, README, SEEDS, headline, section, summary, table};
 use crate::form::host_fit;
 
-/// So few show it.
+/// Number of cases that suffices for the control.
 pub(crate) const CONTROL_CASES: usize = 30;
 
-/// Calibrates on every seed and writes the tables; what the check says of a diagnosis that finds nothing.
+/// Calibrates on every seed and writes the tables; returns the check's output for a diagnosis that finds nothing.
 pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
     let program = host_fit(root)?;
     let missed = blind(&program)?;
@@ -44,8 +44,8 @@ pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
     Ok(missed)
 }
 
-/// A diagnosis that finds nothing: what the check says of it. A calibration that was broken off goes on from the outcomes
-/// that it kept; these are of cases that were diagnosed, with what was found taken away.
+/// Output of the check for a diagnosis that finds nothing. Simulated by resuming a calibration from stored outcomes
+/// with all findings removed.
 fn blind(program: &Path) -> Result<String, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let (outcomes, kept) = (folder.path().join("outcomes.json"), folder.path().join("outcomes.json.partial"));
@@ -80,9 +80,9 @@ fn blind(program: &Path) -> Result<String, Box<dyn Error>> {
     }
     fs::write(&kept, lines)?;
     let done = calibrate().output()?;
-    let said = String::from_utf8_lossy(&done.stderr).trim().lines().last().unwrap_or("nothing").to_owned();
-    match said.split_once("not as it must be: ") {
+    let message = String::from_utf8_lossy(&done.stderr).trim().lines().last().unwrap_or("nothing").to_owned();
+    match message.split_once("not as it must be: ") {
         Some((_, missed)) if done.status.code() == Some(1) => Ok(missed.to_owned()),
-        _ => Err(format!("a diagnosis that finds nothing passes: {said}").into()),
+        _ => Err(format!("a diagnosis that finds nothing passes: {message}").into()),
     }
 }

@@ -1,9 +1,9 @@
-//! Clopper and Pearson's interval of a share: beyond either end, 2.5 % of the chance lies on the far side of what was
-//! counted.
+//! Interval of a share by Clopper and Pearson: at each end, the probability of a count as extreme as the observed one
+//! is 2.5 %.
 
 use std::error::Error;
 
-/// Probability of so many hits or more of n, each with probability p.
+/// Probability of at least `at_least` hits in n trials, each with probability p.
 fn tail(at_least: usize, n: usize, p: f64) -> f64 {
     if p <= 0.0 || p >= 1.0 {
         return if p >= 1.0 || at_least == 0 { 1.0 } else { 0.0 };
@@ -19,7 +19,7 @@ fn tail(at_least: usize, n: usize, p: f64) -> f64 {
     sum
 }
 
-/// The upper end of the interval of so many hits.
+/// Upper end of the interval for `hits` hits.
 pub(crate) fn upper_end(hits: usize, n: usize) -> f64 {
     let (mut low, mut high) = (hits as f64 / n as f64, 1.0);
     while high - low > 1e-6 {
@@ -29,12 +29,12 @@ pub(crate) fn upper_end(hits: usize, n: usize) -> f64 {
     high
 }
 
-/// Half of the last of four digits, and a little.
+/// Half a unit of the fourth digit, with a small margin.
 fn half(number: f64) -> f64 {
     0.51 * 10_f64.powf(number.log10().floor() - 3.0)
 }
 
-/// Whether a share and its interval, of four digits each, are those of a count of n cases.
+/// A share and its interval, of four digits each, are those of a count of n cases.
 pub(crate) fn check(value: f64, (low, high): (f64, f64), n: usize) -> Result<(), Box<dyn Error>> {
     let hits = (value * n as f64).round() as usize;
     if (value - hits as f64 / n as f64).abs() > if hits == 0 { 0.0 } else { half(value) } {
@@ -61,8 +61,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tail_is_what_counting_gives() {
-        // of three coins: 1, 7/8, 4/8, 1/8
+    fn tail_matches_counting() {
+        // At least 0, 1, 2, 3 heads with three coins: 1, 7/8, 4/8, 1/8.
         for (at_least, wanted) in [1.0, 0.875, 0.5, 0.125].into_iter().enumerate() {
             assert!((tail(at_least, 3, 0.5) - wanted).abs() < 1e-12);
         }
@@ -71,14 +71,14 @@ mod tests {
 
     /// Clopper and Pearson (1934), and R's binom.test(0, 150), (176, 178) to four digits.
     #[test]
-    fn the_interval_is_that_of_the_textbook() {
+    fn interval_matches_textbook() {
         assert!((upper_end(0, 150) - 0.02429).abs() < 5e-6);
         assert!(check(0.0, (0.0, 0.02429), 150).is_ok());
         assert!(check(0.9888, (0.96, 0.9986), 178).is_ok());
     }
 
     #[test]
-    fn a_digit_off_is_refused() {
+    fn rejects_wrong_digit() {
         for (value, interval) in
             [(0.9887, (0.96, 0.9986)), (0.9888, (0.961, 0.9986)), (0.9888, (0.96, 0.9985))]
         {

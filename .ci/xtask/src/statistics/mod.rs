@@ -1,10 +1,10 @@
-//! `cargo xtask statistics short|full`: how often the diagnosis is right. The figures of README and of the summary in
+//! `cargo xtask statistics short|full`: accuracy of the diagnosis. The figures of README and of the summary in
 //! docs/calibration.md follow from the tables there, which one command writes.
 //!
 //! `short` compares README, the summary and the tables, and checks the intervals against the counts; it takes no time.
 //! `full` calibrates and writes all of them, about ten minutes of two cores, and checks that a diagnosis that finds
-//! nothing fails. The gate itself runs a part of the calibration on another seed, and fails if a figure certainly misses
-//! its goal.
+//! nothing fails. The gate itself runs a part of the calibration on another seed, and fails if a figure certainly
+//! misses its goal.
 
 mod anew;
 mod interval;
@@ -21,7 +21,7 @@ use page::{CALIBRATION, CASES, README, SEEDS, figures, headline, holds, section,
 
 const FALSE_ALARM: &str = "false alarm with nothing missing";
 
-/// Prints what is promised, as Markdown.
+/// Prints the stated rates as Markdown.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let missed = if form == Form::Full { Some(anew::calibrate(root)?) } else { None };
     let (readme, page) = (fs::read_to_string(README)?, fs::read_to_string(CALIBRATION)?);
@@ -57,16 +57,16 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
 /// Checks that the sentence of README and the summary of the page follow from the table of the first seed.
 fn check(readme: &str, page: &str) -> Result<(), Box<dyn Error>> {
     for (text, path, wanted) in [(readme, README, headline(page)?), (page, CALIBRATION, summary(page)?)] {
-        let said = &text[section(text, "calibration", path)?];
-        if said != wanted {
-            return Err(format!("{path} says\n{said}but {CALIBRATION} gives\n{wanted}").into());
+        let current = &text[section(text, "calibration", path)?];
+        if current != wanted {
+            return Err(format!("{path} says\n{current}but {CALIBRATION} gives\n{wanted}").into());
         }
     }
     Ok(())
 }
 
-/// Every figure of every seed is as it must be, but for times, which are the machine's. False alarms of all seeds
-/// together, cases, and the upper end of the 95 % interval, which must be no more than is promised.
+/// Checks every figure of every seed except times, which depend on the machine. Returns false alarms of all seeds,
+/// cases, and the upper end of the 95 % interval, which must not exceed the stated rate.
 fn promised(page: &str) -> Result<(usize, usize, f64), Box<dyn Error>> {
     let (mut alarms, mut cases, mut most) = (0, 0, 0.0);
     for seed in SEEDS {
@@ -96,7 +96,7 @@ fn promised(page: &str) -> Result<(usize, usize, f64), Box<dyn Error>> {
     Ok((alarms, cases, high))
 }
 
-/// Alters every digit of the sentence and of the tables, one at a time; each must be refused. Returns their number.
+/// Alters every digit of the sentence and the tables, one at a time; each change must be refused. Returns their number.
 fn control(readme: &str, page: &str) -> Result<usize, Box<dyn Error>> {
     let mut altered = 0;
     let mut alter = |text: &str, path: &str, numbers: Range<usize>| {
@@ -118,7 +118,7 @@ fn control(readme: &str, page: &str) -> Result<usize, Box<dyn Error>> {
     };
     alter(readme, README, section(readme, "calibration", README)?)?;
     alter(page, CALIBRATION, section(page, "calibration", CALIBRATION)?)?;
-    // the summary has some rows of the table, and of those value, interval and cases
+    // The summary has some rows of the table, with value, interval and cases.
     for line in page::rows(page, section(page, &format!("calibration {}", SEEDS[0]), CALIBRATION)?) {
         let cells: Vec<&str> = page[line.clone()].split('|').collect();
         if page::ROWS.iter().any(|(_, name)| cells[1].trim() == *name) {

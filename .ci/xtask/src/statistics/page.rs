@@ -9,9 +9,9 @@ use super::interval;
 
 pub(crate) const CALIBRATION: &str = "docs/calibration.md";
 pub(crate) const README: &str = "README.md";
-/// Cases of each seed.
+/// Number of cases for each seed.
 pub(crate) const CASES: usize = 450;
-/// Fixed before, and never used in development; README and the summary have the figures of the first.
+/// Fixed in advance, and never used in development; README and the summary have the figures of the first.
 pub(crate) const SEEDS: [u32; 2] = [20261121, 20261122];
 
 /// Rows of the summary: their names there, and in the table of a seed.
@@ -24,24 +24,24 @@ pub(crate) const ROWS: [(&str, &str); 6] = [
     ("the 90 % interval of the predicted reduction holds", "predicted reduction's 90 % interval holds"),
 ];
 
-/// A row of the page.
+/// A statistic in a table of the page.
 pub(crate) struct Figure {
     pub(crate) name: String,
     pub(crate) value: f64,
     pub(crate) interval: (f64, f64),
     pub(crate) cases: usize,
-    /// `≥ 0.9`, `≤ 0.02`, or `0.8 … 1`.
+    /// Required range: `≥ 0.9`, `≤ 0.02`, or `0.8 … 1`.
     pub(crate) must: String,
 }
 
 impl Figure {
-    /// The cases that make up a share.
+    /// Number of cases behind a share.
     pub(crate) fn hits(&self) -> usize {
         (self.value * self.cases as f64).round() as usize
     }
 }
 
-/// Where what stands between the markers of that name lies.
+/// Position of the text between the markers of this name.
 pub(crate) fn section(text: &str, name: &str, path: &str) -> Result<Range<usize>, Box<dyn Error>> {
     let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->"));
     let found = text
@@ -51,7 +51,7 @@ pub(crate) fn section(text: &str, name: &str, path: &str) -> Result<Range<usize>
     found.ok_or_else(|| format!("{path}: there are no markers {} and {end}", begin.trim()).into())
 }
 
-/// The lines of the tables in a part of a text.
+/// Lines of the tables within a part of the text.
 pub(crate) fn rows(text: &str, part: Range<usize>) -> Vec<Range<usize>> {
     let mut start = part.start;
     let mut found = Vec::new();
@@ -70,7 +70,7 @@ fn ends(text: &str) -> Result<(f64, f64), Box<dyn Error>> {
     Ok((low.trim().parse()?, high.trim().parse()?))
 }
 
-/// Every figure of a seed.
+/// All statistics of a seed.
 pub(crate) fn figures(page: &str, seed: u32) -> Result<Vec<Figure>, Box<dyn Error>> {
     let mut found = Vec::new();
     for row in rows(page, section(page, &format!("calibration {seed}"), CALIBRATION)?) {
@@ -85,7 +85,7 @@ pub(crate) fn figures(page: &str, seed: u32) -> Result<Vec<Figure>, Box<dyn Erro
     Ok(found)
 }
 
-/// Whether a value is as it must be.
+/// A value meets its requirement.
 pub(crate) fn holds(value: f64, must: &str) -> Result<bool, Box<dyn Error>> {
     let bound = |text: &str| text.trim().parse::<f64>();
     Ok(match (must.strip_prefix('≥'), must.strip_prefix('≤')) {
@@ -95,7 +95,7 @@ pub(crate) fn holds(value: f64, must: &str) -> Result<bool, Box<dyn Error>> {
     })
 }
 
-/// A figure of the first seed, checked against its count and its goal.
+/// A statistic of the first seed, checked against its count and its requirement.
 fn checked(page: &str, name: &str) -> Result<Figure, Box<dyn Error>> {
     let figure = figures(page, SEEDS[0])?
         .into_iter()
@@ -113,7 +113,7 @@ fn percent(share: f64) -> String {
     format!("{:.1}", 100.0 * share)
 }
 
-/// The summary at the head of the page, computed from the table of the first seed.
+/// Summary at the head of the page, computed from the table of the first seed.
 pub(crate) fn summary(page: &str) -> Result<String, Box<dyn Error>> {
     let mut text = format!(
         "| of {} simulated cases, seed {} | share, % | 95 % interval | cases |\n|---|---|---|---|\n",
@@ -133,7 +133,7 @@ pub(crate) fn summary(page: &str) -> Result<String, Box<dyn Error>> {
     Ok(text)
 }
 
-/// The sentence of README, computed from the table of the first seed.
+/// Sentence of README, computed from the table of the first seed.
 pub(crate) fn headline(page: &str) -> Result<String, Box<dyn Error>> {
     let share = |name| -> Result<String, Box<dyn Error>> {
         let figure = checked(page, name)?;
@@ -147,7 +147,7 @@ pub(crate) fn headline(page: &str) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// Four significant digits, without zeros at the end.
+/// Four significant digits, without trailing zeros.
 fn short(number: f64) -> String {
     let exponent = if number == 0.0 { 0 } else { number.abs().log10().floor() as i32 };
     if !(-4..4).contains(&exponent) {
@@ -157,7 +157,7 @@ fn short(number: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The table of the page, of what `fos calibrate --json` gives.
+/// Table of the page, from the output of `fos calibrate --json`.
 pub(crate) fn table(calibrated: &[Value]) -> Result<String, Box<dyn Error>> {
     let mut text =
         String::from("| figure | value | 95 % interval | cases | must | aim |\n|---|---|---|---|---|---|\n");
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_says_what_calibrate_gave() {
+    fn table_contains_output_of_calibrate() {
         let of = |goal: &str| {
             format!(
                 r#"{{"name": "  all", "value": 0.98765, "interval": [0.96, 1], "cases": 178, "goal": {goal}}}"#
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_must_be_is_read() {
+    fn parses_requirements() {
         for (value, must, wanted) in [
             (0.9, "≥ 0.9", true),
             (0.89, "≥ 0.9", false),

@@ -1,4 +1,4 @@
-//! What cargo-deny must refuse.
+//! Controls that cargo-deny must refuse.
 
 use std::env;
 use std::error::Error;
@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use crate::workspace::output;
 
-/// A package of a workspace of its own.
+/// Creates a package with its own workspace.
 fn package(place: &Path, [name, version, licence]: [&str; 3], more: &str) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(place.join("src"))?;
     fs::write(place.join("src/lib.rs"), "")?;
@@ -18,7 +18,7 @@ fn package(place: &Path, [name, version, licence]: [&str; 3], more: &str) -> Res
     Ok(fs::write(place.join("Cargo.toml"), manifest + more)?)
 }
 
-/// One with these dependencies; the crates that they name lie in folders below.
+/// Creates a package with these dependencies, whose crates are in subfolders.
 pub(crate) fn scratch(
     place: &Path,
     dependencies: &str,
@@ -46,12 +46,12 @@ fn commit(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// As cargo-deny's exit code names the checks that failed.
+/// Exit codes of cargo-deny for failed checks.
 const BANS: i32 = 2;
 const LICENSES: i32 = 4;
 const SOURCES: i32 = 8;
 
-/// Workspaces, and the exit code of the check that must refuse each.
+/// Workspaces, with the exit code of the check that must refuse each.
 pub(crate) fn workspaces(folder: &Path) -> Result<Vec<(PathBuf, i32)>, Box<dyn Error>> {
     let a = "a = { path = \"a\" }";
     let two = format!("{a}\nb = {{ path = \"b\", package = \"a\" }}");
@@ -71,14 +71,14 @@ pub(crate) fn workspaces(folder: &Path) -> Result<Vec<(PathBuf, i32)>, Box<dyn E
         ),
         (scratch(&folder.join("source"), &git, &[])?, SOURCES),
     ];
-    // cargo-deny itself fetches nothing
+    // cargo-deny itself does not download crates.
     for (workspace, _) in &workspaces {
         output(Command::new("cargo").args(["fetch", "--quiet"]).current_dir(workspace))?;
     }
     Ok(workspaces)
 }
 
-/// As cargo-deny names the folder of the database, after its address.
+/// Folder of the database, named by cargo-deny from its address.
 const DATABASE: &str = "advisory-db-3157b0e258782691";
 const MADE_UP: &str = r#"```toml
 [advisory]
@@ -122,17 +122,17 @@ fn advisories_in(
         .output()?)
 }
 
-/// What is known against these crates, in words. The database is the one that cargo-deny fetches, or a copy of what it
-/// fetched before ($CARGO_HOME/advisory-dbs) in the folder $FOS_ADVISORY_DB.
+/// Result of the check for known vulnerabilities, in words. The database is the one that cargo-deny downloads, or an
+/// earlier download ($CARGO_HOME/advisory-dbs) in the folder $FOS_ADVISORY_DB.
 pub(crate) fn advisories(program: &Path, folder: &Path, root: &Path) -> Result<String, Box<dyn Error>> {
     let made_up = folder.join("made-up").join(DATABASE);
     fs::create_dir_all(made_up.join("crates/crc"))?;
     fs::write(made_up.join("crates/crc/RUSTSEC-2020-0001.md"), MADE_UP)?;
     commit(&made_up)?;
     let text = |done: &Output| String::from_utf8_lossy(&done.stderr).trim().to_owned();
-    let said = advisories_in(program, &folder.join("made-up"), folder, root, false)?;
-    if said.status.success() || !text(&said).contains("RUSTSEC-2020-0001") {
-        return Err(format!("a made-up advisory is not found: {}", text(&said)).into());
+    let result = advisories_in(program, &folder.join("made-up"), folder, root, false)?;
+    if result.status.success() || !text(&result).contains("RUSTSEC-2020-0001") {
+        return Err(format!("a made-up advisory is not found: {}", text(&result)).into());
     }
     let (done, by) = match env::var_os("FOS_ADVISORY_DB") {
         Some(copy) => {

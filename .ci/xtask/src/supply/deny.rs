@@ -1,4 +1,4 @@
-//! cargo-deny, and what it last judged.
+//! Runs cargo-deny, or compares with its last run.
 
 use std::env;
 use std::error::Error;
@@ -10,7 +10,7 @@ use super::findings::Findings;
 use super::{controls, judged};
 use crate::form::{Form, target_folder};
 
-/// Licences, duplicates and sources; with `full` advisories.
+/// Checks licences, duplicates and sources; with `full` also advisories.
 pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let Some(program) = cargo_deny(form, root) else {
         let news = judged::news(root)?;
@@ -40,7 +40,7 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
         }
     }
     let folder = tempfile::tempdir()?;
-    // of a single crate not every licence is used
+    // A single crate does not use every licence of the list.
     let lenient = folder.path().join("deny-control.toml");
     let strict = r#"unused-allowed-license = "deny""#;
     fs::write(&lenient, fs::read_to_string(&config)?.replace(strict, r#"unused-allowed-license = "allow""#))?;
@@ -58,12 +58,12 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
         .report
         .push(format!("`{version}` refuses none of these crates, and of the controls each by its check."));
     if form == Form::Full {
-        let said = controls::advisories(&program, folder.path(), root)?;
+        let result = controls::advisories(&program, folder.path(), root)?;
         findings.controls.push("a made-up advisory");
-        if said.starts_with("skipped") {
-            eprintln!("{said}");
+        if result.starts_with("skipped") {
+            eprintln!("{result}");
         }
-        findings.report.push(said);
+        findings.report.push(result);
         if findings.problems.is_empty() {
             judged::write(root)?;
         }
@@ -71,7 +71,7 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
     Ok(())
 }
 
-/// Where cargo-deny is, in `full` after installing it; none if it cannot be had.
+/// Path of cargo-deny, which `full` installs; none if it is unavailable.
 fn cargo_deny(form: Form, root: &Path) -> Option<PathBuf> {
     let ours = target_folder(root).join("cargo-deny");
     let runs = |program: &Path| {
@@ -101,7 +101,7 @@ fn cargo_deny(form: Form, root: &Path) -> Option<PathBuf> {
         if let Err(error) = command.status() {
             eprintln!("{error}");
         }
-        // what it was built from is of no more use
+        // Its build files are not needed any more.
         let _ = fs::remove_dir_all(ours.join("build"));
     }
     found()

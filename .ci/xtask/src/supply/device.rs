@@ -1,4 +1,4 @@
-//! The crates of the device side: reviewed one by one, with the features that are on in them.
+//! Crates of the device side: reviewed one by one, with their enabled features.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -15,7 +15,7 @@ use crate::workspace::output;
 const REVIEW: &str = "docs/decisions/supply-chain.md";
 const FEATURES: &str = ".ci/device-features";
 
-/// `name version` of each crate, and whether there is unsafe code in it: yes or no.
+/// `name version` of each crate, and whether it has unsafe code: yes or no.
 type Reviewed = BTreeMap<String, String>;
 
 pub(crate) fn look(findings: &mut Findings, packages: &[Value]) -> Result<(), Box<dyn Error>> {
@@ -61,7 +61,7 @@ pub(crate) fn look(findings: &mut Findings, packages: &[Value]) -> Result<(), Bo
     Ok(())
 }
 
-/// What fos-embedded asks for on the device.
+/// Dependencies of fos-embedded on the device.
 fn device_side(packages: &[Value]) -> Result<Reviewed, Box<dyn Error>> {
     let tree = [
         "tree",
@@ -98,7 +98,7 @@ fn device_side(packages: &[Value]) -> Result<Reviewed, Box<dyn Error>> {
     Ok(found)
 }
 
-/// Whether the word is in the source below a folder, comments apart.
+/// Rust code in this folder contains `unsafe` outside comments.
 fn has_unsafe(folder: &Path) -> Result<bool, Box<dyn Error>> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
@@ -124,7 +124,7 @@ fn is_unsafe(source: &str) -> bool {
             _ => false,
         })
     }
-    // what is no Rust by itself, as a template, has it if it has the letters
+    // A file that cannot be parsed, such as a template, counts if it contains the letters.
     source.contains("unsafe") && source.parse().map_or(true, has)
 }
 
@@ -138,7 +138,7 @@ fn unlike(device: &Reviewed, reviewed: &Reviewed) -> Vec<String> {
         .collect()
 }
 
-/// From the table of the review: | `name version` | … | unsafe | …
+/// Reads the table of the review: | `name version` | … | unsafe | …
 fn review_of(text: &str) -> Reviewed {
     let row = |line: &str| {
         let cells: Vec<&str> = line.strip_prefix("| `")?.split('|').map(str::trim).collect();
@@ -148,8 +148,8 @@ fn review_of(text: &str) -> Reviewed {
     text.lines().filter_map(row).collect()
 }
 
-/// A line for every crate of the device side, sensors and store included, with the features of it that are on where no
-/// more than these are asked for.
+/// A line for every crate of the device side, sensors and store included, with the features enabled by these requested
+/// ones.
 fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
     let mut lines = BTreeSet::new();
     let sides: [(&str, &[&str]); 2] =
@@ -177,7 +177,7 @@ fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
     Ok(lines)
 }
 
-/// What fos-core and fos-embedded ask for with its default features, and those of them that have some.
+/// Crates that fos-core and fos-embedded need with default features, and those with features of their own.
 fn default_features(packages: &[Value]) -> (BTreeSet<&str>, Vec<&str>) {
     let ours =
         packages.iter().filter(|package| package["name"] == "fos-core" || package["name"] == "fos-embedded");
@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_word_counts_where_it_is_code() {
+    fn finds_unsafe_in_code_only() {
         for source in [
             "fn f() { unsafe { g() } }",
             "macro_rules! m { () => { unsafe impl T for U {} } }",
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_review_is_its_table() {
+    fn parses_table_of_the_review() {
         let text =
             "| crate | does | unsafe |\n| `a 1.0.0` | sums | yes | who |\n| `b 2.0.0` | no | no | who |\n";
         let reviewed = review_of(text);

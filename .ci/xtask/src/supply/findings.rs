@@ -1,6 +1,6 @@
-//! What the checks of the supply have to say.
+//! Results of the supply checks.
 
-/// What is found: sentences for the page, what is wrong, and what was refused to show that it can be.
+/// Sentences for the page, problems, and controls that were refused as they must be.
 #[derive(Default)]
 pub(crate) struct Findings {
     pub(crate) report: Vec<String>,

@@ -1,4 +1,4 @@
-//! What cargo-deny has judged: the crates of all lock files, and by which rules.
+//! Record of the last run of cargo-deny: the crates of all lock files, and the rules.
 
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -8,10 +8,10 @@ use std::process::Command;
 
 use crate::workspace::output;
 
-/// Written by `full`, checked in.
+/// Written by `full` and checked in.
 pub(crate) const RECORD: &str = ".ci/judged";
 
-/// The crates of a lock file that are not of this workspace, as `name version`.
+/// Third-party crates of a lock file, as `name version`.
 fn locked(text: &str) -> impl Iterator<Item = String> {
     text.split("[[package]]").filter_map(|entry| {
         let value = |key: &str| {
@@ -35,18 +35,18 @@ fn unjudged(now: &BTreeSet<String>, record: &str) -> Vec<String> {
     now.iter().filter(|one| !record.lines().any(|judged| judged == one.as_str())).cloned().collect()
 }
 
-/// What has come in since.
+/// Crates added since the last run.
 pub(crate) fn news(root: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     Ok(unjudged(&now(root)?, &fs::read_to_string(root.join(RECORD))?))
 }
 
-/// Whether a crate that no record has is not seen.
+/// Control: a crate missing from the record is not detected.
 pub(crate) fn passes_one_more(root: &Path) -> Result<bool, Box<dyn Error>> {
     let more = BTreeSet::from(["made-up 1.0.0".to_owned()]);
     Ok(unjudged(&more, &fs::read_to_string(root.join(RECORD))?).is_empty())
 }
 
-/// All of it has been judged.
+/// Records the current crates as checked.
 pub(crate) fn write(root: &Path) -> Result<(), Box<dyn Error>> {
     let lines: Vec<String> = now(root)?.into_iter().collect();
     Ok(fs::write(root.join(RECORD), lines.join("\n") + "\n")?)
@@ -57,14 +57,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn crates_of_others_are_those_with_a_source() {
+    fn third_party_crates_have_a_source() {
         let lock = "version = 4\n\n[[package]]\nname = \"a\"\nversion = \"1.2.0\"\nsource = \"registry+https://x\"\n\n\
                     [[package]]\nname = \"fos-core\"\nversion = \"0.1.0\"\ndependencies = [\n \"a\",\n]\n";
         assert_eq!(locked(lock).collect::<Vec<_>>(), ["a 1.2.0"]);
     }
 
     #[test]
-    fn what_is_new_is_told_and_what_is_gone_is_not() {
+    fn reports_added_crates_but_not_removed_ones() {
         let now = BTreeSet::from(["a 1.2.0".to_owned(), "b 2.0.0".to_owned()]);
         assert_eq!(unjudged(&now, "a 1.2.0\nc 1.0.0\n"), ["b 2.0.0"]);
     }

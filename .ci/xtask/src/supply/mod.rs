@@ -1,9 +1,9 @@
-//! `cargo xtask supply short|full`: what comes into the build: licences, duplicates, sources and advisories (deny.toml,
-//! by cargo-deny), the crates of the device side, the Rust version.
+//! `cargo xtask supply short|full`: checks everything that enters the build: licences, duplicates, sources and
+//! advisories (deny.toml, by cargo-deny), the crates of the device side, the Rust version.
 //!
-//! cargo-deny takes minutes to build. `short` runs it where it is there; elsewhere nothing may have come in since it
-//! last looked (`.ci/judged`). `full` installs it into cargo's target folder, writes `.ci/judged`, asks for advisories
-//! too, and builds with exactly the Rust version that is promised.
+//! cargo-deny takes minutes to build. `short` runs it if it is installed; otherwise no crate may have been added since
+//! its last run (`.ci/judged`). `full` installs it into cargo's target folder, writes `.ci/judged`, also checks
+//! advisories, and builds with exactly the minimum Rust version.
 
 mod controls;
 mod deny;
@@ -24,7 +24,7 @@ use crate::form::Form;
 use crate::workspace::output;
 use findings::Findings;
 
-/// Prints what comes in; an error if something must not.
+/// Prints the dependencies; an error if one is not allowed.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let metadata = Command::new("cargo")
         .args(["metadata", "--all-features", "--format-version", "1", "--locked"])
@@ -48,7 +48,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How many crates come in.
+/// Number of crates.
 fn counts(root: &Path) -> Result<String, Box<dyn Error>> {
     let deny = fs::read_to_string(root.join("deny.toml"))?;
     let entries = |with: &str| {
@@ -65,7 +65,7 @@ fn counts(root: &Path) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// Crates of others that these edges reach, on every target.
+/// Third-party crates reached by these edges, on every target.
 fn from_outside(workspace: &Path, edges: &str) -> Result<usize, Box<dyn Error>> {
     let tree = [
         "tree",
@@ -80,7 +80,7 @@ fn from_outside(workspace: &Path, edges: &str) -> Result<usize, Box<dyn Error>> 
         "{p}",
     ];
     let printed = output(Command::new("cargo").args(tree).args(["--edges", edges]).current_dir(workspace))?;
-    // what lies in a folder has it behind its version
+    // Local packages have their folder after the version.
     let of_others = printed
         .lines()
         .map(|line| line.trim_end_matches(" (proc-macro)"))

@@ -1,4 +1,4 @@
-//! The Rust version that is promised.
+//! Minimum supported Rust version.
 
 use std::error::Error;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn version(text: &str) -> Option<Version> {
     Some((parts.next()??, parts.next().unwrap_or(Some(0))?))
 }
 
-/// Packages that ask for a newer Rust than that.
+/// Packages that need a newer Rust version.
 fn too_new(packages: &[Value], promised: Version) -> Vec<String> {
     let newer = |package: &&Value| package["rust_version"].as_str().and_then(version) > Some(promised);
     packages
@@ -50,7 +50,7 @@ pub(crate) fn look(
     Ok(())
 }
 
-/// Whether exactly this Rust builds everything; in words.
+/// Builds everything with exactly this version and describes the result.
 fn build_with(promised: Version, form: Form, root: &Path) -> Result<String, Box<dyn Error>> {
     let name = format!("{}.{}", promised.0, promised.1);
     let installed = output(Command::new("rustup").args(["toolchain", "list"])).unwrap_or_default();
@@ -64,7 +64,7 @@ fn build_with(promised: Version, form: Form, root: &Path) -> Result<String, Box<
             command.args(["run", exact, "cargo", "check"]).env("CARGO_INCREMENTAL", "0").current_dir(folder);
             command
         };
-        // a folder of its own: what is built there is built with nothing else
+        // In a separate folder, so that no other artefacts are reused.
         let target = target_folder(root).join(format!("rust-{name}"));
         output(with(root).args(["--workspace", "--all-targets", "--locked", "--target-dir"]).arg(target))?;
         let folder = tempfile::tempdir()?;

@@ -34,7 +34,7 @@ impl ArduPilot {
 
     /// The file, for the IMU of this number, counted from 0.
     pub fn file(&self, log: &str, instance: u8) -> String {
-        // the fourth and fifth have a group of their own (AP_InertialSensor_Params.cpp)
+        // The fourth and fifth IMU have their own groups (AP_InertialSensor_Params.cpp).
         let name = |triad: &str, what: &str| match instance {
             0 => format!("INS_{triad}{what}"),
             1 | 2 => format!("INS_{triad}{}{what}", instance + 1),

@@ -47,7 +47,7 @@ impl Autopilot {
         }
         let model = &accelerometer.model;
         let (matrix, _) = model.correction(model.reference_c);
-        // with the diagonal of M alone the error of an axis is what the other two contribute to it
+        // With only the diagonal of M, the error of an axis is the contribution of the other two.
         let beside = |i: usize| (0..3).filter(|j| *j != i).map(|j| matrix[i][j].powi(2)).sum::<f64>().sqrt();
         let neglected = (0..3).map(beside).fold(0.0, f64::max) * accelerometer.gravity.mps2;
         Ok(Self {

@@ -30,7 +30,7 @@ impl ImuTk {
     pub fn of(calibration: &Calibration) -> Self {
         let model = &calibration.accelerometer.model;
         let (matrix, bias) = model.correction(model.reference_c);
-        // M = Q·R: R is what M becomes in the frame turned by Qᵀ
+        // M = Q·R: R is M in the frame turned by Qᵀ.
         let qr = Matrix3::from_fn(|i, j| matrix[i][j]).qr();
         let signs =
             Matrix3::from_diagonal(&qr.r().diagonal().map(|entry| if entry < 0.0 { -1.0 } else { 1.0 }));

@@ -230,7 +230,7 @@ fn errors_are_close_to_the_least_possible() {
 /// Ordinary handling instead of a dozen deliberate dwells: most rests near a few orientations, one in ten disturbed, and the
 /// temperature changes with the hour. Published corrections of real wear leave 3.0 to 8.0 mg.
 #[test]
-fn a_simulated_week_of_wear_is_corrected_to_3_mg() {
+fn simulated_week_of_wear_is_corrected_to_3_mg() {
     let mut rng = rng(77);
     let mut device = Device::random(&mut rng);
     device.bias_per_k = [3e-3, -2e-3, 4e-3];

@@ -50,7 +50,7 @@ proptest! {
 
     /// Turning x and y around, as with the device upside down, changes the signs of their biases and of the angles with z only.
     #[test]
-    fn a_rotated_sensor_gives_the_rotated_result(seed in 0_u64..1000, _x in any::<bool>()) {
+    fn rotated_sensor_gives_rotated_result(seed in 0_u64..1000, _x in any::<bool>()) {
         let mut imu = log(seed);
         let before = found(&imu);
         for axes in [&mut imu.accelerometer, &mut imu.gyro] {
@@ -108,7 +108,7 @@ fn permuted_gyro_axes_keep_their_cross_axis_angles() {
 
 /// A dwell in the suggested orientation narrows the widest interval about as far as predicted.
 #[test]
-fn the_suggested_dwell_does_what_was_predicted() {
+fn suggested_dwell_narrows_intervals_as_predicted() {
     let (mut ratios, mut shrinks) = (Vec::new(), 0);
     for seed in 0..24 {
         let mut generator = rng(seed);
@@ -133,9 +133,9 @@ fn the_suggested_dwell_does_what_was_predicted() {
     assert!(shrinks >= 20 && (0.8..1.25).contains(&ratios[12]), "{shrinks} {ratios:?}");
 }
 
-/// With an accuracy asked for, the plan reaches it or says that it cannot.
+/// The plan reaches the requested accuracy, or states that it cannot.
 #[test]
-fn a_plan_leads_to_the_accuracy_that_was_asked_for() {
+fn plan_reaches_requested_accuracy() {
     let imu = Imu { gyro: None, ..log(4) };
     let with = |accuracy: f64| {
         let options = Options { accuracy_mps2: Some(accuracy), ..Options::default() };

@@ -40,7 +40,7 @@ fn six_faces_give_bias_and_sensitivity_but_no_angles() {
         "{:?}",
         found.next
     );
-    // four orientations determine less, however often they are repeated
+    // Four orientations determine less, for any number of repetitions.
     let four: Vec<[f64; 3]> = faces().into_iter().take(4).cycle().take(20).collect();
     let error = refused(&four, &Handling::default());
     assert!(matches!(error, CalibrateError::NoRedundancy { orientations: 4, .. }), "{error}");
@@ -60,7 +60,7 @@ fn rests_within_20_degrees_are_refused() {
 }
 
 #[test]
-fn a_device_turned_about_one_axis_only_is_refused_by_name() {
+fn rejects_rotation_about_one_axis_only() {
     // y stays level
     let ups: Vec<[f64; 3]> = (0..14)
         .map(|n| {
@@ -75,7 +75,7 @@ fn a_device_turned_about_one_axis_only_is_refused_by_name() {
 }
 
 #[test]
-fn an_unseen_direction_is_flagged_with_the_orientation_that_mends_it() {
+fn flags_unseen_direction_with_missing_orientation() {
     let up_only: Vec<[f64; 3]> = orientations(60, &mut rng(5))
         .into_iter()
         .filter(|up| up[1] < 0.5 && up[1] > -0.55)
@@ -111,7 +111,7 @@ fn rests_that_move_are_excluded() {
 }
 
 #[test]
-fn a_rest_at_which_an_axis_clips_is_excluded() {
+fn excludes_clipped_rests() {
     // one face at a time lies beyond the range
     let handling = Handling { full_scale: [9.7, f64::INFINITY], ..Handling::default() };
     let found = calibrate(&log(&orientations(18, &mut rng(1)), &handling), &Options::default())
@@ -154,7 +154,7 @@ fn values_that_are_not_gravity_are_refused() {
 }
 
 #[test]
-fn a_log_without_a_rest_is_refused() {
+fn rejects_log_without_rests() {
     let mut shaken = log(&orientations(14, &mut rng(1)), &Handling::default());
     for axis in &mut shaken.accelerometer.as_mut().expect("there").values {
         // growing: no stretch is as quiet as another
@@ -206,7 +206,7 @@ fn another_order_of_the_gyro_s_axes_is_reported() {
 }
 
 #[test]
-fn a_stuck_axis_is_named() {
+fn reports_stuck_axis() {
     for (value, scale) in [(5.0, Scale::Si), (0.0, Scale::Si), (2048.0, Scale::Counts)] {
         for axis in 0..3 {
             let mut stuck = log(&orientations(14, &mut rng(1)), &Handling::default());
@@ -228,7 +228,7 @@ fn axes_column(axis: usize) -> String {
 
 /// Nearly stuck: the noise of one axis is a millionth of the others', so that it is not recognised by its values.
 #[test]
-fn an_axis_that_hardly_changes_ends_in_an_error() {
+fn rejects_axis_that_hardly_changes() {
     let mut dead = log(&orientations(14, &mut rng(1)), &Handling::default());
     let axes = dead.accelerometer.as_mut().expect("there");
     axes.values[1].iter_mut().for_each(|one| *one = 5.0 + 1e-9 * *one);
@@ -236,7 +236,7 @@ fn an_axis_that_hardly_changes_ends_in_an_error() {
 }
 
 #[test]
-fn a_gyro_with_a_stuck_axis_has_no_numbers() {
+fn gyro_with_stuck_axis_has_no_result() {
     let mut dead = log(&orientations(14, &mut rng(1)), &Handling::default());
     dead.gyro.as_mut().expect("there").values[1].iter_mut().for_each(|one| *one = 0.0);
     let gyro = calibrate(&dead, &Options::default()).expect("an accelerometer").gyro.expect("a gyro");
@@ -259,7 +259,7 @@ fn large_cross_axis_angles_are_estimated() {
 
 /// 12 bits over ± 8 g, quieter than a step: at rest the axis shows one code, and at one face that is its largest.
 #[test]
-fn a_coarse_axis_at_rest_does_not_clip() {
+fn coarse_axis_at_rest_does_not_clip() {
     let handling = Handling { noise: [0.005, 0.003], ..Handling::default() };
     let mut coarse = log(&orientations(18, &mut rng(1)), &handling);
     let step = 8.0 * 9.80665 / 2048.0;

@@ -124,7 +124,7 @@ fn table_beside_imu_tk_and_ardupilot() {
             // the rivals' gyro methods are not compared
             log.gyro = None;
             if disturbed {
-                // somebody leans on the table during one rest
+                // Someone leans on the table during one rest.
                 let rows = 250 * (seed as usize % rests)..250 * (seed as usize % rests) + 150;
                 for axis in &mut log.accelerometer.as_mut().expect("there").values {
                     axis[rows.clone()].iter_mut().for_each(|value| *value += 0.3 / 3_f64.sqrt());

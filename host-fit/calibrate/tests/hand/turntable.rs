@@ -75,7 +75,7 @@ fn plateaus_without_redundancy_are_refused() {
 
 /// A bias of a third of the rate: rests are not recognised by their size.
 #[test]
-fn a_large_bias_at_a_slow_rate_is_found() {
+fn estimates_large_bias_at_slow_rate() {
     let rate = 5_f64.to_radians();
     let bias = [0.0181, -0.0181, 0.0181];
     let device = Device { gyro_bias: bias, ..Device::random(&mut rng(3)) };
@@ -88,7 +88,7 @@ fn a_large_bias_at_a_slow_rate_is_found() {
 }
 
 #[test]
-fn a_rate_that_was_not_stated_is_refused() {
+fn rejects_unstated_rate() {
     let device = Device { gyro: Matrix3::identity(), ..Device::random(&mut rng(1)) };
     let log = log(&device, &[3.0], 12, 1);
     let error = calibrate_on_turntable(&log, &[6.0]).expect_err("refused");
@@ -100,7 +100,7 @@ fn a_rate_that_was_not_stated_is_refused() {
 
 /// The record player of data/rate_table. Its published corrections are x +1.36 ± 0.08, y −1.13 ± 0.07, z −0.12 ± 0.07 %.
 #[test]
-fn a_real_record_player_gives_the_published_corrections() {
+fn real_record_player_gives_published_corrections() {
     let Some(folder) = fos_testkit::outside::path("data/rate_table") else { return };
     let specs = ["gx_rads=column_1:rad/s", "gy_rads=column_2:rad/s", "gz_rads=column_3:rad/s"];
     let columns = ColumnMap::from_specs(specs).expect("a map");

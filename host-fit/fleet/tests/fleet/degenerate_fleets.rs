@@ -1,4 +1,4 @@
-//! Degenerate fleets: what is written is read, every number is finite, one log counts once, and one that cannot be used ends nothing.
+//! Degenerate fleets: files can be read back, every number is finite, a log counts once, and an unusable log does not end the run.
 
 use crate::drawn::{asked, row};
 use fos_data::recording::Recording;
@@ -12,7 +12,7 @@ fn fleet_of(rows: &[UnitRow]) -> Fleet {
     Fleet::of(rows, &asked(), &Library::built_in(), "a test")
 }
 
-/// Rows of devices of one lot, changed.
+/// Rows of devices of one lot, each modified by `change`.
 fn rows(units: usize, change: impl Fn(usize, &mut UnitRow)) -> Vec<UnitRow> {
     (0..units)
         .map(|unit| {
@@ -23,7 +23,7 @@ fn rows(units: usize, change: impl Fn(usize, &mut UnitRow)) -> Vec<UnitRow> {
         .collect()
 }
 
-/// Every axis of a row: its values, its covariance.
+/// Sets the coefficients and variances of all axes of a row.
 fn set(row: &mut UnitRow, value: impl Fn(usize, f64) -> f64, variance: impl Fn(usize, f64) -> f64) {
     for axis in &mut row.axes {
         let estimate = &mut axis.estimate.coefficients;
@@ -83,7 +83,7 @@ fn cases() -> Vec<(String, Vec<UnitRow>)> {
         ("nothing read".to_owned(), rows(4, |_, row| row.axes.clear())),
     ];
     cases.extend((1..=4).map(|units| (format!("{units} devices"), rows(units, |_, _| {}))));
-    // and at random: sizes from the smallest to the largest that a double has room for, in any number of lots
+    // Random sizes over the whole range of a double, in any number of lots.
     let mut random = ChaCha8Rng::seed_from_u64(11);
     for case in 0..40 {
         let (units, lots) = (random.random_range(1..9), random.random_range(1..4));
@@ -101,7 +101,7 @@ fn cases() -> Vec<(String, Vec<UnitRow>)> {
     cases
 }
 
-/// What is wrong with the file of a population and the rows beside it.
+/// Defects in the file of a population and its rows.
 fn failures(name: &str, fleet: &Fleet, rows: &[UnitRow], doctor: impl Fn(&str) -> String) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("population.json");
@@ -115,7 +115,7 @@ fn failures(name: &str, fleet: &Fleet, rows: &[UnitRow], doctor: impl Fn(&str) -
         Ok(_) => found.push(format!("{name}: read as another")),
         Err(error) => found.push(format!("{name}: {error}")),
     }
-    // where there is nothing to say there may be null; where there are numbers there is none
+    // The file may omit a value with null, but no number may become null.
     let value: Value = serde_json::from_str(&text).expect("JSON");
     for axis in value["parts"]
         .as_array()
@@ -136,7 +136,7 @@ fn failures(name: &str, fleet: &Fleet, rows: &[UnitRow], doctor: impl Fn(&str) -
 }
 
 #[test]
-fn degenerate_fleets_are_read_back_with_finite_numbers() {
+fn degenerate_fleets_round_trip_with_finite_numbers() {
     let mut found = Vec::new();
     let cases = cases();
     for (name, rows) in &cases {
@@ -156,7 +156,7 @@ fn degenerate_fleets_are_read_back_with_finite_numbers() {
 }
 
 #[test]
-fn the_check_notices_a_number_that_is_not_finite() {
+fn check_detects_non_finite_numbers() {
     let rows = rows(6, |_, _| {});
     let mut fleet = fleet_of(&rows);
     assert_eq!(failures("sound", &fleet, &rows, str::to_owned), [""; 0]);
@@ -170,7 +170,7 @@ fn the_check_notices_a_number_that_is_not_finite() {
 }
 
 #[test]
-fn equal_values_make_a_population_without_scatter_and_no_odd_device() {
+fn equal_values_give_no_scatter_and_no_odd_device() {
     let rows = rows(6, |_, row| set(row, |place, _| [2e-3, 1e-4][place], |_, variance| variance));
     let fleet = fleet_of(&rows);
     assert!(fleet.parts[0].odd.is_empty() && fleet.duplicates.is_empty());
@@ -179,7 +179,7 @@ fn equal_values_make_a_population_without_scatter_and_no_odd_device() {
         assert!(
             (population.mean[0] / 2e-3 - 1.0).abs() < 1e-6 && (population.mean[1] / 1e-4 - 1.0).abs() < 1e-6
         );
-        // errors of the logs are 2e-4 and 1e-4 times up to 2
+        // The log errors are 2e-4 and 1e-4, times up to 2.
         assert!(population.scatter[0].units < 1e-4, "{:?}", population.scatter);
         let [low, high] = population.scatter[0].units_interval;
         assert!(low == 0.0 && high > 1e-5 && high < 4e-3, "{:?}", population.scatter);
@@ -187,7 +187,7 @@ fn equal_values_make_a_population_without_scatter_and_no_odd_device() {
 }
 
 #[test]
-fn a_log_under_several_names_counts_once() {
+fn duplicate_log_counts_once() {
     let sound = rows(8, |_, _| {});
     let mut copied = sound.clone();
     for copy in 0..5 {
@@ -198,33 +198,33 @@ fn a_log_under_several_names_counts_once() {
     let (fleet, with_copies) = (fleet_of(&sound), fleet_of(&copied));
     assert_eq!(with_copies.parts, fleet.parts, "the same populations, and nothing odd");
     assert_eq!((with_copies.units, with_copies.duplicates.len()), (13, 5));
-    let said = with_copies.duplicates[0].to_string();
-    assert_eq!(said, "v0 is the same log as u00000000: counted once.");
+    let message = with_copies.duplicates[0].to_string();
+    assert_eq!(message, "v0 is the same log as u00000000: counted once.");
 
-    // of another part it is another device's
+    // In another part the same log belongs to another device.
     copied.iter_mut().skip(8).for_each(|row| row.part = "another".to_owned());
     let apart = fleet_of(&copied);
     assert_eq!(apart.duplicates.len(), 4);
-    // rows without a log are no copies of each other
+    // Rows without a log are not duplicates of each other.
     assert!(fleet_of(&rows(4, |_, row| row.sha256.clear())).duplicates.is_empty());
 }
 
 #[test]
-fn three_devices_are_too_few_to_find_an_odd_one_and_that_is_said() {
+fn three_devices_are_not_conclusive_for_odd_ones() {
     let part = |units: usize| fleet_of(&rows(units, |_, _| {})).parts[0].clone();
     for units in [1, 2, 3, 5] {
         let part = part(units);
         assert!(part.odd.is_empty(), "{:?}", part.odd);
-        let (needed, said) = (part.units_needed.expect("too few"), part.not_conclusive().expect("said"));
-        assert!(needed > units && said.contains(&format!("at least {needed}")), "{said}");
-        assert!(units < 3 || said.contains(&format!("{units} devices")), "{said}");
+        let (needed, message) = (part.units_needed.expect("too few"), part.not_conclusive().expect("said"));
+        assert!(needed > units && message.contains(&format!("at least {needed}")), "{message}");
+        assert!(units < 3 || message.contains(&format!("{units} devices")), "{message}");
     }
     assert_eq!(part(30).units_needed, None);
 }
 
-/// One device is 8 standard deviations off: found where that is conclusive, and by the coefficient that it is.
+/// One device is 8 standard deviations off; it must be found, by the right coefficient, where the fleet is large enough.
 #[test]
-fn a_device_that_is_far_off_is_found_among_a_dozen() {
+fn finds_far_device_among_a_dozen() {
     let rows = rows(12, |unit, row| {
         if unit == 4 {
             row.axes[3].estimate.coefficients.values[0] += 8.0 * 4e-3;
@@ -237,7 +237,7 @@ fn a_device_that_is_far_off_is_found_among_a_dozen() {
 }
 
 #[test]
-fn a_log_that_makes_the_program_panic_is_a_row_that_says_so() {
+fn panic_on_a_log_is_reported_in_its_row() {
     let unit = Unit { name: "7".to_owned(), part: String::new(), lot: None, logs: Vec::new() };
     let read = (0..2).map(|log| -> Result<Recording, String> {
         match log {

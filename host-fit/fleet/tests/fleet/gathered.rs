@@ -1,4 +1,4 @@
-//! Rows that are gathered apart come to the same bits, however they were spread and in whatever order they are merged.
+//! Gathered rows give the same bits for any distribution of the rows and any order of merges.
 
 use crate::drawn::{asked, row};
 use fos_diagnose::effects::Library;
@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 const UNITS: usize = 30;
 
-/// Some diagnosed, one of another part, one of no lot, one that could not be read, one that tells no slope.
+/// Rows with and without diagnosis, one each of another part, without a lot, unreadable, and without a slope.
 fn rows() -> Vec<UnitRow> {
     let mut rows: Vec<UnitRow> = (0..UNITS).map(|unit| row(unit * 7)).collect();
     for row in rows.iter_mut().step_by(3) {
@@ -39,7 +39,7 @@ fn fleet_of(gathered: &Gathered) -> Fleet {
 }
 
 #[test]
-fn however_rows_are_spread_and_merged_the_bits_are_the_same() {
+fn merge_order_does_not_change_the_bits() {
     let mut rows = rows();
     let expected = Fleet::of(&rows, &asked(), &Library::built_in(), "a test").to_bytes();
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -53,7 +53,7 @@ fn however_rows_are_spread_and_merged_the_bits_are_the_same() {
             left = rest;
         }
         apart.shuffle(&mut random);
-        // and merged two by two, as a tree of machines does
+        // Merged in pairs, as by a tree of machines.
         while apart.len() > 1 {
             let mut next = Vec::new();
             for pair in apart.chunks(2) {
@@ -71,7 +71,7 @@ fn however_rows_are_spread_and_merged_the_bits_are_the_same() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_refused_and_nothing_of_it_taken() {
+fn rejects_mismatched_rows_without_changes() {
     let mut of_all = gathered(&rows());
     let mut other = row(999);
     other.asked.regressors.push("temp_c * temp_c".to_owned());
@@ -93,7 +93,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_of_it_taken() {
 }
 
 #[test]
-fn damaged_bytes_are_refused_or_come_to_a_fleet_but_never_to_a_panic() {
+fn damaged_bytes_never_panic() {
     let bytes = gathered(&rows()[..10]).to_bytes();
     assert!(Gathered::from_bytes(&bytes[..bytes.len() - 1]).is_err());
     assert!(
@@ -110,15 +110,15 @@ fn damaged_bytes_are_refused_or_come_to_a_fleet_but_never_to_a_panic() {
             Err(_) => refused += 1,
         }
     }
-    // most bytes are digits of numbers, which any bits are
+    // Most bytes are digits of numbers, where any bits are valid.
     assert!(refused > 3, "{refused}");
 }
 
 #[test]
-fn a_unit_takes_a_fifth_of_the_bytes_of_its_row() {
+fn gathered_unit_needs_a_fifth_of_its_row() {
     let rows: Vec<UnitRow> = (0..500).map(row).collect();
     let of_rows: usize = rows.iter().map(|row| serde_json::to_vec(row).expect("JSON").len()).sum();
     let bytes = gathered(&rows).to_bytes().len();
-    // 48 numbers, a digest of the row, half a digest of its log, a name
+    // 48 numbers, a digest of the row, half a digest of its log, a name.
     assert!(bytes < 500 * (48 * 8 + 32 + 16 + 32) && bytes * 4 < of_rows, "{bytes} of {of_rows}");
 }

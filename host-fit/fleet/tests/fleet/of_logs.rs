@@ -1,4 +1,4 @@
-//! Rows and populations of logs: simulated units whose bias and slope of temperature are known.
+//! Rows and populations from logs of simulated units with known bias and temperature slope.
 
 use std::path::Path;
 
@@ -12,11 +12,11 @@ use rand_distr::{Distribution, StandardNormal};
 
 const UNITS: u64 = 14;
 
-/// Standard deviations between units, of gx: bias in rad/s, slope in rad/s/K.
-const OF_BIAS: f64 = 4e-3;
-const OF_SLOPE: f64 = 2e-4;
+/// Standard deviations of gx between units: bias in rad/s, slope in (rad/s)/K.
+const BIAS_SCATTER: f64 = 4e-3;
+const SLOPE_SCATTER: f64 = 2e-4;
 
-/// A log of a unit at rest, whose gx has this bias at 25 °C and this slope beside what all have.
+/// Writes the log of a unit at rest, with this bias of gx at 25 °C and this slope in addition to those of all units.
 fn write_unit(path: &Path, seed: u64, bias: f64, slope: f64) {
     let simulation = Simulation { duration_s: 240.0, rate_hz: 100.0, seed, temperature: 0.0, motion: false };
     let mut columns = simulate(&simulation).columns;
@@ -36,14 +36,14 @@ fn asked() -> Asked {
 }
 
 #[test]
-fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
+fn estimates_differ_between_units_and_interrupted_fleet_resumes() {
     let folder = tempfile::tempdir().expect("a folder");
     let logs = folder.path().join("logs");
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut truth = Vec::new();
     for unit in 0..UNITS {
         let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
-        let (bias, slope) = (OF_BIAS * draw(), OF_SLOPE * draw());
+        let (bias, slope) = (BIAS_SCATTER * draw(), SLOPE_SCATTER * draw());
         let lot = logs.join(format!("lot{}", unit % 2));
         std::fs::create_dir_all(&lot).expect("a folder");
         write_unit(&lot.join(format!("{unit:02}.parquet")), 100 + unit, bias, slope);
@@ -64,7 +64,7 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
         let gx = row.axes.iter().find(|axis| axis.estimate.column == "gx_rads").expect("gx");
         let estimate = &gx.estimate.coefficients;
         assert_eq!(estimate.names, [BIAS, "temp_c"]);
-        // the unit of the simulation has a bias of its own, the same in all
+        // The simulated unit has a bias that is the same for all units.
         let error = estimate.standard_error("temp_c").expect("told");
         assert!(
             (estimate.values[1] - slope).abs() < 4.5 * error,
@@ -72,21 +72,21 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
             row.unit,
             estimate.values[1]
         );
-        assert!(error < OF_SLOPE, "{error}");
+        assert!(error < SLOPE_SCATTER, "{error}");
         assert!((estimate.values[0] - bias).abs() < 0.1, "{estimate:?}");
-        // an accelerometer at rest shows gravity beside its bias
+        // The bias of an accelerometer at rest is indistinguishable from gravity.
         let ax = row.axes.iter().find(|axis| axis.estimate.column == "ax_mps2").expect("ax");
         assert_eq!(ax.estimate.coefficients.names, ["temp_c"]);
     }
 
-    // broken off after some rows, in the middle of a line
+    // Interrupted after some rows, in the middle of a line.
     let whole = std::fs::read_to_string(&kept).expect("rows");
     let cut: String = whole.chars().take(whole.len() * 2 / 5).collect();
     std::fs::write(&kept, &cut).expect("rows");
     let again = rows(&units, &asked(), &library, "a test", "a build", &kept, |_| {}).expect("rows");
     assert_eq!(again, found);
     assert_eq!(std::fs::read_to_string(&kept).expect("rows"), whole, "the same bytes");
-    // another program makes its own
+    // Another program computes its own rows.
     let other = rows(&units, &asked(), &library, "another", "another build", &kept, |_| {}).expect("rows");
     assert!(other.iter().all(|row| row.program == "another"));
 
@@ -97,10 +97,10 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
     let gx = part.axes.iter().find(|axis| axis.column == "gx_rads").expect("gx");
     let population = gx.population.as_ref().expect("a population");
     let [low, high] = population.scatter[1].units_interval;
-    // 14 units: the sample's own scatter is within a third of the truth
-    assert!(low < OF_SLOPE && OF_SLOPE < high, "{low} {high}");
+    // With 14 units, the scatter of the sample is within a third of the truth.
+    assert!(low < SLOPE_SCATTER && SLOPE_SCATTER < high, "{low} {high}");
 
-    // what was written is read with the rows beside it, and not with others
+    // The file is read with its own rows and refused with others.
     let made_again: Vec<_> = found.iter().rev().cloned().collect();
     assert_eq!(Fleet::of(&made_again, &asked(), &library, "a test"), fleet, "whatever the order of the rows");
     let path = folder.path().join("population.json");
@@ -116,11 +116,11 @@ fn units_are_told_apart_and_a_fleet_that_was_broken_off_goes_on() {
 }
 
 #[test]
-fn logs_of_a_unit_count_together_and_one_that_is_damaged_is_left_out() {
+fn logs_of_a_unit_are_joined_without_damaged_ones() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     for (name, seed) in [("monday.parquet", 1), ("friday.parquet", 2)] {
-        write_unit(&path(name), seed, 3e-3, OF_SLOPE);
+        write_unit(&path(name), seed, 3e-3, SLOPE_SCATTER);
     }
     std::fs::write(path("cut.parquet"), b"PAR1 and no more").expect("a file");
     let table = |names: &[&str]| {
@@ -138,10 +138,10 @@ fn logs_of_a_unit_count_together_and_one_that_is_damaged_is_left_out() {
     let both = table(&["monday", "friday"]);
     let rows = |row: &UnitRow| row.log.as_ref().expect("read").rows;
     assert_eq!(rows(&both), rows(&monday) + rows(&friday));
-    // the error is that of twice the time, or a little more: what wanders is told apart from it
+    // The error is that of twice the time or a little more, because slow drift is separated from the slope.
     let alone = slope(&monday).1.min(slope(&friday).1);
     assert!(slope(&both).1 < alone, "{:?} {alone}", slope(&both));
-    assert!((slope(&both).0 - OF_SLOPE).abs() < 4.5 * slope(&both).1, "{:?}", slope(&both));
+    assert!((slope(&both).0 - SLOPE_SCATTER).abs() < 4.5 * slope(&both).1, "{:?}", slope(&both));
 
     let without = table(&["monday", "cut"]);
     assert_eq!((&without.axes, &without.sha256), (&monday.axes, &monday.sha256));

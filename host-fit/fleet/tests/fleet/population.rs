@@ -1,4 +1,4 @@
-//! The statistics of a population on estimates whose truth is known: no log is read.
+//! Statistics of populations of random estimates with known truth, without logs.
 
 use fos_fleet::{Estimate, Member, Population, discoveries, judge};
 use fos_testkit::is_thorough;
@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A fleet that is drawn: bias and slope of each unit, and an estimate of both whose covariance differs from unit to unit.
+/// A random fleet: bias and slope of each unit, and an estimate of both with a covariance that differs between units.
 struct Drawn {
     truth: Vec<[f64; 2]>,
     estimates: Vec<Estimate>,
@@ -32,7 +32,7 @@ fn names() -> Vec<String> {
     vec!["bias".to_owned(), "temp_c".to_owned()]
 }
 
-/// Bias and slope of an estimate are correlated, as where a log is warmer than the reference.
+/// Correlation of the errors of bias and slope; negative if a log is warmer than the reference temperature.
 const CORRELATION: f64 = -0.6;
 
 fn draw(units: usize, a_lot: usize, spread: Spread, seed: u64) -> Drawn {
@@ -45,7 +45,7 @@ fn draw(units: usize, a_lot: usize, spread: Spread, seed: u64) -> Drawn {
         }
         let truth: [f64; 2] =
             std::array::from_fn(|i| MEAN[i] + of_lot[i] + spread.units[i] * normal(&mut random));
-        // logs of a unit differ in length
+        // Logs of units differ in length.
         let length = 0.5 + 1.5 * random.random::<f64>();
         let [bias, slope] = spread.errors.map(|error| error * length);
         let (first, second) = (normal(&mut random), normal(&mut random));
@@ -70,9 +70,9 @@ impl Drawn {
     }
 }
 
-/// Equal errors, equal lots: analysis of variance has the answer in closed form (Searle, Casella and McCulloch 1992, ch. 4).
+/// With equal errors and equal lots, analysis of variance has a closed form (Searle, Casella and McCulloch 1992, ch. 4).
 #[test]
-fn of_balanced_lots_it_is_the_analysis_of_variance() {
+fn balanced_lots_match_analysis_of_variance() {
     let (lots, a_lot, error) = (12, 8, 0.4_f64);
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let values: Vec<Vec<f64>> = (0..lots)
@@ -123,9 +123,9 @@ fn of_balanced_lots_it_is_the_analysis_of_variance() {
     );
 }
 
-/// Intervals that say 90 % hold in about that many fleets: the binomial's 99.9 % lie between 45 and 60 of 60, and from 5 to 10 of 10.
+/// 90 % intervals hold in about that many fleets: the 99.9 % range of the binomial is 45 to 60 of 60, and 5 to 10 of 10.
 #[test]
-fn intervals_of_mean_and_scatter_hold() {
+fn mean_and_scatter_intervals_have_stated_coverage() {
     let (fleets, fewest) = if is_thorough() { (60, 45) } else { (10, 5) };
     let (mut mean, mut units, mut lots) = (0, 0, 0);
     for seed in 0..fleets {
@@ -146,14 +146,14 @@ fn intervals_of_mean_and_scatter_hold() {
     }
 }
 
-/// What a unit's own log and its population say together is nearer to the truth than its own log, and its covariance says how near.
+/// An estimate combined with the population is nearer to the truth than that of the log alone, and its intervals hold.
 #[test]
-fn a_shrunk_estimate_is_nearer_and_its_intervals_hold() {
+fn shrunk_estimate_is_closer_with_stated_coverage() {
     let (mut held, mut n, mut alone, mut together) = ([0_u32; 2], 0, [0.0; 2], [0.0; 2]);
     let (fleets, within) = if is_thorough() { (20, 339..=381) } else { (3, 44..=60) };
     for seed in 0..fleets {
         let drawn = draw(220, 11, SPREAD, 100 + seed);
-        // one of each lot is new: the population has not seen it
+        // One unit of each lot is new to the population.
         let is_new = |index: usize| index % 11 == 10;
         let members: Vec<Member<'_>> = drawn
             .members()
@@ -177,13 +177,13 @@ fn a_shrunk_estimate_is_nearer_and_its_intervals_hold() {
     println!(
         "{n} units: intervals of 90 % hold in {held:?}; squared error alone {alone:?}, with the population {together:?}"
     );
-    // of 400 or 60 units: within 99.9 % of the binomial
+    // 99.9 % range of the binomial for 400 or 60 units.
     assert!(held.iter().all(|held| within.contains(held)), "{held:?}");
     assert!(together[0] < 0.95 * alone[0] && together[1] < 0.5 * alone[1], "{alone:?} {together:?}");
 }
 
 #[test]
-fn lots_that_do_not_differ_are_told_apart_as_rarely_as_stated() {
+fn lot_test_has_stated_false_positive_rate() {
     let without = Spread { lots: [0.0; 2], ..SPREAD };
     let (alike, most, apart, fewest) = if is_thorough() { (60, 9, 20, 14) } else { (10, 4, 5, 3) };
     let false_alarms = (0..alike)
@@ -192,7 +192,7 @@ fn lots_that_do_not_differ_are_told_apart_as_rarely_as_stated() {
             Population::of(&drawn.members(), &names()).unwrap().scatter[0].lots_alike.unwrap() < 0.05
         })
         .count();
-    // 5 % of 60 are 3; the binomial's 99.9 % end at 9, of 10 at 4
+    // 5 % of 60 are 3; the 99.9 % range of the binomial ends at 9, and for 10 at 4.
     assert!(false_alarms <= most, "{false_alarms} of {alike}");
     let found = (0..apart)
         .filter(|seed| {
@@ -206,9 +206,10 @@ fn lots_that_do_not_differ_are_told_apart_as_rarely_as_stated() {
     assert!(found >= fewest, "{found} of {apart}");
 }
 
-/// 0, 1 and 5 % of the units are 8 standard deviations off in one coefficient; of those that are called odd at most a tenth may be sound.
+/// With 0, 1 and 5 % of the units 8 standard deviations off in one coefficient, at most a tenth of those reported as odd may be false
+/// positives.
 #[test]
-fn odd_units_are_found_at_the_stated_rate_of_false_ones() {
+fn odd_units_are_found_at_stated_false_discovery_rate() {
     const RATE: f64 = 0.1;
     let fleets = if is_thorough() { 20 } else { 3 };
     for share in [0.0, 0.01, 0.05] {
@@ -221,7 +222,7 @@ fn odd_units_are_found_at_the_stated_rate_of_false_ones() {
             for index in (0..300).filter(|index| is_odd(*index)) {
                 let estimate = &mut drawn.estimates[index];
                 let i = index % 2;
-                // of what a unit may be and its log may err
+                // Standard deviation of unit and log error.
                 let deviation =
                     (SPREAD.units[i].powi(2) + SPREAD.lots[i].powi(2) + estimate.covariance[i][i]).sqrt();
                 estimate.values[i] += 8.0 * deviation;
@@ -242,7 +243,7 @@ fn odd_units_are_found_at_the_stated_rate_of_false_ones() {
             "{share}: {planted} planted, {called} called odd, {wrong} of them sound; in {fleets_with_a_wrong_one} of {fleets} fleets one at least"
         );
         if share == 0.0 {
-            // every one called is wrong: the rate is that of fleets with any
+            // Every report is a false positive, so the rate is that of fleets with any report.
             let most = if is_thorough() { 6 } else { 2 };
             assert!(fleets_with_a_wrong_one <= most, "{fleets_with_a_wrong_one} of {fleets}");
         } else {
@@ -252,9 +253,9 @@ fn odd_units_are_found_at_the_stated_rate_of_false_ones() {
     }
 }
 
-/// A log without a change of temperature tells no slope: it counts for the bias, and gets its slope from the others.
+/// A log at constant temperature does not identify a slope: it counts for the bias, and its slope comes from the population.
 #[test]
-fn what_a_log_does_not_tell_comes_from_the_population() {
+fn unidentifiable_coefficients_come_from_the_population() {
     let mut drawn = draw(60, 60, SPREAD, 9);
     let whole = Population::of(&drawn.members(), &names()).unwrap();
     for estimate in drawn.estimates.iter_mut().skip(50) {
@@ -273,7 +274,7 @@ fn what_a_log_does_not_tell_comes_from_the_population() {
     assert!(shrunk.covariance[1][1].sqrt() > 0.9 * population.scatter[1].units);
     assert_eq!(drawn.estimates[55].place("temp_c"), None);
 
-    // the order of the lots and of the units in them says nothing but in the last bits
+    // The order of lots and of their units changes only the last bits.
     let mut turned = drawn.members();
     turned.reverse();
     let other = Population::of(&turned, &names()).unwrap();

@@ -1,4 +1,4 @@
-//! What a part ships with: a unit's record and the image of its part take out what its own log and its population tell.
+//! Files for the devices of a part: the record of a unit removes the error known from its log and population, the image that of the part.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Standard deviations between units, of gx: rad/s, rad/s/K, rad/s/K².
+/// Standard deviations of gx between units: rad/s, (rad/s)/K, (rad/s)/K².
 const OF_UNITS: [f64; 3] = [4e-3, 2e-4, 4e-6];
 
-/// Mean of the part.
+/// Mean of the part, in the same units.
 const OF_PART: [f64; 3] = [2e-3, 3e-4, 1e-5];
 
 type Coefficients = [f64; 3];
@@ -25,14 +25,14 @@ fn error_at(of: &Coefficients, temp_c: f64) -> f64 {
     of[0] + of[1] * t + of[2] * t * t
 }
 
-/// A log at rest of a unit whose gx errs so, from 15 to 35 °C and back.
+/// Writes the log of a unit at rest with this error of gx, from 15 to 35 °C and back.
 fn write_unit(path: &Path, seed: u64, unit: &Coefficients) {
     let simulation = Simulation { duration_s: 240.0, rate_hz: 100.0, seed, temperature: 0.0, motion: false };
     let mut columns = simulate(&simulation).columns;
     let time = columns[0].1.clone();
     let temperature: Vec<f64> =
         time.iter().map(|t_s| 25.0 - 10.0 * (std::f64::consts::TAU * t_s / 240.0).cos()).collect();
-    // the unit of the simulation has a bias of its own, the same in all
+    // The simulated unit has a bias that is the same for all units.
     let of_all = 0.5_f64.to_radians();
     for (name, values) in &mut columns {
         match name.as_str() {
@@ -54,7 +54,7 @@ fn asked(regressors: &[&str]) -> Asked {
     Asked { regressors, diagnosed: false, read: LoadOptions::default() }
 }
 
-/// What is left of the error of gx, root mean square at 15 to 35 °C, in f32 as on a device.
+/// RMS of the remaining error of gx from 15 to 35 °C, rad/s, computed in f32 as on a device.
 fn left(image: &[u8], unit: &Coefficients) -> f64 {
     let image = Image::parse(image).expect("an image");
     let place = image.axes().position(|axis| axis.parameters.axis == fos_core::Axis::Gx).expect("gx");
@@ -70,7 +70,7 @@ fn left(image: &[u8], unit: &Coefficients) -> f64 {
 }
 
 #[test]
-fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part() {
+fn record_removes_unit_error_and_image_removes_part_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let logs = folder.path().join("logs");
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -104,7 +104,7 @@ fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part()
     let mut buffer = vec![0; shipped.image.len()];
     for ((name, truth), unit) in units.iter().zip(&shipped.units) {
         assert_eq!(*name, unit.unit);
-        // five axes with two slopes, of which three are accelerometers without a bias: every axis has a place for one
+        // Five axes with two slopes each, including three accelerometers without a bias; every axis has a place for one.
         assert!(unit.record.len() < 110, "{} bytes", unit.record.len());
         assert_eq!(UnitRecord::parse(&unit.record).expect("a record").name(), name);
         let own = for_unit(&shipped.image, &unit.record, &mut buffer).expect("its image");
@@ -119,7 +119,7 @@ fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part()
     assert!(of_part < nothing && of_part > 2e-3, "units differ by 4e-3: {of_part:e} of {nothing:e}");
     assert!(of_records < 0.1 * of_part, "{of_records:e} of {of_part:e}");
 
-    // what a unit shows elsewhere cannot lead further than the units of its part may be
+    // Extrapolation of a unit's record is limited to the range of the units of its part.
     let far = for_unit(&shipped.image, &shipped.units[0].record, &mut buffer).expect("its image");
     let far = Image::parse(far).expect("an image");
     let mut predictor: Predictor<f32, 6, 8, 32, 64> = far.predictor().expect("it fits a device");
@@ -129,7 +129,7 @@ fn the_record_of_a_unit_takes_out_its_own_error_and_the_image_that_of_the_part()
 }
 
 #[test]
-fn what_cannot_be_shipped_is_said() {
+fn reports_parts_that_cannot_be_shipped() {
     let (asked, library) = (asked(&["temp_c"]), Library::built_in());
     let failed = UnitRow {
         unit: "7".to_owned(),

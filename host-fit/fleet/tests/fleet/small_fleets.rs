@@ -1,5 +1,5 @@
-//! Small fleets, on estimates whose truth is known: intervals hold as often as they say, and a device that belongs is called odd no more often
-//! than is promised. The same checks notice the rule that takes an estimated population for a known one.
+//! Small fleets of random estimates with known truth: intervals hold as often as stated, and the false positive rate of odd devices is at
+//! most the stated one. The same checks fail for a rule that treats an estimated population as known.
 
 use fos_fleet::{Estimate, Member, Population, devices_needed, discoveries, judge};
 use rand::{RngExt, SeedableRng};
@@ -8,14 +8,14 @@ use rand_distr::{Distribution, StandardNormal};
 
 const SIZES: [usize; 9] = [3, 4, 5, 6, 7, 8, 10, 15, 20];
 
-/// The promise: at most so many of the fleets in which no device is odd have one that is called odd.
+/// Stated rate: largest share of the fleets without an odd device in which one is reported.
 const RATE: f64 = 0.1;
 
-/// Mean and standard deviation between devices of bias and slope.
+/// Mean and standard deviation of bias and slope between devices.
 const MEAN: [f64; 2] = [3.0, -0.2];
 const UNITS: [f64; 2] = [1.0, 0.1];
 
-/// Correlation of the errors of bias and slope, as where a log is warmer than the reference.
+/// Correlation of the errors of bias and slope; negative if a log is warmer than the reference temperature.
 const CORRELATION: f64 = -0.6;
 
 fn normal(random: &mut ChaCha8Rng) -> f64 {
@@ -26,7 +26,7 @@ fn names(coefficients: usize) -> Vec<String> {
     ["bias", "temp_c"].map(str::to_owned)[..coefficients].to_vec()
 }
 
-/// Estimates of `units` devices; the errors of their logs differ by up to a factor of four about `errors` times the scatter of devices.
+/// Random estimates of `units` devices; log errors differ by up to a factor of four about `errors` times the scatter of devices.
 fn draw(units: usize, coefficients: usize, errors: f64, random: &mut ChaCha8Rng) -> Vec<Estimate> {
     (0..units)
         .map(|_| {
@@ -56,10 +56,10 @@ fn members(estimates: &[Estimate]) -> Vec<Member<'_>> {
     estimates.iter().map(|estimate| Member { lot: None, estimate }).collect()
 }
 
-/// The population of these estimates and the p-value of each.
+/// Returns the population of estimates and the p-value of each.
 type Judge = fn(&[Estimate], &[String]) -> (Population, Vec<f64>);
 
-/// How a fleet is judged: its population, the p-values of its devices, the interval of a mean.
+/// A method of evaluating a fleet: population and p-values, interval of a mean, interval of the scatter.
 struct Rule {
     judge: Judge,
     mean_interval: fn(&Population, usize) -> [f64; 2],
@@ -76,9 +76,9 @@ const PROGRAM: Rule = Rule {
     units_interval: |population, place| population.scatter[place].units_interval,
 };
 
-/// The rule that takes the estimated population for known: a median trim, then tails of χ² of two coefficients, until the trimmed devices stay
-/// the same.
-const TAKES_IT_FOR_KNOWN: Rule = Rule {
+/// Treats the estimated population as known: a median trim, then tails of χ² of two coefficients, until the set of trimmed devices is
+/// stable.
+const IGNORES_UNCERTAINTY: Rule = Rule {
     judge: |estimates, names| {
         let middle = |mut values: Vec<f64>| {
             values.sort_by(f64::total_cmp);
@@ -119,7 +119,7 @@ const TAKES_IT_FOR_KNOWN: Rule = Rule {
         let half = 1.645 * population.mean_covariance[place][place].sqrt();
         [population.mean[place] - half, population.mean[place] + half]
     },
-    // as if the variance were known to what a normal distribution of its estimate says
+    // Normal approximation of the distribution of the estimated variance.
     units_interval: |population, place| {
         let deviation = population.between_units[place][place].sqrt();
         let half = 1.645 * deviation / (2.0 * (population.units as f64 - 1.0)).sqrt();
@@ -127,7 +127,7 @@ const TAKES_IT_FOR_KNOWN: Rule = Rule {
     },
 };
 
-/// Tail of χ² with two degrees of freedom, at the distance of an estimate of two coefficients from its population.
+/// Probability that χ² with two degrees of freedom exceeds the squared distance of an estimate from its population.
 fn chi_squared_2(population: &Population, estimate: &Estimate) -> f64 {
     let (mean, prior) = population.prior(None);
     let at = |row: usize, column: usize| prior[row][column] + estimate.covariance[row][column];
@@ -137,22 +137,22 @@ fn chi_squared_2(population: &Population, estimate: &Estimate) -> f64 {
     (-0.5 * squared).exp()
 }
 
-/// Shares of fleets of `units` devices.
+/// Frequencies over the simulated fleets of one size.
 #[derive(Debug, Default)]
 struct Shares {
-    /// In which the interval of the mean, that of the scatter, and that of the next device hold.
+    /// Shares of the fleets in which the interval of the mean, of the scatter, and of the next device hold.
     held: [f64; 3],
-    /// In which a device is called odd.
+    /// Share of the fleets in which a device is reported as odd.
     odd: f64,
 }
 
-/// Fleets of one size, of devices with `axes` axes.
+/// Settings of the simulated fleets; each device has `axes` axes.
 #[derive(Clone, Copy)]
 struct Fleets {
     count: u64,
     axes: usize,
     coefficients: usize,
-    /// Errors of logs over the scatter of devices.
+    /// Ratio of log errors to the scatter of devices.
     errors: f64,
 }
 
@@ -167,7 +167,7 @@ fn shares(rule: &Rule, units: usize, fleets: Fleets) -> Shares {
         for axis in 0..axes {
             let estimates = draw(units, coefficients, errors, &mut random);
             let (population, p_values) = (rule.judge)(&estimates, &names);
-            // Bonferroni, as over the axes of a device
+            // Bonferroni correction, as over the axes of a device.
             least.iter_mut().zip(&p_values).for_each(|(least, p)| *least = least.min(p * axes as f64));
             if axis > 0 {
                 continue;
@@ -185,8 +185,8 @@ fn shares(rule: &Rule, units: usize, fleets: Fleets) -> Shares {
     Shares { held: shares.held.map(of), odd: of(shares.odd) }
 }
 
-/// What is wrong with `rule` in fleets without an odd device. The rate of odd ones is bounded 3.3 standard deviations of the binomial above the
-/// promise: one rate of two thousand breaks by chance.
+/// Failures of `rule` in fleets without an odd device. The bound on the rate of odd devices is 3.3 standard deviations of the binomial
+/// above the stated one: one rate in two thousand exceeds it by chance.
 fn failures(rule: &Rule, fleets: Fleets, held: [f64; 2]) -> Vec<String> {
     let bound = RATE + 3.3 * (RATE * (1.0 - RATE) / fleets.count as f64).sqrt();
     let mut found = Vec::new();
@@ -206,9 +206,9 @@ fn failures(rule: &Rule, fleets: Fleets, held: [f64; 2]) -> Vec<String> {
 }
 
 #[test]
-fn intervals_hold_and_no_device_is_odd_more_often_than_promised() {
+fn small_fleets_have_stated_coverage_and_false_positive_rate() {
     let fleets = Fleets { count: 1500, axes: 1, coefficients: 1, errors: 0.1 };
-    // of 1500 fleets 90 % is 87 to 93 % by 3.9 standard deviations of the binomial
+    // For 1500 fleets, 90 % ± 3.9 standard deviations of the binomial are 87 to 93 %.
     assert_eq!(failures(&PROGRAM, fleets, [0.87, 0.93]), [""; 0]);
     let few = Fleets { count: 60, axes: 3, coefficients: 2, errors: 0.1 };
     println!(
@@ -217,28 +217,28 @@ fn intervals_hold_and_no_device_is_odd_more_often_than_promised() {
         SIZES.len(),
         SIZES[0],
         SIZES[SIZES.len() - 1],
-        failures(&TAKES_IT_FOR_KNOWN, few, [0.8, 1.0]).len(),
+        failures(&IGNORES_UNCERTAINTY, few, [0.8, 1.0]).len(),
     );
 }
 
 #[test]
-fn they_hold_for_three_axes_of_two_coefficients_whose_errors_go_together() {
+fn stated_rates_hold_for_three_axes_with_correlated_errors() {
     let fleets = Fleets { count: 150, axes: 3, coefficients: 2, errors: 0.1 };
-    // of 150 fleets 90 % is 82 to 97 % by 3.3 standard deviations
+    // For 150 fleets, 90 % ± 3.3 standard deviations are 82 to 97 %.
     assert_eq!(failures(&PROGRAM, fleets, [0.82, 0.97]), [""; 0]);
 }
 
-/// Where logs err by as much as devices differ, a scatter that cannot be negative makes intervals wider than they need be, not narrower.
+/// If log errors are as large as the scatter, intervals are conservative because an estimated scatter cannot be negative.
 #[test]
-fn intervals_are_not_too_narrow_where_logs_err_by_as_much_as_devices_differ() {
+fn intervals_are_conservative_for_large_log_errors() {
     let fleets = Fleets { count: 300, axes: 1, coefficients: 1, errors: 1.0 };
     assert_eq!(failures(&PROGRAM, fleets, [0.843, 1.0]), [""; 0]);
 }
 
 #[test]
-fn the_check_notices_a_population_that_is_taken_for_known() {
+fn check_detects_rule_that_ignores_uncertainty() {
     let fleets = Fleets { count: 60, axes: 3, coefficients: 2, errors: 0.1 };
-    let found = failures(&TAKES_IT_FOR_KNOWN, fleets, [0.8, 1.0]);
+    let found = failures(&IGNORES_UNCERTAINTY, fleets, [0.8, 1.0]);
     for failure in [
         "4 devices: an odd one in ",
         "5 devices: an odd one in ",
@@ -249,16 +249,16 @@ fn the_check_notices_a_population_that_is_taken_for_known() {
     }
 }
 
-/// Lots: the population has two variances, both of few degrees of freedom.
+/// With lots the population has two variances, both with few degrees of freedom.
 #[test]
-fn no_device_of_small_lots_is_odd_more_often_than_promised() {
+fn small_lots_have_stated_false_positive_rate() {
     let fleets = 300;
     for (lots, a_lot) in [(2, 3), (3, 4), (6, 2), (8, 1)] {
         let mut random = ChaCha8Rng::seed_from_u64(lots as u64);
         let (mut odd, mut mean, mut of_units, mut of_lots, mut alike) = (0, 0, 0, 0, 0);
         for fleet in 0..fleets {
             let mut estimates = draw(lots * a_lot, 1, 0.2, &mut random);
-            // lots differ in every second fleet
+            // Lots differ in every second fleet.
             let spread = f64::from(fleet % 2);
             let shifts: Vec<f64> = (0..lots).map(|_| spread * normal(&mut random)).collect();
             let names_of_lots: Vec<String> = (0..lots).map(|lot| lot.to_string()).collect();
@@ -282,7 +282,7 @@ fn no_device_of_small_lots_is_odd_more_often_than_promised() {
         println!(
             "{lots} lots of {a_lot}: odd {odd}, mean {mean}, units {of_units}, lots {of_lots} of {fleets}; apart {alike}"
         );
-        // 3.3 standard deviations of the binomial about 10, 90 and 5 %
+        // 3.3 standard deviations of the binomial about 10, 90 and 5 %.
         assert!(odd <= 47, "{lots} lots of {a_lot}: {odd} of {fleets}");
         assert!(mean >= 253, "{lots} lots of {a_lot}: {mean} of {fleets}");
         if a_lot > 1 {
@@ -293,8 +293,8 @@ fn no_device_of_small_lots_is_odd_more_often_than_promised() {
 }
 
 #[test]
-fn a_device_far_off_is_found_from_so_many_devices_as_are_said_to_be_needed() {
-    // three axes of a bias and a slope are six tests of each device
+fn devices_needed_suffice_to_find_a_far_device() {
+    // Three axes with a bias and a slope each are six tests per device.
     let (tests, fleets) = (6, 200);
     let needed = devices_needed(tests, RATE);
     let found = |units: usize| {

@@ -73,7 +73,7 @@ impl Export {
     }
 
     pub(super) fn run(&self) -> Result<(), Failure> {
-        // before anything is said of rows that are not beside it
+        // Checked before any error about missing rows.
         let population = Identity::of(&self.population);
         let is_population = |path: &PathBuf| population.is_some() && Identity::of(path) == population;
         if let Some(path) =
@@ -153,14 +153,14 @@ impl Export {
     }
 }
 
-/// The first of many.
+/// The first names of many.
 fn some(names: &[String]) -> String {
     const FEW: usize = 5;
     let more = if names.len() > FEW { ", …" } else { "" };
     format!("{}{more}", names[..names.len().min(FEW)].join(", "))
 }
 
-/// A file for each unit, named after it: what could be a folder's separator, or mean something to a shell, is `_`.
+/// File names of the units, after their names: characters that separate folders or act in a shell become `_`.
 fn file_names(units: &[ShippedUnit]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut name = |unit: &ShippedUnit| {
@@ -168,7 +168,7 @@ fn file_names(units: &[ShippedUnit]) -> Vec<String> {
         let safe: String = unit.unit.chars().map(|letter| if plain(letter) { letter } else { '_' }).collect();
         let stem = if safe.is_empty() || safe.starts_with('.') { format!("_{safe}") } else { safe };
         let mut file = format!("{stem}.fosu");
-        // letters that are one to some file systems
+        // Some file systems treat certain letters as equal.
         for next in 2.. {
             if taken.insert(file.to_ascii_lowercase()) {
                 break;
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_unit_has_a_file_of_its_own_in_the_folder() {
+    fn every_unit_has_its_own_file() {
         let units = ["w7/01", "w7_01", "W7_01", "../../etc", ".", "", "ü"].map(|unit| ShippedUnit {
             unit: unit.to_owned(),
             lot: None,

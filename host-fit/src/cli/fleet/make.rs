@@ -164,11 +164,11 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary, units: Units) 
             Units::Field => (unit.si, unit.spelled()),
             Units::Si => (1.0, unit.in_si()),
         };
-        let told = |value: f64| three(value / one);
-        let [low, high] = scatter.units_interval.map(told);
-        let [mean_low, mean_high] = population.mean_interval(place).map(told);
+        let shown = |value: f64| three(value / one);
+        let [low, high] = scatter.units_interval.map(shown);
+        let [mean_low, mean_high] = population.mean_interval(place).map(shown);
         let between_lots = match scatter.lots_alike {
-            Some(_) => told(scatter.lots),
+            Some(_) => shown(scatter.lots),
             None => "–".to_owned(),
         };
         of_axes.add_row(vec![
@@ -176,11 +176,11 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary, units: Units) 
             name.clone(),
             if name == BIAS { unit_name } else { format!("{unit_name} per {name}") },
             population.units.to_string(),
-            format!("{} ({mean_low} to {mean_high})", told(population.mean[place])),
-            format!("{} ({low} to {high})", told(scatter.units)),
+            format!("{} ({mean_low} to {mean_high})", shown(population.mean[place])),
+            format!("{} ({low} to {high})", shown(scatter.units)),
             between_lots,
             scatter.lots_alike.map_or_else(|| "–".to_owned(), |p| format!("{p:.3}")),
-            told(scatter.measurement),
+            shown(scatter.measurement),
         ]);
     }
 }

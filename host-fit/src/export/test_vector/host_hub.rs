@@ -1,13 +1,13 @@
-//! The hub that makes the bits of a test vector.
+//! Hub that computes the bits of a test vector.
 
 use fos_embedded::hub::{Hub, HubError};
 use fos_embedded::raw::Scales;
 use fos_fit::model::UnitModel;
 
-/// The hub with room for every model.
+/// Hub large enough for every model.
 pub(super) type HostHub = Hub<32, 512, 4096>;
 
-/// A hub with `model`, for a sensor with these scales.
+/// Creates a hub with `model`, for a sensor with these scales.
 pub(in crate::export) fn loaded(model: &UnitModel, scales: Scales) -> Result<HostHub, HubError> {
     let mut hub = HostHub::new(scales);
     model.with::<f32, _>(|model| hub.load_model(model))?;

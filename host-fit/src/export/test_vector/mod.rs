@@ -1,4 +1,4 @@
-//! Samples that exercise a model, and the bits that a hub makes of them: one vector for every form of source.
+//! Samples that exercise a model, and the bits that a hub computes from them: one vector for every form of source.
 
 mod host_hub;
 mod room;
@@ -18,7 +18,7 @@ use samples::{Generator, HOW};
 
 pub use room::Room;
 
-/// A [`TestVector`] that owns what it is made of.
+/// A [`TestVector`] that owns its data.
 #[derive(Debug, Clone)]
 pub struct OwnedTestVector {
     scales: Scales,
@@ -29,22 +29,22 @@ pub struct OwnedTestVector {
     expected: Vec<Expected>,
 }
 
-/// A term whose coefficient can change unnoticed.
+/// A term with a coefficient whose change the test vector may not detect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unnoticed {
-    /// Place of the axis in the model.
+    /// Index of the axis in the model.
     pub axis: usize,
-    /// Place of the term, physical part first.
+    /// Index of the term, physical part first.
     pub term: usize,
-    /// A relative change of this size is noticed, one of half the size is not.
+    /// Relative change of the coefficient that is detected; half of it is not.
     pub noticed_from: f64,
 }
 
-/// The test vector of `model`: what fos-embedded's hub makes of it in f32.
+/// Makes the test vector of `model`, with the results of fos-embedded's hub in f32.
 ///
 /// # Errors
 ///
-/// A hub does not take the model: it has an axis or quantity that no six-axis sensor measures.
+/// The hub refuses the model because an axis or quantity is not measured by a six-axis sensor.
 pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
     let mut generator = Generator::new(model)?;
     let (scales, channels, given) = (generator.scales(), generator.channels(), generator.given());
@@ -64,7 +64,7 @@ pub fn test_vector(model: &UnitModel) -> Result<OwnedTestVector, HubError> {
 }
 
 impl OwnedTestVector {
-    /// As fos-embedded takes it.
+    /// Borrowed form for fos-embedded.
     pub fn vector(&self) -> TestVector<'_> {
         TestVector {
             scales: self.scales,
@@ -76,13 +76,13 @@ impl OwnedTestVector {
         }
     }
 
-    /// Whether `model` comes to the same bits.
+    /// `model` gives the same bits.
     pub fn is_met_by(&self, model: &UnitModel) -> bool {
         loaded(model, self.scales).is_ok_and(|mut hub| self.vector().run(&mut hub).is_ok())
     }
 
-    /// The terms of `model`, which made the vector, whose coefficient may change in its last bit without being noticed,
-    /// because f32 rounds so small a change away.
+    /// Terms of `model`, which made the vector, for which a change of the last bit of the coefficient is not detected, because f32
+    /// rounds it away.
     pub fn unnoticed(&self, model: &UnitModel) -> Vec<Unnoticed> {
         let mut unnoticed = Vec::new();
         for (axis, fitted) in model.axes.iter().enumerate() {
@@ -96,7 +96,7 @@ impl OwnedTestVector {
                     }
                     !self.is_met_by(&changed)
                 };
-                // 1, 2, 4, … units in the last place; 2^23 of them double a coefficient
+                // 1, 2, 4, … units in the last place; 2^23 of them double a coefficient.
                 match (0..=23).find(noticed_from) {
                     Some(0) => {}
                     Some(power) => unnoticed.push(Unnoticed { axis, term, noticed_from: ulps(exact, power) }),
@@ -108,12 +108,12 @@ impl OwnedTestVector {
     }
 }
 
-/// 2^power units in the last place of `exact`, relative to it.
+/// Relative size of 2^power units in the last place of `exact`.
 fn ulps(exact: f32, power: u32) -> f64 {
     (f64::from(f32::from_bits(exact.to_bits() + (1 << power))) / f64::from(exact) - 1.0).abs()
 }
 
-/// What the vector is, how it was made and what it would miss, for the comment beside it.
+/// Content, origin and limits of the vector, for the comment in the source.
 pub(super) fn comment(vector: &OwnedTestVector, model: &UnitModel) -> String {
     let mut comment = format!(
         "Test vector: {} samples, and the bits that a hub made of them on the host, in f32.\n{HOW}\n",

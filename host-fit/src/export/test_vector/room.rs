@@ -1,20 +1,20 @@
-//! The capacities that a model asks of a hub, for the check in its C header and the types of its Rust source.
+//! Capacities that a hub needs for a model, for the check in its C header and the types of its Rust source.
 
 use fos_fit::model::UnitModel;
 
-/// What a hub must have room for: inputs and as many quantities, terms, values of history (a power of two).
+/// Required capacities of a hub.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Room {
-    /// As many for inputs as for logged quantities.
+    /// Number of inputs; the hub has the same number of logged quantities.
     pub inputs: usize,
-    /// Of all axes together.
+    /// Number of terms of all axes.
     pub terms: usize,
-    /// (longest lag) × (inputs + axes) + inputs, up to the next power of two.
+    /// Values of history: (longest lag) × (inputs + axes) + inputs, up to the next power of two.
     pub history: usize,
 }
 
 impl Room {
-    /// What `model` needs.
+    /// Capacities required by `model`.
     pub fn for_model(model: &UnitModel) -> Self {
         let (n_inputs, n_axes) = (model.inputs.len(), model.axes.len());
         let deepest = (longest_lag(model) * (n_inputs + n_axes) + n_inputs).max(n_inputs + n_axes);
@@ -26,7 +26,7 @@ impl Room {
     }
 }
 
-/// Samples that a history must hold before every term means anything.
+/// Samples in the history before every term has a value.
 pub(super) fn longest_lag(model: &UnitModel) -> usize {
     let terms = model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic));
     let lags = terms.flat_map(|term| &term.factors).map(|factor| usize::from(factor.lag));

@@ -1,4 +1,4 @@
-//! The samples of a test vector: raw codes drawn from the ranges that a model was fitted on, and from beyond them.
+//! Samples of a test vector: random raw codes within the ranges that a model was fitted on, and beyond them.
 
 use fos_core::Quantity;
 use fos_embedded::hub::{AXES, HubError, Motion, is_given};
@@ -11,10 +11,10 @@ use super::schedule::{Kind, schedule};
 use super::wander::{Random, Wander};
 use fos_fit::model::UnitModel;
 
-/// A code at full scale.
+/// Code of a saturated sample.
 const SATURATED: i16 = i16::MAX;
 
-/// How the samples are made, for the comment beside them.
+/// Description of the samples, for the comment in the source.
 pub(super) const HOW: &str = "\
 From power-on, at rest: until the history is full and 30 samples more; then one with everything below its fitted range and one
 with everything above; each quantity absent once; all codes saturated once; each axis at its full scale once, where codes reach it;
@@ -23,15 +23,15 @@ The remainder of an axis is drawn evenly from its fitted range, a quantity wande
 Random numbers: x = 1664525 x + 1013904223 modulo 2^32 from x = 1, the upper 24 bits.
 Not shown: detection of stillness, stuck axes, coasting beyond its limit, the watch over the innovations.";
 
-/// Makes samples, one after the other.
+/// Generates samples in sequence.
 #[derive(Debug)]
 pub(super) struct Generator<'a> {
     model: &'a UnitModel,
     scales: Scales,
     random: Random,
-    /// Every quantity of the model.
+    /// All quantities of the model.
     quantities: Vec<Wander>,
-    /// The physical part alone, to draw remainders around it.
+    /// Physical part only, around which remainders are generated.
     physical: Box<HostHub>,
 }
 
@@ -54,12 +54,12 @@ impl<'a> Generator<'a> {
         self.scales
     }
 
-    /// The place of every axis of the model among the hub's six.
+    /// Index of every axis of the model among the hub's six.
     pub(super) fn channels(&self) -> Vec<u8> {
         self.model.axes.iter().filter_map(|axis| channel(axis.parameters.axis)).map(|c| c as u8).collect()
     }
 
-    /// The quantities that neither thermometer nor axes measure.
+    /// Quantities measured neither by the temperature sensor nor by the axes.
     pub(super) fn given(&self) -> Vec<u8> {
         (0..self.model.quantities.len())
             .filter(|index| self.is_given(*index))
@@ -71,12 +71,12 @@ impl<'a> Generator<'a> {
         is_given(self.model.quantities[index].quantity)
     }
 
-    /// What the samples are to show, in their order.
+    /// Kinds of the samples, in their order.
     pub(super) fn schedule(&self) -> Vec<Kind> {
         schedule(self.model)
     }
 
-    /// A sample, and the quantities that the application gives before it.
+    /// Generates a sample, and the quantities that the application supplies before it.
     pub(super) fn sample(&mut self, kind: Kind) -> (TestSample, Vec<f32>) {
         let quantities: Vec<f64> =
             self.quantities.iter_mut().map(|quantity| quantity.next(kind, &mut self.random)).collect();
@@ -108,7 +108,7 @@ impl<'a> Generator<'a> {
         (sample, given)
     }
 
-    /// Codes of the axes of the model: reference, physical part as it is now, and a remainder.
+    /// Sets the codes of the axes: reference, current physical part, and a remainder.
     fn place_axes(&mut self, kind: Kind, sample: &mut TestSample, given: &[f32]) {
         for (nth, value) in given.iter().enumerate() {
             self.physical.give_application(nth, *value);
@@ -123,7 +123,7 @@ impl<'a> Generator<'a> {
             let parameters = &axis.parameters;
             let (low, width) = (parameters.range.low, parameters.range.high - parameters.range.low);
             let share = match kind {
-                // beyond where the remainder is limited, half a width outside
+                // Beyond the limits of the remainder by half a width.
                 Kind::Below => -1.0 - self.random.share(),
                 Kind::Above => 2.0 + self.random.share(),
                 _ => self.random.share(),
@@ -134,7 +134,7 @@ impl<'a> Generator<'a> {
             let code = self.code(channel);
             sample.codes[channel] = match kind {
                 Kind::FullScale if parameters.full_scale > 0.0 => {
-                    // at the limit or one code beyond it
+                    // At the limit, or one code beyond it.
                     rounded((parameters.full_scale / code).ceil())
                 }
                 _ => rounded(value / code + moved),
@@ -145,7 +145,7 @@ impl<'a> Generator<'a> {
         }
     }
 
-    /// What a code of a channel stands for, in its unit.
+    /// Value of a code of a channel, in its unit.
     fn code(&self, channel: usize) -> f64 {
         f64::from(if channel < 3 { self.scales.accel_mps2 } else { self.scales.gyro_rads })
     }

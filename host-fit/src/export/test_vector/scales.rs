@@ -1,4 +1,4 @@
-//! Scales of a sensor whose codes show what a model was fitted on.
+//! Scales of a sensor whose codes resolve the ranges that a model was fitted on.
 
 use fos_core::{Axis, Quantity};
 use fos_embedded::hub::SIX;
@@ -7,13 +7,13 @@ use fos_embedded::raw::Scales;
 use super::wander::Wander;
 use fos_fit::model::UnitModel;
 
-/// Codes that the narrowest fitted range of three axes spans, unless their size does not allow it.
+/// Number of codes in the narrowest fitted range of three axes, unless the size of a code does not allow it.
 const CODES_OF_AN_AXIS: f64 = 300.0;
 
-/// Codes that the fitted range of temperature spans; it moves in finer steps.
+/// Number of codes in the fitted range of temperature, which moves in finer steps.
 const CODES_OF_TEMPERATURE: f64 = 3000.0;
 
-/// The largest code of a sample that is not saturated.
+/// Largest code of a sample without saturation.
 pub(super) const LARGEST_CODE: f64 = 32_000.0;
 
 /// Scales at which the model's ranges span some hundred codes, with two decimal digits.
@@ -40,7 +40,7 @@ pub(super) fn scales(model: &UnitModel, quantities: &[Wander]) -> Scales {
             return without;
         }
         let fine = (narrowest / CODES_OF_AN_AXIS).max(largest / LARGEST_CODE);
-        // full scale too, if that costs no more than two thirds of the codes
+        // Codes also reach full scale, if that costs no more than two thirds of the resolution.
         let reaching = full_scale / LARGEST_CODE;
         two_digits(if reaching <= 3.0 * fine { reaching.max(fine) } else { fine })
     };
@@ -61,12 +61,12 @@ pub(super) fn scales(model: &UnitModel, quantities: &[Wander]) -> Scales {
     }
 }
 
-/// Rounded up to two significant digits, so that any compiler reads the same f32.
+/// Rounds up to two significant digits, so that every compiler reads the same f32.
 fn two_digits(value: f64) -> f64 {
     format!("{:.1e}", 1.05 * value).parse().unwrap_or(value)
 }
 
-/// Place of an axis among the hub's six.
+/// Index of an axis among the hub's six.
 pub(super) fn channel(axis: Axis) -> Option<usize> {
     SIX.iter().position(|six| *six == axis)
 }

@@ -1,31 +1,31 @@
-//! What a test vector shows, sample by sample.
+//! Sequence of the conditions that a test vector exercises.
 
 use fos_core::Quantity;
 
 use super::room::longest_lag;
 use fos_fit::model::{FittedAxis, UnitModel};
 
-/// What a sample is to show.
+/// Condition exercised by a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// At rest, everything within its fitted range.
+    /// At rest, all inputs within their fitted ranges.
     Still,
-    /// At rest, everything beyond its fitted range: below it, above it.
+    /// At rest, all inputs below (`Below`) or above (`Above`) their fitted ranges.
     Below,
     Above,
-    /// At rest, this quantity of the model absent.
+    /// At rest, without this quantity of the model.
     Absent(usize),
     /// At rest, all codes at full scale.
     Saturated,
-    /// At rest, each axis at the magnitude that the model has as full scale, where codes reach it.
+    /// At rest, each axis at the full scale of the model, if codes reach it.
     FullScale,
     /// In motion.
     Moving,
-    /// At rest, after so many missing samples.
+    /// At rest, after this number of missing samples.
     After(u32),
 }
 
-/// What the samples of a vector of `model` are to show, in their order.
+/// Kinds of the samples of a vector of `model`, in their order.
 pub(super) fn schedule(model: &UnitModel) -> Vec<Kind> {
     let axes = &model.axes;
     let longest_lag = longest_lag(model);

@@ -1,11 +1,11 @@
-//! Quantities that wander through the ranges that a model was fitted on, by random numbers that everyone can repeat.
+//! Random walks of quantities through the ranges that a model was fitted on, with reproducible random numbers.
 
 use super::schedule::Kind;
 use fos_core::Source;
 use fos_fit::model::UnitModel;
 
-/// A logged quantity that wanders through its fitted range, in steps from 0.03 % to 30 % of its width: slow enough for
-/// a filtered rate to stay within its own range, and far enough to cross a backlash.
+/// A logged quantity that moves through its fitted range, in steps from 0.03 % to 30 % of its width: slow enough for a filtered rate to
+/// stay within its own range, and far enough to cross a backlash.
 #[derive(Debug, Clone)]
 pub(super) struct Wander {
     pub(super) low: f64,
@@ -24,7 +24,7 @@ impl Wander {
         self.high - self.low
     }
 
-    /// Its value in the next sample.
+    /// Value in the next sample.
     pub(super) fn next(&mut self, kind: Kind, random: &mut Random) -> f64 {
         let size = [0.3, 0.03, 0.003, 0.0003][(4.0 * random.share()) as usize];
         let step = size * self.width() * if random.share() < 0.5 { -1.0 } else { 1.0 };
@@ -38,7 +38,7 @@ impl Wander {
     }
 }
 
-/// The fitted range of a quantity, in its unit: that of the first input which is computed from it.
+/// Fitted range of a quantity, in its unit: that of the first input computed from it.
 fn quantity_range(model: &UnitModel, index: usize) -> (f64, f64) {
     let mut inputs = model.inputs.iter().map(|named| &named.input);
     let Some(input) = inputs.find(|input| input.source == Source::Quantity(index as u8)) else {
@@ -46,22 +46,21 @@ fn quantity_range(model: &UnitModel, index: usize) -> (f64, f64) {
     };
     let at = |x: f64| input.centre + input.scale * x;
     let (low, high) = (at(input.source_range.low), at(input.source_range.high));
-    // a quantity that did not vary while fitting varies here all the same
+    // A quantity that was constant during the fit varies here too.
     if low < high { (low, high) } else { (low, low + input.scale) }
 }
 
-/// x ← 1664525·x + 1013904223 modulo 2³² (Press et al., Numerical Recipes, `ranqd1`): nothing more is needed, and
-/// everyone can repeat it.
+/// x ← 1664525·x + 1013904223 modulo 2³² (Press et al., Numerical Recipes, `ranqd1`): sufficient here, and easy to reproduce.
 #[derive(Debug, Clone)]
 pub(super) struct Random(u32);
 
 impl Random {
-    /// From x = 1.
+    /// Starts at x = 1.
     pub(super) fn new() -> Self {
         Self(1)
     }
 
-    /// Evenly from 0 up to 1, 24 bits.
+    /// Uniform in [0, 1), 24 bits.
     pub(super) fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(self.0 >> 8) / f64::from(1 << 24)

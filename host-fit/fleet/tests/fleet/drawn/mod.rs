@@ -1,4 +1,4 @@
-//! Rows of units that are drawn, as their logs might tell them: no log is read.
+//! Random rows of units, without logs.
 
 use fos_data::recording::LoadOptions;
 use fos_fit::noise::NoiseLevels;
@@ -7,12 +7,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Units of a lot.
+/// Number of units per lot.
 pub(crate) const A_LOT: usize = 200;
 
 const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
-/// Of bias (rad/s) and slope (rad/s/K): between units, between lots, of an estimate.
+/// Standard deviations of bias (rad/s) and slope ((rad/s)/K): between units, between lots, of an estimate.
 const UNITS: [f64; 2] = [4e-3, 2e-4];
 const LOTS: [f64; 2] = [2e-3, 0.0];
 const ERRORS: [f64; 2] = [2e-4, 1e-4];
@@ -21,7 +21,7 @@ pub(crate) fn asked() -> Asked {
     Asked { regressors: vec!["temp_c".to_owned()], diagnosed: false, read: LoadOptions::default() }
 }
 
-/// Unit number `unit` of a part, always the same.
+/// Row of unit number `unit` of a part; deterministic.
 pub(crate) fn row(unit: usize) -> UnitRow {
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
     let (mut of_lot, mut of_unit) = (
