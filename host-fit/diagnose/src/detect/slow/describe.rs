@@ -11,13 +11,13 @@ use fos_fit::noise::NoiseLevels;
 use fos_fit::noise::{Gls, dot};
 
 /// Rivals within this much of a finding, in −2 ln L, cannot be told from it: odds of 33 to 1.
-const INSEPARABLE: f64 = 7.0;
+pub(in crate::detect) const INSEPARABLE: f64 = 7.0;
 
 /// A value this near to a limit of the search counts as at it.
 const GRID_EDGE: f64 = 1.3;
 
 /// A value so many times from the limits of the search is well inside.
-const INSIDE: f64 = 3.0;
+pub(in crate::detect) const INSIDE: f64 = 3.0;
 
 /// A finding of which less than this share lies outside a rival is contained in it.
 const NESTED: f64 = 1e-3;
