@@ -28,6 +28,7 @@ mod noise;
 mod numbers;
 mod output;
 mod physical_terms;
+mod plan;
 mod record;
 mod refinement;
 mod replay;
@@ -62,6 +63,7 @@ enum Command {
     Demo(demo::Demo),
     Simulate(simulate::Simulate),
     Noise(noise::Noise),
+    Plan(plan::Plan),
     CalibrateImu(calibrate_imu::CalibrateImu),
     Table(table::Table),
     Fit(fit::Fit),
@@ -104,7 +106,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Start here", &["demo", "diagnose", "fit", "calibrate-imu", "noise", "serve"]),
     ("Improve a model", &["compare", "add", "undo", "history", "report", "effects"]),
     ("Device", &["export", "inspect", "replay", "record"]),
-    ("Logs", &["formats", "convert", "simulate"]),
+    ("Logs", &["plan", "formats", "convert", "simulate"]),
     ("Many devices and cases", &["fleet", "batch"]),
     ("Checks of fos itself", &["calibrate", "table", "bench"]),
     ("Shell", &["completions", "man"]),
@@ -189,6 +191,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Diagnose(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::Add(command) => command.run(),
         Command::Undo(command) => command.run(),
         Command::History(command) => command.run(),

@@ -178,6 +178,14 @@ fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
             duration(needed)
         );
     }
+    for (axis, _) in &shown {
+        let Some(needed) = axis.walk_within_20_percent_s else { continue };
+        print_line!(
+            "  {}: {} at rest are expected to give K within ±20 % (90 %)",
+            axis.column,
+            duration(needed)
+        );
+    }
     for (axis, [white, flicker, _]) in &shown {
         let Some(step) = axis.step else { continue };
         print_line!(

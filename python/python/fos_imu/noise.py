@@ -88,6 +88,7 @@ class AxisNoise:
         allan: Allan deviation; none of its differences reaches over a gap or a motion.
         step: Step of the converter where it hides the noise: N, B and K are then limits.
         thermal_drift: Drift with the logged temperature, estimated together with N, B and K and part of none of them.
+        walk_within_20_percent_s: Time at rest, s, after which a walk that was seen is expected within ±20 % (90 %).
     """
 
     column: str
@@ -102,6 +103,7 @@ class AxisNoise:
     allan: tuple[AllanPoint, ...]
     step: float | None = None
     thermal_drift: ThermalDrift | None = None
+    walk_within_20_percent_s: float | None = None
 
     def to_pandas(self) -> pandas.DataFrame:
         """The Allan deviation, one row an averaging time."""
@@ -134,6 +136,8 @@ class AxisNoise:
         notes: list[str] = []
         if self.walk_needs_s is not None:
             notes.append(f"too short for K; about {self.walk_needs_s / 60:.0f} min would show half as much")
+        if self.walk_within_20_percent_s is not None:
+            notes.append(f"{self.walk_within_20_percent_s / 60:.0f} min at rest are expected to give K within ±20 %")
         if self.thermal_drift is not None:
             notes.append(
                 f"a drift with temperature of {self.thermal_drift.rms:.3g} {self.unit} RMS is not part of B and K"

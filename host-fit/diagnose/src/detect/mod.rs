@@ -29,6 +29,7 @@ mod shared_signal;
 mod slow;
 mod telegraph;
 mod testable;
+mod visibility;
 
 #[cfg(test)]
 mod bursts_tests;
@@ -42,6 +43,8 @@ mod planted_tests;
 mod rests_tests;
 #[cfg(test)]
 mod thermometer_tests;
+#[cfg(test)]
+mod visibility_tests;
 
 pub use crate::rms::rms_reduction;
 #[cfg(feature = "page-types")]
@@ -61,3 +64,4 @@ pub use open::Lead;
 pub(crate) use question::is_bias_known;
 pub use question::{DiagnoseError, Given, MIN_BLOCKS, Question};
 pub use shared_signal::with_shared_signal;
+pub use visibility::{Course, Visibility, visibility};

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use fos_data::case::DataSheet;
 use fos_data::column::Column;
 use fos_fit::noise::{LevelPrior, UnknownLevels};
 
@@ -71,7 +72,7 @@ impl Prepared {
         let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
             && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
-        let prior = prior(question, &reduced, quiet.as_ref())?;
+        let prior = prior_of(question.sheet.as_ref(), &reduced, quiet.as_ref())?;
         // shaking adds noise to block means that no reference log shows
         let (prior, reduced) = match shaken {
             true => (prior.widened(SHAKING)?, reduced.shaken()),
@@ -164,14 +165,15 @@ fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
     DiagnoseError::TooShort { column: column.to_owned(), blocks, length_s }
 }
 
-/// Returns the noise prior, from the data sheet and the reference log if available.
-fn prior(
-    question: &Question<'_>,
+/// Returns the noise prior before the log to explain is used: from the data sheet and the reference log, or from the scatter
+/// of the log itself if there is neither.
+pub(super) fn prior_of(
+    sheet: Option<&DataSheet>,
     field: &ErrorInBlocks,
     quiet: Option<&ErrorInBlocks>,
 ) -> Result<LevelPrior, UnknownLevels> {
     let quiet = quiet.filter(|quiet| quiet.blocks.beyond_levels() >= MIN_BLOCKS);
-    let start = match (&question.sheet, quiet) {
+    let start = match (sheet, quiet) {
         (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
         (None, Some(quiet)) => LevelPrior::of_log(&quiet.blocks, &quiet.means),
         (None, None) => LevelPrior::of_log(&field.blocks, &field.means),

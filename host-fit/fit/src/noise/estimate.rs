@@ -8,6 +8,7 @@
 use serde::Serialize;
 
 use super::blocks::Blocks;
+use super::information::seconds_for_walk_deviation;
 use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels, minimise};
 use super::model::NoiseLevels;
 
@@ -247,5 +248,18 @@ impl NoiseEstimate {
             (half + (half * half + third * white * white).sqrt()) / third
         };
         Some(seconds * meets(0.5 * self.walk.high) / meets(self.walk.high))
+    }
+
+    /// Time at rest, s, after which the 90 % interval of a random walk is expected to be ±20 %; none where the walk was not
+    /// seen, or where `seconds` at rest suffice.
+    pub(super) fn seconds_for_accurate_walk(&self, seconds: f64) -> Option<f64> {
+        self.walk.value?;
+        let [white, flicker, walk] =
+            [self.white, self.flicker, self.walk].map(|level| level.value.unwrap_or(0.0));
+        let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
+        let deviation = 1.2_f64.ln() / RISE.sqrt();
+        // a walk shows in means over seconds; finer ones add nothing
+        let needed = seconds_for_walk_deviation(&levels, deviation, 1.0)?;
+        (needed > seconds).then_some(needed)
     }
 }

@@ -314,7 +314,7 @@ fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[
 
 /// Minimises a smooth function of a few logarithms near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with
 /// numerical derivatives and steps of at most 1.
-pub(super) fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
+pub fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
     let gradient = |place: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|i| {
             let (mut up, mut down) = (*place, *place);

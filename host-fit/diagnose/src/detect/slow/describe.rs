@@ -11,13 +11,13 @@ use fos_fit::noise::NoiseLevels;
 use fos_fit::noise::{Gls, dot};
 
 /// Rivals within this difference in −2 ln L are indistinguishable from a finding: odds of 33 to 1.
-const INSEPARABLE: f64 = 7.0;
+pub(in crate::detect) const INSEPARABLE: f64 = 7.0;
 
 /// Factor within which a value counts as at a limit of the search.
 const GRID_EDGE: f64 = 1.3;
 
 /// Factor from the limits of the search from which on a value counts as well inside.
-const INSIDE: f64 = 3.0;
+pub(in crate::detect) const INSIDE: f64 = 3.0;
 
 /// A finding of which less than this share lies outside a rival is contained in it.
 const NESTED: f64 = 1e-3;

@@ -26,6 +26,7 @@ mod reversal;
 mod selection;
 mod terms;
 
+pub(super) use describe::{INSEPARABLE, INSIDE};
 pub(super) use estimate::Estimate;
 pub(super) use model::{ACCEPT, SlowSearch};
 pub(super) use result::{ExtraNoise, Found, SlowResult};

@@ -119,7 +119,12 @@ impl SlowSearch<'_> {
     }
 
     /// Returns the penalty of `k` coefficients and of the parameter search, on top of the effects of `accepted`.
-    pub(super) fn price(&self, k: usize, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
+    pub(in crate::detect) fn price(
+        &self,
+        k: usize,
+        hypothesis: &Hypothesis,
+        accepted: &[&Hypothesis],
+    ) -> f64 {
         let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
         let clock = if hypothesis.effect.follows_clock_alone() { CLOCK_PRICE } else { 0.0 };
