@@ -96,8 +96,7 @@ fn cargo_deny(form: Form, root: &Path) -> Option<PathBuf> {
         command
             .args(install)
             .arg(&ours)
-            .env("CARGO_TARGET_DIR", ours.join("build"))
-            .env("CARGO_PROFILE_DEV_DEBUG", "false");
+            .env("CARGO_TARGET_DIR", ours.join("build"));
         if let Err(error) = command.status() {
             eprintln!("{error}");
         }
