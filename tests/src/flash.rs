@@ -2,32 +2,32 @@
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 
-/// Bytes that are erased together.
+/// Size of an erase unit, bytes.
 pub const PAGE: usize = 4096;
-/// Pages there are.
+/// Number of pages.
 pub const PAGES: usize = 6;
 
 /// NOR flash: a write only clears bits, an erase sets those of whole pages.
 #[derive(Clone)]
 pub struct Flash {
-    /// What is stored.
+    /// Stored bytes.
     pub bytes: Vec<u8>,
-    /// Operations until the power goes, and how many halves of the last are done.
+    /// Number of operations until the power fails, and number of halves of the last one that are completed.
     pub power: Option<(usize, usize)>,
-    /// Writes and erases so far.
+    /// Number of writes and erases so far.
     pub operations: usize,
-    /// Bits that stay 0 whatever is erased: (byte, mask).
+    /// Worn bits, which stay 0 after an erase: (byte, mask).
     pub worn: Vec<(usize, u8)>,
-    /// Erases of each page so far.
+    /// Number of erases of each page so far.
     pub erased: [u32; PAGES],
 }
 
-/// What a flash answers where it does not do as told.
+/// Error of a flash operation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// The power went before all was done.
+    /// The power failed before the operation was complete.
     PowerCut,
-    /// A write that is not aligned, that reaches beyond, or that would set a bit.
+    /// A write that is unaligned, out of range, or would set a bit.
     Misuse,
 }
 
@@ -38,7 +38,7 @@ impl NorFlashError for Fault {
 }
 
 impl Flash {
-    /// All erased, and nothing worn.
+    /// A fully erased flash without worn bits.
     pub fn new() -> Self {
         Self {
             bytes: vec![0xff; PAGES * PAGE],
@@ -49,7 +49,7 @@ impl Flash {
         }
     }
 
-    /// How much of an operation of `length` bytes is done.
+    /// Number of bytes of an operation of `length` bytes that are completed.
     fn powered(&mut self, length: usize) -> Result<(usize, Result<(), Fault>), Fault> {
         match &mut self.power {
             Some((0, _)) => Err(Fault::PowerCut),
@@ -66,7 +66,7 @@ impl Flash {
         }
     }
 
-    /// Bits that are worn fall back to 0.
+    /// Resets worn bits to 0.
     pub fn wear(&mut self) {
         for (place, mask) in &self.worn {
             self.bytes[*place] &= !mask;

@@ -1,4 +1,4 @@
-//! What tests of several crates share, and tests over the public interfaces of the workspace (`tests/`).
+//! Test helpers of several crates, and tests over the public interfaces of the workspace (`tests/`).
 
 pub mod flash;
 pub mod foreign;
@@ -17,7 +17,7 @@ pub fn is_thorough() -> bool {
     env::var_os("FOS_THOROUGH").is_some()
 }
 
-/// README's device example compiles.
+/// Compiles the device example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;

@@ -1,4 +1,4 @@
-//! Models that own their parts, and models at random.
+//! Models that own their parts, and random models.
 
 use fos_core::{
     Axis, AxisModel, AxisParameters, Channel, Factor, FittedOn, InnovationStatistics, Input, Model,
@@ -7,46 +7,46 @@ use fos_core::{
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// Of every model here, s.
+/// Sampling period of every model here, s.
 pub const PERIOD_S: f64 = 0.005;
 
-/// Room for every model here: 8 inputs and 6 axes, lags up to 12: 12·14 + 8 values.
+/// Predictor with capacity for every model here: 8 inputs and 6 axes, lags up to 12: 12·14 + 8 values.
 pub type Roomy<R> = Predictor<R, 6, 8, 128, 256>;
 
-/// [`AxisModel`] with terms of its own.
+/// [`AxisModel`] that owns its terms.
 #[derive(Debug, Clone)]
 pub struct OwnedAxis<R> {
     /// Scales, limits, statistics.
     pub parameters: AxisParameters<R>,
     /// Terms of inputs alone.
     pub physical: Vec<Term<R>>,
-    /// Terms of the past of the axis, too.
+    /// Terms that also contain the past of the axis.
     pub stochastic: Vec<Term<R>>,
 }
 
-/// [`Model`] with parts of its own, so that a test can change one.
+/// [`Model`] that owns its parts, so that a test can change one.
 #[derive(Debug, Clone)]
 pub struct OwnedModel<R> {
-    /// From sample to sample.
+    /// Sampling period, s.
     pub period_s: f64,
-    /// When the unit counts as still.
+    /// Limits of the stillness detector.
     pub stillness: Option<StillnessLimits<R>>,
-    /// What comes with a sample, in the order of the sources of the inputs.
+    /// Quantities given with a sample, in the order of the sources of the inputs.
     pub quantities: Vec<Quantity>,
-    /// What terms may use.
+    /// Inputs available to the terms.
     pub inputs: Vec<Input<R>>,
-    /// In the order of the measured values.
+    /// Axes in the order of the measured values.
     pub axes: Vec<OwnedAxis<R>>,
 }
 
 impl<R: Real> OwnedModel<R> {
-    /// One axis, no inputs.
+    /// Model of one axis without inputs.
     pub fn autoregressive(parameters: AxisParameters<R>, stochastic: Vec<Term<R>>) -> Self {
         let axes = vec![OwnedAxis { parameters, physical: vec![], stochastic }];
         Self { period_s: PERIOD_S, stillness: None, quantities: vec![], inputs: vec![], axes }
     }
 
-    /// Hands the borrowed form to `user`.
+    /// Passes the borrowed form to `user`.
     pub fn borrow<T>(&self, user: impl FnOnce(&Model<'_, R>) -> T) -> T {
         let axes: Vec<AxisModel<'_, R>> = self
             .axes
@@ -69,12 +69,12 @@ impl<R: Real> OwnedModel<R> {
 
     /// # Errors
     ///
-    /// What is wrong with the model.
+    /// Reason why the model is invalid.
     pub fn predictor(&self) -> Result<Roomy<R>, ModelError> {
         self.borrow(Predictor::new)
     }
 
-    /// The same in another scalar.
+    /// The same model in another scalar type.
     pub fn convert<S: Real>(&self) -> OwnedModel<S> {
         let terms = |terms: &[Term<R>]| terms.iter().map(Term::convert).collect();
         OwnedModel {
@@ -95,7 +95,7 @@ impl<R: Real> OwnedModel<R> {
     }
 }
 
-/// An axis in scaled units (offset 0, scale 1) of range −1 … 1, no fault test switched on.
+/// An axis in scaled units (offset 0, scale 1) of range −1 … 1, with all fault tests disabled.
 pub fn plain<R: Real>() -> AxisParameters<R> {
     let number = R::from_f64;
     AxisParameters {
@@ -125,12 +125,12 @@ pub fn input<R: Real>(source: Source, transform: Transform<R>, reach: f64) -> In
     Input { source, transform, centre, scale, source_range: range, range }
 }
 
-/// How a model is drawn at random.
+/// Kind of random models.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Draw {
-    /// Transforms whose definition and recursion are the same sums: a naive twin gives the same bits.
+    /// Transforms with identical sums in definition and recursion: a naive implementation gives the same bits.
     Exact,
-    /// All transforms; the fed-back part is a contraction, so that rounding does not grow.
+    /// All transforms; the feedback is a contraction, so that rounding errors do not grow.
     Contracting,
 }
 
@@ -157,7 +157,7 @@ fn transforms(draw: Draw) -> BoxedStrategy<Transform<f64>> {
     .boxed()
 }
 
-/// Where an input of this transform comes from: the clock, or what was drawn.
+/// Source of an input with this transform: the clock, or the drawn one.
 pub fn source_of(transform: &Transform<f64>, of_a_remainder: bool, quantity: u8, axis: u8) -> Source {
     match (transform.is_clock(), of_a_remainder) {
         (true, _) => Source::Clock,
@@ -186,14 +186,14 @@ fn inputs(draw: Draw, n_axes: u8) -> impl Strategy<Value = Vec<Input<f64>>> {
     prop::collection::vec(one, 0..=8)
 }
 
-/// A coefficient and factors, a channel and a lag each.
+/// A coefficient and its factors, each a channel and a lag.
 pub type Picks = Vec<(f64, Vec<(u8, u16)>)>;
 
 fn picks() -> impl Strategy<Value = Picks> {
     prop::collection::vec((-1.0..1.0, prop::collection::vec((any::<u8>(), 0_u16..=12), 1..=3)), 0..=8)
 }
 
-/// Terms from arbitrary numbers: the outputs come first among the channels to choose from.
+/// Terms from arbitrary numbers: the outputs come first among the selectable channels.
 fn terms(picks: Picks, allowed: &[u8], output: bool) -> Vec<Term<f64>> {
     let channels = allowed.len() + usize::from(output);
     let factor = |(pick, lag): (u8, u16)| {
@@ -212,7 +212,7 @@ fn terms(picks: Picks, allowed: &[u8], output: bool) -> Vec<Term<f64>> {
     picks.into_iter().map(term).collect()
 }
 
-/// An axis of these parameters over these inputs, its terms from arbitrary numbers.
+/// An axis of these parameters over these inputs, with terms from arbitrary numbers.
 pub fn axis_of(
     parameters: AxisParameters<f64>,
     physical: Picks,
@@ -237,9 +237,9 @@ pub fn axis_of(
     OwnedAxis { parameters, physical: terms(physical, &logged, false), stochastic }
 }
 
-/// What every axis drawn at random has: a range of −`reach` … `reach`, and a full scale that samples pass seldom.
+/// Parameters of every random axis: a range of −`reach` … `reach`, and a full scale that samples rarely exceed.
 pub fn drawn_axis(reach: f64) -> AxisParameters<f64> {
-    // p is beyond its range now and then: three times as far as the latter's half width
+    // p sometimes exceeds its range: its own range is three times as wide
     let physical_range = Range::new(-0.25 * reach, 0.5 * reach);
     AxisParameters { range: Range::new(-reach, reach), physical_range, full_scale: 14.0, ..plain() }
 }
@@ -281,7 +281,7 @@ pub fn model_of(inputs: Vec<Input<f64>>, axes: Vec<OwnedAxis<f64>>) -> OwnedMode
     OwnedModel { period_s: PERIOD_S, stillness: None, quantities, inputs, axes }
 }
 
-/// So many cases, always the same ones; longer runs set PROPTEST_CASES.
+/// Configuration for `cases` cases, always the same ones; longer runs set PROPTEST_CASES.
 pub fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases: std::env::var("PROPTEST_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(cases),

@@ -39,12 +39,12 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Another seed gives another series.
+    /// Generator with a seed.
     pub fn new(seed: u64) -> Self {
         Self { state: seed, spare: None }
     }
 
-    /// 64 bits.
+    /// Next 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;

@@ -1,14 +1,14 @@
-//! Files of other people, which are no part of the project: recorded logs, cases of another simulator, answers that
+//! Files of other people, which are not part of the project: recorded logs, cases of another simulator, answers that
 //! others computed or published.
 //!
-//! | of `name` the folder | is looked for where this says | and in every folder above the repository |
+//! | folder of `name` | environment variable with its location | location in every folder above the repository |
 //! |---|---|---|
 //! | `reference/` | `FOS_REFERENCE` | `shared/reference` |
 //! | `data/` | `FOS_REAL_LOGS` | `shared/data` |
 //! | `cases/` | `FOS_CASES` | `shared/cases` |
 //!
-//! What every test needs lies in `tests/fixtures`; these prove it against others. `tests/fixtures/README.md` says when
-//! one that is missing fails.
+//! All required files are in `tests/fixtures`; these files verify it against others. `tests/fixtures/README.md` states when
+//! a missing one fails.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 const KINDS: [(&str, &str); 3] =
     [("reference", "FOS_REFERENCE"), ("data", "FOS_REAL_LOGS"), ("cases", "FOS_CASES")];
 
-/// A file or folder of `shared`, as `data/log.csv.gz`. Where there is none it says so, also past the harness' capture
-/// of output.
+/// A file or folder of `shared`, such as `data/log.csv.gz`. If it is missing, a message is printed, bypassing the
+/// harness' capture of output.
 ///
 /// # Panics
 ///
-/// It is missing, was promised (its folder is named, or there is one above the repository), and `CI` is `true`.
+/// It is missing, was promised (its folder is named, or exists above the repository), and `CI` is `true`.
 pub fn path(name: &str) -> Option<PathBuf> {
     let (kind, rest) = name.split_once('/').expect("a folder and a name in it");
     let (_, variable) =
@@ -37,7 +37,7 @@ pub fn path(name: &str) -> Option<PathBuf> {
     match (&found, missing(promised, std::env::var("CI").is_ok_and(|ci| ci == "true"))) {
         (Some(_), _) => {}
         (None, Missing::Skipped) => {
-            // not by `eprintln!`, which is shown of tests that fail
+            // not by `eprintln!`, whose output is shown for failing tests only
             let _ = writeln!(std::io::stderr(), "skipped: no ../shared/{name}, and {variable} names none");
         }
         (None, Missing::Fails) => {
@@ -53,7 +53,7 @@ enum Missing {
     Fails,
 }
 
-/// What becomes of a test whose file is missing.
+/// Treatment of a test whose file is missing.
 fn missing(promised: bool, ci: bool) -> Missing {
     if promised && ci { Missing::Fails } else { Missing::Skipped }
 }
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn what_was_promised_must_be_there_where_a_machine_judges() {
         assert_eq!(missing(true, true), Missing::Fails);
-        // people see it said; a clone was never promised any
+        // people see the message; a clone was never promised any
         for (promised, ci) in [(true, false), (false, true), (false, false)] {
             assert_eq!(missing(promised, ci), Missing::Skipped);
         }

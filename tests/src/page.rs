@@ -1,11 +1,11 @@
 //! Tables in pages of `docs/`, written by the tests that compute them.
 
-/// Holds `table` against what stands on the page `docs/{page}` between `begin` and `end`; with `FOS_WRITE_DOCS` set it
-/// writes it there.
+/// Compares `table` with the text of `docs/{page}` between `begin` and `end`; with `FOS_WRITE_DOCS` set it writes it
+/// there.
 ///
 /// # Panics
 ///
-/// Another table stands there, or the marks do not.
+/// The page has another table, or lacks the marks.
 pub fn holds(page: &str, begin: &str, end: &str, table: &str) {
     let path = format!("{}/../docs/{page}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("docs/{page}: {error}"));

@@ -1,5 +1,5 @@
-//! Answers to compare with: our own fixtures, computed by another road (`tests/fixtures/reference`), and what others
-//! computed or published, where that is at hand ([`outside()`]).
+//! Reference answers: our own fixtures, computed independently (`tests/fixtures/reference`), and answers that others
+//! computed or published, if available ([`outside()`]).
 
 use std::path::{Path, PathBuf};
 
@@ -7,41 +7,41 @@ use serde_json::Value;
 
 use crate::outside;
 
-/// Answers, and the series they are of.
+/// Answers with their series.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The file, without its ending.
+    /// Name of the file, without its ending.
     pub name: String,
-    /// As the file has them.
+    /// Answers, in the structure of the file.
     pub answers: Value,
-    /// The series, one per channel; none where the answers hold what they are of.
+    /// Series, one per channel; empty if the answers contain their series.
     pub channels: Vec<Vec<f64>>,
 }
 
-/// The fixture of that name.
+/// Reads the fixture of that name.
 ///
 /// # Panics
 ///
-/// There is none, or it is broken.
+/// The fixture is missing or damaged.
 pub fn own(name: &str) -> Reference {
     read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/reference").join(name))
 }
 
-/// What others say under that name, if it is at hand.
+/// Reads the answers of others under that name, if available.
 ///
 /// # Panics
 ///
-/// It is missing and was promised ([`outside::path`]), or is broken.
+/// The file is missing and was promised ([`outside::path`]), or is damaged.
 pub fn outside(name: &str) -> Option<Reference> {
     let path = outside::path(&format!("reference/{name}.json"))?;
     Some(read(&path.with_extension("")))
 }
 
-/// Our own, and what others say if it is at hand: answers of one shape.
+/// Our own answers, and those of others if available, in the same structure.
 ///
 /// # Panics
 ///
-/// As [`own`] and [`outside()`].
+/// Those of [`own`] and [`outside()`].
 pub fn each(of_ours: &str, of_others: &str) -> impl Iterator<Item = Reference> {
     std::iter::once(own(of_ours)).chain(outside(of_others))
 }
@@ -78,11 +78,11 @@ fn read(stem: &Path) -> Reference {
 }
 
 impl Reference {
-    /// The series of answers that are of one.
+    /// Series of answers that have exactly one.
     ///
     /// # Panics
     ///
-    /// They are of none or of several.
+    /// There are none or several.
     pub fn series(&self) -> &[f64] {
         assert_eq!(self.channels.len(), 1, "{}", self.name);
         &self.channels[0]
@@ -91,19 +91,19 @@ impl Reference {
 
 /// # Panics
 ///
-/// It is no number.
+/// The value is no number.
 pub fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
 /// # Panics
 ///
-/// It is no list of numbers.
+/// The value is no list of numbers.
 pub fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(number).collect()
 }
 
-/// Fails unless both lists are as long and every value is within `tolerance` times the largest expected.
+/// Fails unless both lists are equally long and every value is within `tolerance` times the largest expected one.
 pub fn assert_all_close(what: &str, values: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(values.len(), expected.len(), "{what}");
     let size = expected.iter().fold(0.0_f64, |size, value| size.max(value.abs()));

@@ -1,11 +1,10 @@
-//! Series on which searches have wandered, or might: smooth, flat, coarse, periodic, exact, chaotic, without a mean, of
-//! any scale.
+//! Series that are difficult for searches: smooth, flat, coarse, periodic, exact, chaotic, without a mean, of any scale.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Every kind, with its name.
+/// Every kind of series, with its name.
 pub fn every_kind(n: usize) -> Vec<(String, Vec<f64>)> {
     let white = gaussian(n, 1);
     let mut kinds: Vec<(String, Vec<f64>)> = Vec::new();
@@ -63,8 +62,8 @@ fn gaussian(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
-/// A uniform cubic B-spline whose control points are noise: three pieces of a polynomial in a row fit one another to
-/// the second derivative.
+/// A uniform cubic B-spline whose control points are noise: consecutive polynomial pieces match up to the second
+/// derivative.
 fn spline(n: usize, every: usize) -> Vec<f64> {
     let points = gaussian(n / every + 4, 2);
     let at = |k: usize| {
@@ -80,8 +79,8 @@ fn spline(n: usize, every: usize) -> Vec<f64> {
     (0..n).map(at).collect()
 }
 
-/// Through a Butterworth low-pass of order 8, its cut-off in units of half the sample rate: four biquads by the
-/// bilinear transform.
+/// Butterworth low-pass of order 8, with the cut-off in units of half the sampling rate: four biquads by the bilinear
+/// transform.
 fn butterworth(series: &[f64], cut_off: f64) -> Vec<f64> {
     let w = (std::f64::consts::FRAC_PI_2 * cut_off).tan();
     let mut filtered = series.to_vec();
@@ -99,7 +98,7 @@ fn butterworth(series: &[f64], cut_off: f64) -> Vec<f64> {
     filtered
 }
 
-/// The series that goes on from `first` by `next` of its past, latest first.
+/// Series that continues `first` by `next`, a function of its past values, latest first.
 fn recursion(n: usize, first: &[f64], next: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut series = first.to_vec();
     while series.len() < n {

@@ -1,4 +1,4 @@
-//! Libraries that panic on what they are given, and should say an error.
+//! Turns panics of libraries on faulty input into errors.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -7,11 +7,12 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Calls into a library. What the call changes is not to be used again if it fails. A computation that is to stop stops: that is no panic.
+/// Calls into a library. State changed by a failed call must not be used again. A requested stop is no panic and unwinds
+/// further.
 ///
 /// # Errors
 ///
-/// What the library said when it panicked.
+/// Message of the library's panic.
 pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
@@ -24,7 +25,7 @@ pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// From now on a panic that is caught is not announced: the error that comes of it says what it said.
+/// Suppresses the announcement of caught panics from now on: the resulting error carries their message.
 pub fn announce_no_caught_panic() {
     let announce = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {

@@ -1,4 +1,4 @@
-//! Samples that are no measurements: single values, or a few, far off those around them.
+//! Outliers: single samples, or a few in a row, far from their neighbours.
 
 use std::ops::Range;
 
@@ -6,37 +6,36 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::statistics::{MAD_TO_SD, median};
 
-/// Values on either side that a value is held against: so many in a row, at most, can be a spike.
+/// Number of values on either side that a value is compared with, and maximum number of consecutive outliers.
 const REACH: usize = 5;
 
-/// A spike is so many standard deviations off, and so many times as far as all but a thousandth of the values: normal
-/// noise never is, and of noise with tails as wide as Laplace's one sample in 10⁷.
+/// Minimum distance of an outlier in standard deviations, and as a multiple of that of all but a thousandth of the values:
+/// normal noise never reaches it, and noise with tails as wide as Laplace's in one sample in 10⁷.
 const FAR: f64 = 8.0;
 const BEYOND_TAIL: f64 = 2.5;
 
-/// At the end of a stretch it is so many: there the unit may have begun to move.
+/// Minimum distance near the ends of a stretch, in standard deviations: the device may have begun to move there.
 const FAR_AT_AN_END: f64 = 30.0;
 
-/// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after.
-/// Shaking that begins does not.
+/// Minimum ratio to the distances of all but [`REACH`] of the values in `AROUND` rows before and after, which the onset of
+/// shaking does not reach.
 const ALONE: f64 = 5.0;
 const AROUND: usize = 25;
 
-/// More than this share of the rows are no spikes: the noise comes and goes.
+/// Largest share of outliers among the rows; with more the noise is intermittent.
 const MOST: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spikes {
-    /// Their rows, in order.
+    /// Rows of the outliers, in order.
     pub rows: Vec<usize>,
-    /// The one furthest off: its row, its value, and by how many standard deviations of the values about their
-    /// neighbours.
+    /// The largest one: row, value, and distance in standard deviations of the values about their neighbours.
     pub worst: (usize, f64, f64),
 }
 
-/// The spikes among `stretches` of rows without gaps: values further than 8 standard deviations from the median of those
-/// around them, far beyond the tail of all, and five times as far off as their neighbours. None where there are more of
-/// them than a thousandth, or too few values to tell.
+/// Finds the outliers in gap-free `stretches` of rows: values further than 8 standard deviations from the median of their
+/// neighbourhood, far beyond the tail of all, and five times as far as their neighbours. `None` if they exceed a thousandth
+/// of the rows, or for too few values.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut off: Vec<(usize, f64)> = Vec::new();
     let mut is_inside: Vec<bool> = Vec::new();
@@ -54,7 +53,7 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
     let mut deviation = MAD_TO_SD * median(&mut sizes);
     if deviation <= 0.0 {
-        // coarse steps: most values are their neighbours'
+        // coarse steps: most values equal their neighbours
         deviation = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
     }
     if deviation <= 0.0 {
@@ -70,7 +69,7 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     };
     let tail = sizes.len() - 1 - sizes.len() / 1000;
     let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
-    // a thousandth may be spikes themselves, which then are the tail
+    // a thousandth may be outliers themselves, which then are the tail
     let far = (FAR * deviation).max((BEYOND_TAIL * tail).min(FAR_AT_AN_END * deviation));
     let is_far = |at: &usize| {
         let (_, own) = off[*at];
@@ -85,7 +84,7 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     })
 }
 
-/// The median of each value and of up to [`REACH`] on either side; none of too few.
+/// Median of each value and of up to [`REACH`] values on either side; `None` for too few.
 fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
     let n = values.len();
     let mut medians = Vec::with_capacity(n);
@@ -99,7 +98,7 @@ fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
     medians
 }
 
-/// Medians of whole windows, as many at once as a processor takes in a few registers, each a value further on.
+/// Medians of complete windows, several at once in vector registers, each a value further on.
 struct Inside<'a> {
     values: &'a [f64],
     medians: &'a mut Vec<Option<f64>>,
@@ -118,14 +117,14 @@ impl WithSimd for Inside<'_> {
     }
 }
 
-/// Windows that are looked at at once.
+/// Number of windows processed at once.
 const LANES: usize = 8;
 
 const WINDOW: usize = 2 * REACH + 1;
 
-/// The medians of windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
-/// least nor the most is the median: both go, the next value comes, and so on until one is left (Paeth, Median finding
-/// on a 3 × 3 grid, Graphics Gems, 1990).
+/// Medians of the windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
+/// smallest nor the largest is the median: both are dropped, the next value is added, and so on until one remains (Paeth,
+/// Median finding on a 3 × 3 grid, Graphics Gems, 1990).
 #[inline(always)]
 fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     let mut window: [[f64; LANES]; WINDOW] =
@@ -147,7 +146,7 @@ fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     window[first]
 }
 
-/// The less of two to the place of the first, lane by lane.
+/// Moves the smaller of two to the first place, lane by lane.
 #[inline(always)]
 fn exchange(window: &mut [[f64; LANES]; WINDOW], first: usize, second: usize) {
     let (one, other) = (window[first], window[second]);

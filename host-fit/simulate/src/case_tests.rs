@@ -1,4 +1,4 @@
-//! Whole cases: every effect, every set-up, and what the sizes mean.
+//! Complete cases: every effect, every set-up, and the meaning of sizes.
 
 use super::planting::assess;
 use super::rivals::CELL;
@@ -17,7 +17,7 @@ fn column<'a>(log: &'a [(String, Vec<f64>)], name: &str) -> &'a [f64] {
     &log.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no column {name}")).1
 }
 
-/// A place that shows the effect.
+/// A set-up and axis that show the effect.
 fn place(effect: Effect) -> (Setup, Axis) {
     let all = Setup::ALL.iter().flat_map(|setup| [(*setup, Axis::Gy), (*setup, Axis::Ax)]);
     all.into_iter().find(|(setup, axis)| effect.suits(*setup, *axis)).expect("some place shows it")
@@ -32,7 +32,7 @@ fn every_effect_is_planted_at_the_size_asked_for() {
         let case = simulate_case(&plan).unwrap_or_else(|error| panic!("{effect}: {error}"));
         let planted = &case.truth.planted[0];
         if planted.band == Band::Slow {
-            // once more, from what was recorded
+            // computed again from the recorded data
             let still = case.field.iter().find(|(name, _)| name == "still").map(|(_, still)| still);
             let rows = 0..case.truth.field.error.len();
             let usable = if still.is_some() && target.is_gyro() {
@@ -125,7 +125,7 @@ fn generalised_least_squares_scatters_by_one_over_the_size() {
     let n = 20_000;
     let steps: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k / 3000 % 2 == 1))).collect();
     let path = low_pass(&steps, 30.0, noise.period_s);
-    // with a gap, as a rig has it
+    // with a gap, as of a rig
     let blocks = Blocks::of(&[0..9000, 9500..n], CELL);
     let whitener = Whitener::new(blocks.covariance(&noise, 0.0)).expect("positive definite");
     let white = whitener.whiten(&blocks.means(&path));
@@ -158,7 +158,7 @@ fn logs_have_the_columns_of_their_set_up() {
         let t = column(&case.field, "t_s");
         assert!(t[0] == 0.0 && t.windows(2).all(|pair| pair[1] > pair[0]));
         assert!((t.len() as f64 / 120_000.0 - 1.0).abs() < 0.016);
-        // what the sensor shows is the truth but for bias and noise
+        // the measurement is the truth plus bias and noise
         if has("ref_gx_rads") {
             let pairs = column(&case.field, "gx_rads").iter().zip(column(&case.field, "ref_gx_rads"));
             let error: Vec<f64> = pairs.map(|(a, b)| a - b).collect();

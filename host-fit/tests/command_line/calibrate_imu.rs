@@ -1,4 +1,4 @@
-//! `calibrate-imu`: a summary that people read, JSON, certificates, files of other programs, and refusals with the remedy.
+//! `calibrate-imu`: a readable summary, JSON, certificates, files for other programs, and refusals with a remedy.
 
 use std::fs;
 
@@ -36,7 +36,7 @@ fn a_turned_log_is_calibrated_in_a_few_lines() {
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let accelerometer = &found["accelerometer"]["parameters"];
         let gyro = &found["gyro"]["parameters"];
-        // twice the interval: twelve of them are checked
+        // twice the interval, since twelve of them are checked
         for (list, id, truth) in [
             (accelerometer, "accelerometer.bias", ACCELEROMETER[axis].0),
             (accelerometer, "accelerometer.sensitivity", ACCELEROMETER[axis].1),

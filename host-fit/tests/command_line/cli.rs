@@ -1,4 +1,4 @@
-//! The command line as a session: every subcommand, and what it says when it cannot.
+//! The command line as a session: every subcommand, and its errors.
 
 use crate::session::{done, fails, said};
 
@@ -54,14 +54,14 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     );
     let replayed = done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]);
     assert!(replayed.contains("digest of the innovations"), "{replayed}");
-    // the same once more, and from the corrected log's own reader
+    // once more, and from the corrected log's own reader
     assert_eq!(replayed, done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]));
     let again =
         done(folder, &["fit", "corrected.parquet", "--axis", "gx", "--memory", "none", "-o", "again.json"]);
     assert!(again.contains("gx_rads"), "{again}");
 }
 
-/// As a device answers when it is too late.
+/// Exports fail early with the error that a device would give on loading.
 #[test]
 fn export_says_which_hub_refuses_the_model() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -80,7 +80,7 @@ fn export_says_which_hub_refuses_the_model() {
         assert!(warned.contains(part), "{part}: {warned}");
     }
     assert!(folder.join("b.fosm").exists());
-    // Rust source has a hub that is large enough, a C header has none
+    // Rust source defines a hub that is large enough, a C header does not
     assert_eq!(said(folder, &["export", "unit.json", "--rust", "b.rs"]), "");
     let refused = fails(folder, 1, &["export", "unit.json", "--image", "c.fosm", "--c", "c.h"]);
     assert!(refused.contains("error: the hub of the C interface") && refused.contains("help:"), "{refused}");
@@ -109,7 +109,7 @@ fn json_is_json_and_nothing_else() {
     assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));
 }
 
-/// A log of so many samples a second, at rest or not as it says itself; gyro x follows no model but noise of a sort.
+/// A log with this sampling rate, at rest or not by its own flag; gyro x has only noise, no model.
 fn log_at(rate_hz: f64, still: bool) -> String {
     let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
     let row =
@@ -118,7 +118,7 @@ fn log_at(rate_hz: f64, still: bool) -> String {
     format!("t_s,gx_rads,still\n{rows}")
 }
 
-/// By the rule of the hub, which refuses such a sensor.
+/// Follows the rule of the hub, which refuses such a sensor.
 #[test]
 fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -140,7 +140,7 @@ fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
     }
 }
 
-/// It printed "NaN" for what f32 costs, and a root mean square of 0.
+/// Used to print "NaN" for the cost of f32, and a root mean square of 0.
 #[test]
 fn a_replay_without_a_row_at_rest_says_that_nothing_can_be_compared() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -296,7 +296,7 @@ fn several_logs_are_fitted_as_one_and_not_spliced() {
     assert!(fitted.contains("2 segments,") && fitted.contains("over 17980 rows"), "{fitted}");
     let compared = done(folder, &["compare", "study.json"]);
     assert!(compared.contains("ay_mps2"), "{compared}");
-    // a log that is not the one that was fitted is not taken for it
+    // a log other than the fitted one is rejected
     done(folder, &["simulate", "b.parquet", "--band-limited", "--minutes", "1", "--seed", "3"]);
     let refused = fails(folder, 1, &["compare", "study.json"]);
     assert!(refused.contains("b.parquet: not the log that study.json was made with"), "{refused}");

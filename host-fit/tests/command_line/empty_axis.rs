@@ -1,15 +1,15 @@
-//! A log in which one axis has no number is used for the others by every command.
+//! A log in which one axis has no number is used for the other axes by every command.
 
 use std::fmt::Write as _;
 use std::fs;
 
 use crate::session::{done, fails, said};
 
-/// Two minutes at rest, `gy_rads` empty or not.
+/// Two minutes at rest, with or without values of `gy_rads`.
 fn log(seed: u64, with_gy: bool) -> String {
     let mut state = seed;
     let mut noise = move || {
-        // twelve uniform numbers are about normal
+        // the sum of twelve uniform numbers is nearly normal
         let one = |state: &mut u64| {
             *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (*state >> 40) as f64 / (1_u64 << 24) as f64
@@ -53,7 +53,7 @@ fn every_command_uses_the_other_axes() {
     done(folder, &["convert", "five.csv", "-o", "converted.csv"]);
     let header = fs::read_to_string(folder.join("converted.csv")).expect("written");
     assert!(!header.lines().next().expect("a header").contains("gy_rads"));
-    // named, it is refused
+    // if requested, it is refused
     for command in [&["noise", "five.csv", "--axis", "gy"][..], &["fit", "five.csv", "--axis", "gy"]] {
         let told = fails(folder, 1, command);
         assert!(told.contains("gy_rads: every cell of its 6000 rows is empty"), "{told}");

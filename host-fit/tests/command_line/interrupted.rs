@@ -1,4 +1,4 @@
-//! A recording that is ended from outside, in the middle of a stream: what had come by then can be had.
+//! A recording interrupted in the middle of a stream: the samples received so far are recoverable.
 #![cfg(unix)]
 
 use std::fs::{self, File};
@@ -13,10 +13,10 @@ use fos_core::Validity;
 use fos_data::recording::{LoadOptions, load};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, encode};
 
-/// Samples that are sent before the end.
+/// Number of samples sent before the end.
 const SAMPLES: u32 = 1500;
 
-/// A stream of so many samples, and the begin of one more.
+/// A stream of [`SAMPLES`] samples, and the begin of one more.
 fn telemetry() -> Vec<u8> {
     let mut buffer = [0; 128];
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "temp_c" };
@@ -57,7 +57,7 @@ fn send(child: &Child, signal: &str) {
     assert!(sent.expect("kill").success());
 }
 
-/// Waits until it holds, or for so long.
+/// Waits until a condition holds, or for at most `longest`.
 fn wait_until(holds: impl Fn() -> bool, longest: Duration) {
     let began = Instant::now();
     while !holds() && began.elapsed() < longest {
@@ -65,7 +65,7 @@ fn wait_until(holds: impl Fn() -> bool, longest: Duration) {
     }
 }
 
-/// Lets `recorder` read the stream from a FIFO and sends it a signal while the stream is open; its exit code.
+/// Lets `recorder` read the stream from a FIFO and sends it a signal while the stream is open; returns its exit code.
 fn interrupted(folder: &Path, mut recorder: Child, signal: &str) -> Option<i32> {
     let stream = telemetry();
     // opens when the recorder has opened it too
@@ -89,14 +89,14 @@ fn interrupted(folder: &Path, mut recorder: Child, signal: &str) -> Option<i32> 
     ended.code()
 }
 
-/// Whether these tests were started so that they outlive their terminal, and all that they start too.
+/// Returns true if these tests, and their child processes, were started so that they outlive their terminal.
 fn is_hangup_ignored() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     ignored.is_some_and(|mask| mask.trim().ends_with(['1', '3', '5', '7', '9', 'b', 'd', 'f']))
 }
 
-/// The samples that a user gets: of the log, else of what was kept.
+/// Number of samples that a user recovers: from the log, else from the stored telemetry.
 fn recovered(folder: &Path) -> u32 {
     let log = folder.join("log.csv");
     if !log.exists() && folder.join("log.csv.telemetry").exists() {
@@ -130,14 +130,14 @@ fn what_came_before_a_recording_was_ended_is_not_lost() {
         table.push(format!("{signal} {samples}"));
     }
 
-    // without what was kept it is lost, and that is seen
+    // negative control: without the stored telemetry the samples are lost
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
     interrupted(folder, record(folder, &["port", "-o", "log.csv"]), "KILL");
     fs::remove_file(folder.join("log.csv.telemetry")).expect("it was there");
     let taken_away = recovered(folder);
-    // and so it is with a recorder that writes at the end
+    // and so they are with a recorder that writes at the end
     let at_the_end = Command::new("sh")
         .args(["-c", "all=$(od -An -v -tx1 port); echo \"$all\" > log.csv.telemetry"])
         .current_dir(folder)
@@ -167,7 +167,7 @@ fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
     assert_eq!(recovered(folder), SAMPLES);
 }
 
-/// What a cut of power costs: judged by what the system is asked for.
+/// Checks the loss at power failure, by the system calls.
 #[test]
 fn what_arrives_is_brought_to_the_disk_every_second() {
     if Command::new("strace").arg("-V").output().is_err() {
@@ -203,14 +203,14 @@ fn what_arrives_is_brought_to_the_disk_every_second() {
 fn a_recording_ends_with_its_input() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    // it waited for ever where a stream ends inside a frame
+    // used to wait forever if a stream ends inside a frame
     fs::write(folder.join("cut.stream"), telemetry()).expect("written");
     let said = done(folder, &["record", "cut.stream", "-o", "log.csv"]);
     assert!(said.contains("1500 samples, 0 lost") && said.contains("1 damaged"), "{said}");
     fs::write(folder.join("other.stream"), "no telemetry\n".repeat(300)).expect("written");
     let said = fails(folder, 1, &["record", "other.stream", "-o", "other.csv"]);
     assert!(said.contains("no sample in 3900 bytes") && said.contains("help: "), "{said}");
-    // that never ends
+    // a stream that never ends
     let said = fails(folder, 1, &["record", "/dev/zero", "-o", "other.csv"]);
     assert!(said.contains("no frame of telemetry in the first") && said.contains("help: "), "{said}");
     let left: Vec<String> = fs::read_dir(folder)
@@ -252,7 +252,7 @@ fn what_another_recording_left_is_told_of_and_stays() {
     assert!(ended.status.success() && said.contains("`fos record log.csv.telemetry -o LOG`"), "{said}");
     assert_eq!(fs::read(folder.join("log.csv.telemetry")).expect("kept"), telemetry());
     assert!(!folder.join("log.csv.2.telemetry").exists());
-    // a log is not made over what it is made of, and its name is looked at before an hour is recorded
+    // a log does not replace its own source, and its name is checked before an hour is recorded
     let said = fails(folder, 1, &["record", "log.csv", "-o", "log.csv"]);
     assert!(said.contains("and would be lost") && said.contains("help: "), "{said}");
     assert!(fails(folder, 1, &["record", "port", "-o", "log.txt"]).contains("log.txt: cannot tell"));

@@ -1,4 +1,4 @@
-//! The user's path from a model that fails to one that does not, on the command line, on data with a hidden effect.
+//! The user's path from a failing model to a corrected one, on the command line, on data with a hidden effect.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use fos_diagnose::detect::{Diagnosis, Verdict};
 use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 
-/// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its quiet log.
+/// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its reference log.
 fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let simulate =
@@ -44,7 +44,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     assert_eq!(answers[0].verdict, Verdict::Missing);
     assert_eq!(answers[0].findings[0].effect, "thermal_lag");
 
-    // what is not worth it can be added, and taken back
+    // an effect of little benefit can be added, and removed again
     let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
     let printed = done(folder, &add);
     assert!(printed.contains("+ temp_linear") && printed.contains("slow error, °/"), "{printed}");
@@ -77,7 +77,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     }
     assert!(done(folder, &["history", "unit.json"]).contains("+ thermal_lag"));
 
-    // the refined model runs on fos-core and takes out there what it takes out here
+    // the refined model runs on fos-core with the same reduction as here
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("temp_c"));
     let replay = ["replay", "unit.fosm", "unit/evaluation.parquet", "--json"];
@@ -137,7 +137,7 @@ fn an_effect_of_ones_own_goes_through_the_same_door() {
     let refined = refinement(folder);
     let added = refined.added().next().expect("added");
     assert!(added.measured_reduction > 0.5, "{}", added.measured_reduction);
-    // the study holds the effect: what was added is known without the file
+    // the study contains the effect, so the file is no longer needed
     std::fs::remove_file(folder.join("own.toml")).expect("removed");
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["history", "unit.json"]).contains("temp_times_supply"));
@@ -162,7 +162,7 @@ fn what_cannot_be_added_says_why() {
     assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
-/// One orientation does not determine an effect of gravity; the bias of the gyro went from 2e-4 to -2.6e-3 rad/s.
+/// One orientation does not determine an effect of gravity; the bias of the gyro used to change from 2e-4 to -2.6e-3 rad/s.
 #[test]
 fn an_effect_that_the_log_does_not_determine_leaves_the_study_as_it_was() {
     let folder = with_hidden("thermal_lag", "desk", "5");
@@ -214,13 +214,13 @@ fn a_batch_answers_every_case_and_goes_on_where_it_was() {
     // nothing has changed: the same answers, seconds included
     fails(folder, 1, &batch);
     assert_eq!(read(), answers);
-    // a correction that is gone is made again
+    // a missing correction is computed again
     std::fs::remove_file(&corrections[0]).expect("removed");
     fails(folder, 1, &batch);
     assert!(corrections[0].exists());
 }
 
-/// Without line breaks.
+/// Replaces line breaks by spaces.
 fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::session::{done, fails};
 use serde_json::Value;
 
-/// Ten minutes at rest, and all that is written of it.
+/// Simulates ten minutes at rest, and writes all outputs.
 fn written(folder: &Path) -> Value {
     done(
         folder,
@@ -22,7 +22,7 @@ fn text(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).expect("written")
 }
 
-/// `key: number` of every line that is not a comment; those of a block under the block's name.
+/// Parses `key: number` of every line that is not a comment; keys of a block are prefixed by the block's name.
 fn numbers(text: &str) -> BTreeMap<String, f64> {
     let mut block = String::new();
     let mut found = BTreeMap::new();
@@ -42,7 +42,7 @@ fn numbers(text: &str) -> BTreeMap<String, f64> {
     found
 }
 
-/// The largest of a level over three axes, or of its limits where no axis shows it.
+/// Largest level over three axes, or largest limit if no axis determines it.
 fn worst(told: &Value, triad: &str, level: &str) -> f64 {
     let axes = told["axes"].as_array().expect("axes").iter();
     let three: Vec<&Value> =
@@ -78,7 +78,7 @@ fn files_of_other_stacks_have_the_numbers_of_the_table_in_their_units() {
     near(kalibr["update_rate"], rate);
     assert_eq!(text(folder, "imu.yaml").matches("rostopic: \"/my imu\"").count(), 2);
 
-    // ORB_SLAM3/src/Tracking.cc: sf = √IMU.Frequency; noise·sf and walk/sf are what it adds up per sample
+    // ORB_SLAM3/src/Tracking.cc: sf = √IMU.Frequency; it adds noise·sf and walk/sf per sample
     let orb = numbers(&text(folder, "orb.yaml"));
     for (key, expected) in
         ["IMU.NoiseAcc", "IMU.AccWalk", "IMU.NoiseGyro", "IMU.GyroWalk"].iter().zip(expected)

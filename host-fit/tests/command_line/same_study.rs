@@ -1,4 +1,4 @@
-//! The same samples give the same study and the same diagnosis to the last bit, whatever format they came in.
+//! The same samples give the same study and the same diagnosis to the last bit, in any format.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::session::done;
 use fos_testkit::foreign::{Flight, Rate, mcap, ulog};
 use serde_json::Value;
 
-/// Without what says where the data came from.
+/// Removes the sources of the data.
 fn but_sources(value: &mut Value) {
     match value {
         Value::Object(fields) => {
@@ -19,7 +19,7 @@ fn but_sources(value: &mut Value) {
     }
 }
 
-/// The study of a log, and what is missing from it on the log, in a folder of their own.
+/// Study of a log, and its diagnosis on the log, in a separate folder.
 fn study_and_diagnosis(folder: &Path, log: &str) -> (Value, String) {
     let fit =
         ["fit", log, "--axis", "ax,az,gy", "--physical", "temp_c", "--max-terms", "4", "-o", "unit.json"];

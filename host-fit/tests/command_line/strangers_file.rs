@@ -1,4 +1,4 @@
-//! From a file that somebody else's program wrote to a diagnosis of all its axes: one command, no option.
+//! From a file written by a foreign program to a diagnosis of all its axes: one command, no option.
 
 use std::fs;
 
@@ -37,7 +37,7 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
             serde_json::from_str(&said).unwrap_or_else(|error| panic!("{id}: {error}: {said}"));
         let of = |answer: &Value| answer["target"].as_str().expect("a name").to_owned();
         let targets: Vec<String> = answers.as_array().expect("one for each axis").iter().map(of).collect();
-        // whole degrees a second round the noise of this gyro away: an axis that stands still is left out
+        // whole degrees a second round the noise of this gyro away: an axis that does not change is excluded
         let all = &fos_data::column::AXES;
         let expected = if ["betaflight", "geneactiv"].contains(&id) { &all[..3] } else { &all[..] };
         assert_eq!(targets, expected, "{id}");

@@ -1,4 +1,4 @@
-//! What a study file must hold, and what it remembers of its logs.
+//! Required content of a study file, and the stored options of its logs.
 
 use std::fs;
 use std::path::Path;
@@ -54,7 +54,7 @@ fn a_study_remembers_how_its_logs_are_read() {
     let folder = folder.path();
     done(folder, &["simulate", "plain.csv", "--minutes", "5", "--seed", "3", "--at-rest"]);
     let plain = fs::read_to_string(folder.join("plain.csv")).expect("written");
-    // no stamps, and a name that only quotes can say
+    // no timestamps, and a name that needs quotes
     let without_stamps: String =
         plain.lines().filter_map(|line| line.split_once(',')).fold(String::new(), |mut text, (_, rest)| {
             text.push_str(&rest.replace("gx_rads", "gyro:x"));

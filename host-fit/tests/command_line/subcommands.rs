@@ -1,10 +1,9 @@
-//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal
-//! is.
+//! Requirements on every subcommand: an example, JSON, a manual page, completion; and plain output without a terminal.
 
 use crate::session::{done, fails};
 use crate::sources::sources;
 
-/// The subcommands that the help lists, and those of them.
+/// Subcommands listed in the help, including nested ones.
 fn subcommands() -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let help = done(folder.path(), &["--help"]);
@@ -25,7 +24,7 @@ fn every_subcommand_has_an_example_and_speaks_json() {
     for name in subcommands() {
         let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
         assert!(help.contains("Example: ") && help.contains(&format!("fos {name}")), "{name}: {help}");
-        // a script for a shell and a server have nothing to say in JSON
+        // a completion script and a server have no JSON output
         let has_none = ["completions", "serve"].contains(&name.as_str());
         assert_eq!(help.contains("--json"), !has_none, "{name}");
     }
@@ -61,7 +60,7 @@ fn fos_alone_shows_the_commands_that_most_people_need() {
     assert!(said.contains("'diagnose'"), "{said}");
 }
 
-/// Each file goes with other commands: the message names one that takes it.
+/// Files are accepted by different commands: the message names one that takes this file.
 #[test]
 fn a_log_in_the_place_of_a_study_and_the_reverse_are_recognised() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -125,8 +124,8 @@ fn nothing_is_coloured_where_no_terminal_is() {
     assert!(!said.contains('\u{1b}'), "{said:?}");
 }
 
-/// Words in backticks in the messages of the libraries: an option of the program, which shows it by its flag, or what
-/// stands in a log.
+/// Words in backticks in the messages of the libraries: an option, which the program shows as its flag, or a column of a
+/// log.
 fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
     const IN_LOGS: [&str; 4] = ["still", "segment", "ref_…", "t_s"];
     if !line.contains("help: ") && !line.contains("#[error(") {
@@ -170,7 +169,7 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
         );
     }
     assert_eq!(found, [""; 0]);
-    // negative control: messages of before
+    // negative control: former messages
     for before in [
         "\"help: or give the sample rate (rate_hz) if there is none\"",
         "\"help: leave the column out (!t_s)\"",
@@ -193,8 +192,8 @@ fn a_log_without_times_is_answered_with_flags() {
     assert!(!said.contains("rate_hz") && !said.contains('`'), "{said}");
 }
 
-/// The crates under the program are used without it, from a page or from another program: what to do is said in their
-/// own words, options by the names of their fields.
+/// The libraries are also used without the program, from a page or from another program: their messages name options by
+/// the names of their fields.
 #[test]
 fn no_library_names_a_flag_or_a_subcommand() {
     let all = host_fit::cli::subcommands();

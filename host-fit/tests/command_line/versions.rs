@@ -1,4 +1,4 @@
-//! A file of another version is refused by name: the file, its version, and what this program reads.
+//! A file of another version is refused with its name, its version, and the version that this program reads.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Whole cases, read from their folders and diagnosed: three of our own simulator, and three of another one where they
-//! are at hand.
+//! Complete cases, read from their folders and diagnosed: three of our own simulator, and three of another one if
+//! available.
 
 use fos_data::case::Case;
 use fos_diagnose::case::question;
@@ -8,13 +8,13 @@ use fos_diagnose::effects::Library;
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Planted, Setup, simulate_case};
 use fos_testkit::outside;
 
-/// The case of another simulator, diagnosed.
+/// Diagnosis of a case of another simulator.
 fn answer(name: &str) -> Option<Diagnosis> {
     let case = Case::read(&outside::path(&format!("cases/{name}"))?).expect("a case");
     Some(diagnose(&question(&case, &Library::built_in())).expect("an answer"))
 }
 
-/// A case of our own with this planted, diagnosed; and what it came out as.
+/// Diagnosis of a simulated case with these effects planted, and the planted effects with their resulting values.
 fn simulated(seed: u64, setup: Setup, target: Axis, planted: &[Plant]) -> (Diagnosis, Vec<Planted>) {
     let mut plan = CasePlan::new(seed, "bmi160", setup, target);
     plan.planted = planted.to_vec();
@@ -36,7 +36,7 @@ fn assert_nothing_missing(diagnosis: &Diagnosis) {
     assert!(diagnosis.findings.is_empty() && diagnosis.leads.is_empty());
 }
 
-/// The planted time constant, s, and sensitivity, mg/K, lie in the intervals of the finding.
+/// Checks that the planted time constant, s, and sensitivity, mg/K, lie in the intervals of the finding.
 fn assert_thermal_lag(finding: &Finding, tau_s: f64, mg_per_k: f64) {
     let [low, high] = finding.params_interval["tau_s"];
     assert!((low..=high).contains(&tau_s), "{tau_s}: {low} … {high}");

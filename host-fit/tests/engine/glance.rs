@@ -1,4 +1,4 @@
-//! What a person would see at a glance in a log is said, or the log is refused; of sound logs nothing is said.
+//! Implausible logs cause a warning or are rejected; plausible ones cause no warning.
 
 use fos_data::column::AXES;
 use fos_data::recording::{LoadOptions, Oddity, Recording, Source, load};
@@ -43,7 +43,7 @@ fn refused(text: &str, rate_hz: Option<f64>) -> String {
     load(file.path(), &LoadOptions { rate_hz, ..LoadOptions::default() }).expect_err("refused").to_string()
 }
 
-/// "Nothing is missing" was said of a stuck axis.
+/// A stuck axis used to be diagnosed as "Nothing is missing".
 #[test]
 fn a_stuck_axis_is_refused_by_name() {
     let mut columns = log(1.0, 1);
@@ -56,10 +56,10 @@ fn a_stuck_axis_is_refused_by_name() {
     assert!(oddities(&field).iter().any(|oddity| matches!(oddity, Oddity::Stuck { .. })));
 }
 
-/// One sample of −32768 in 10,000 moved the offset by 3.3 standard deviations and the scale 328-fold, without a word.
+/// One sample of −32768 in 10,000 used to shift the offset by 3.3 standard deviations and the scale 328-fold, silently.
 #[test]
 fn a_wild_sample_is_left_out_and_said() {
-    // one axis alone: nothing else tells that the unit was at rest
+    // a single axis: no other one shows that the device was at rest
     let columns: Columns = log(1.0, 2).drain(3..4).collect();
     let mut wild = columns.clone();
     wild[0].1[4321] = -32.768;
@@ -75,13 +75,13 @@ fn a_wild_sample_is_left_out_and_said() {
     assert!(said.iter().any(|oddity| oddity.to_string().contains("excluded 1 outlier (")), "{said:?}");
     assert!((without.offset - whole.offset).abs() < 0.01 * whole.scale);
     assert!((without.scale / whole.scale - 1.0).abs() < 0.01);
-    // the negative control: what the mean of all ten thousand fitted rows is
+    // negative control: the mean of all ten thousand fitted rows
     let fitted_rows = &wild[0].1[..ROWS / 2];
     let naive = fitted_rows.iter().sum::<f64>() / fitted_rows.len() as f64;
     assert!((naive - whole.offset).abs() > 3.0 * whole.scale);
 }
 
-/// "2736.8 Hz, 41 times the stamps go back", exit code 0; and `--rate 50` was ignored where the stamps mean 0.8533 Hz.
+/// Used to print "2736.8 Hz, 41 times the stamps go back" with exit code 0, and to ignore `--rate 50` for 0.8533 Hz.
 #[test]
 fn refuses_stamps_out_of_order_and_follows_a_stated_rate_instead_of_another_one() {
     let mut rows: Vec<usize> = (0..1000).collect();
@@ -143,7 +143,7 @@ fn columns_in_another_unit_or_twice_are_said() {
     }
 }
 
-/// Of simulated units, with effects and without, nothing is said.
+/// Simulated devices, with effects and without, cause no warning.
 #[test]
 fn nothing_is_said_of_sound_logs() {
     let is_sound = |plan: &CasePlan| {

@@ -1,5 +1,5 @@
-//! Every loop that searches ends, whatever the data. Steps are counted, not time: the loops say where they are by
-//! [`check`](fos_data::interrupt::check), of which so many are allowed.
+//! Every search loop terminates for any data. Steps are counted, not time: each loop calls
+//! [`check`](fos_data::interrupt::check), and the number of calls is limited.
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use fos_fit::signal::{allan, noise_floor};
 use fos_testkit::series::every_kind;
 use host_fit::paper;
 
-/// Steps that no search on these logs needs nearly.
+/// Limit far above the number of steps of any search on these logs.
 const MOST_STEPS: u64 = 20_000;
 
 #[test]
@@ -49,12 +49,12 @@ fn recording(values: &[f64]) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
 }
 
-/// The search behind every command on one kind of data; errors are ends too.
+/// Search behind every command on one kind of data; an error also counts as an end.
 #[derive(Default)]
 struct Searches {
-    /// Of those that ended.
+    /// Steps of the searches that terminated.
     steps: Vec<u64>,
-    /// What did not end within so many steps as it was allowed.
+    /// Searches that did not terminate within the limit.
     endless: Vec<String>,
 }
 

@@ -2,12 +2,12 @@
 
 use super::{Flight, Publisher, in_order};
 
-/// How the messages of a bag are kept.
+/// Storage of the messages of a bag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Chunks {
     /// In chunks of a hundred samples.
     Some,
-    /// Without chunks, as a bag that was recovered.
+    /// Without chunks, as in a recovered bag.
     None,
 }
 
@@ -48,7 +48,7 @@ fn header(us: u64, sequence: u32, frame: &str) -> Vec<u8> {
     header
 }
 
-/// A message of one sample.
+/// Imu message of one sample.
 fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
     let mut imu = header(flight.stamps_us[sample], sample as u32, frame);
     let mut numbers = |values: &[f64]| values.iter().for_each(|value| imu.extend(value.to_le_bytes()));
@@ -61,7 +61,7 @@ fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
     imu
 }
 
-/// The bag of several sensors, without chunks.
+/// Bag of several sensors, without chunks.
 pub fn bag_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     let mut bag = b"#ROSBAG V2.0\n".to_vec();
     let [definition, _] = super::ros::ros1();
@@ -80,10 +80,10 @@ pub fn bag_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     bag
 }
 
-/// The bag of a flight.
+/// Bag of a flight.
 pub fn bag(flight: &Flight, chunks: Chunks) -> Vec<u8> {
     let mut bag = b"#ROSBAG V2.0\n".to_vec();
-    // no index: what is read here from the begin to the end needs none
+    // no index: the reader goes from begin to end and needs none
     let mut begin = Vec::new();
     let counts = [("conn_count", 2_u32.to_le_bytes()), ("chunk_count", 0_u32.to_le_bytes())];
     let fields: Vec<(&str, &[u8])> = [("op", &[3][..]), ("index_pos", &[0; 8][..])]

@@ -1,4 +1,4 @@
-//! ArduPilot DataFlash: messages that begin with A3 95, laid out as FMT messages say.
+//! ArduPilot DataFlash: messages that begin with A3 95, with the layout given by FMT messages.
 
 use super::Flight;
 
@@ -13,8 +13,8 @@ fn padded<const N: usize>(text: &str) -> [u8; N] {
     bytes
 }
 
-/// The log of a flight with these parameters, in messages IMU (all six axes and the temperature) or, `raw`, ACC and
-/// GYR beside an IMU of every tenth sample.
+/// DataFlash log of a flight with these parameters, in messages IMU (all six axes and the temperature) or, with `raw`, ACC
+/// and GYR, and an IMU for every tenth sample.
 pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<u8> {
     let mut log = Vec::new();
     let formats: [(u8, u8, &str, &str, &str); 6] = [
@@ -26,7 +26,7 @@ pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<
         (10, 11, "ATT", "Qc", "TimeUS,Roll"),
     ];
     for (kind, length, name, format, labels) in formats {
-        // what the format's letters add up to
+        // sum of the sizes of the format's letters
         let length = match name {
             "PARM" => 3 + 8 + 16 + 4 + 4,
             "IMU" => 3 + 8 + 1 + 6 * 4 + 3 * 4 + 2 + 4,
@@ -65,7 +65,7 @@ pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<
     log
 }
 
-/// The log of a flight as ArduPilot wrote it in 2014: stamps in ms, and a message of its own for the second IMU, whose
+/// DataFlash log of a flight in the format of 2014: timestamps in ms, and a separate message for the second IMU, whose
 /// gyro has another bias.
 pub fn dataflash_of_2014(flight: &Flight) -> Vec<u8> {
     let mut log = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::{Flight, Publisher, in_order};
 
-/// Plain CDR, little-endian: each number on a multiple of its size from the end of the encapsulation.
+/// Plain CDR, little-endian: each number is aligned to its size, counted from the end of the encapsulation.
 struct Cdr(Vec<u8>);
 
 impl Cdr {
@@ -66,7 +66,7 @@ fn imu(flight: &Flight, sample: usize, frame: &str) -> Vec<u8> {
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
-/// The log of several sensors.
+/// MCAP of several sensors.
 pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     let mut log = Log(MAGIC.to_vec());
     log.record(0x01, &[&text("ros2"), &text("by hand")]);
@@ -92,7 +92,7 @@ pub fn mcap_of(publishers: &[Publisher<'_>]) -> Vec<u8> {
     log.0
 }
 
-/// The log of a flight, with a second, slower inertial topic that is not the one to take.
+/// MCAP of a flight, with a second, slower inertial topic that is not the one to choose.
 pub fn mcap(flight: &Flight) -> Vec<u8> {
     let mut log = Log(MAGIC.to_vec());
     log.record(0x01, &[&text("ros2"), &text("by hand")]);

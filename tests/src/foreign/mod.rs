@@ -1,4 +1,4 @@
-//! One flight in the formats of others: written here by what their documents say, apart from the readers under test.
+//! One flight in foreign formats: written by their specifications, independent of the readers under test.
 
 mod bag;
 mod dataflash;
@@ -21,33 +21,33 @@ pub use ulog::{Rate, ulog, ulog_of};
 pub use wearable::{Axivity, axivity, geneactiv};
 pub use zip::zip;
 
-/// A unit at rest: accelerations, rates and the temperature, all with the same stamps.
+/// A device at rest: accelerations, rates and temperature with common timestamps.
 #[derive(Debug, Clone)]
 pub struct Flight {
-    /// µs since boot.
+    /// Timestamps, µs since boot.
     pub stamps_us: Vec<u64>,
-    /// m/s².
+    /// Specific force, m/s².
     pub acceleration: Vec<[f32; 3]>,
-    /// rad/s.
+    /// Angular rate, rad/s.
     pub rate: Vec<[f32; 3]>,
-    /// °C.
+    /// Temperature, °C.
     pub temperature: Vec<f32>,
 }
 
 /// A sensor that publishes to a topic of ROS.
 #[derive(Debug, Clone, Copy)]
 pub struct Publisher<'a> {
-    /// The topic.
+    /// Name of the topic.
     pub topic: &'a str,
-    /// The number of its connection in a bag, of its channel in MCAP.
+    /// Id of its connection in a bag, of its channel in MCAP.
     pub connection: u16,
-    /// The frame in the headers.
+    /// Frame in the headers.
     pub frame: &'a str,
-    /// Its samples.
+    /// Samples.
     pub flight: &'a Flight,
 }
 
-/// Sample and publisher of all messages, in the order of their stamps.
+/// Sample and publisher of all messages, in the order of their timestamps.
 fn in_order<'a>(publishers: &[Publisher<'a>]) -> Vec<(Publisher<'a>, usize)> {
     let mut all: Vec<(Publisher<'a>, usize)> = publishers
         .iter()
@@ -58,7 +58,7 @@ fn in_order<'a>(publishers: &[Publisher<'a>]) -> Vec<(Publisher<'a>, usize)> {
 }
 
 impl Flight {
-    /// The same samples of another device: later by so much, and with another bias of the gyro, rad/s.
+    /// The same samples of another device: later by `later_us`, and with another bias of the gyro, rad/s.
     #[must_use]
     pub fn of_another(&self, later_us: u64, bias: f32) -> Self {
         let mut other = self.clone();
@@ -67,7 +67,7 @@ impl Flight {
         other
     }
 
-    /// So many samples, `period_us` apart, of a part that warms up and errs with it.
+    /// `samples` samples, `period_us` apart, of a part whose errors drift while it warms up.
     pub fn new(samples: usize, period_us: u64, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut flight = Self {
@@ -83,7 +83,7 @@ impl Flight {
                 size * unit
             };
             let age_s = sample as f32 * period_us as f32 * 1e-6;
-            // a thermometer that tells twice a second
+            // a thermometer with two readings per second
             let warmth = 12.0 * (1.0 - (-(age_s * 2.0).floor() / 600.0).exp());
             flight.stamps_us.push(start_us + sample * period_us);
             flight.acceleration.push([noise(0.02) + 0.004 * warmth, noise(0.02), 9.81 + noise(0.02)]);
@@ -93,17 +93,17 @@ impl Flight {
         flight
     }
 
-    /// Samples.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.stamps_us.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.stamps_us.is_empty()
     }
 
-    /// Columns as the log format names them, what every format that has all of it must come out as.
+    /// Columns named as in the log format: the result that every complete format must give.
     pub fn columns(&self) -> Vec<(&'static str, Vec<f64>)> {
         let axis =
             |values: &[[f32; 3]], axis: usize| values.iter().map(|value| f64::from(value[axis])).collect();
@@ -118,12 +118,12 @@ impl Flight {
         ]
     }
 
-    /// Stamps, s.
+    /// Timestamps, s.
     pub fn time_s(&self) -> Vec<f64> {
         self.stamps_us.iter().map(|us| *us as f64 / 1e6).collect()
     }
 
-    /// In the log format, as CSV.
+    /// CSV in the log format.
     pub fn csv(&self) -> String {
         let columns = self.columns();
         let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();

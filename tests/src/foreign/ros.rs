@@ -1,6 +1,6 @@
 //! Definitions of the messages, as ROS writes them into a log.
 
-/// A message, and the messages that it is made of.
+/// Definition of a message, with those of its parts.
 fn definition(fields: &str, header: &str, others: &[(&str, &str)]) -> String {
     let header = ("std_msgs/Header", header);
     let parts = [header].into_iter().chain(others.iter().copied());
@@ -15,13 +15,13 @@ const TRIADS: [(&str, &str); 2] = [
     ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z"),
 ];
 
-/// Of ROS 1: Imu and Temperature.
+/// Definitions of ROS 1: Imu and Temperature.
 pub(super) fn ros1() -> [String; 2] {
     let header = "uint32 seq\ntime stamp\nstring frame_id";
     [definition(IMU, header, &TRIADS), definition(TEMPERATURE, header, &[])]
 }
 
-/// Of ROS 2.
+/// Definitions of ROS 2: Imu and Temperature.
 pub(super) fn ros2() -> [String; 2] {
     let header = "builtin_interfaces/Time stamp\nstring frame_id";
     let time = [("builtin_interfaces/Time", "int32 sec\nuint32 nanosec")];

@@ -1,13 +1,13 @@
-//! Text and archives that phone apps and tools write.
+//! Text and archives written by phone apps and tools.
 
 use std::fmt::Write as _;
 
 use super::{Flight, zip};
 
-/// A text format: the short name of what is to be recognised, the name of a file, and the file of a flight.
+/// A text format: the id to be recognised, the file name, and the writer of a flight.
 pub type Text = (&'static str, &'static str, fn(&Flight) -> Vec<u8>);
 
-/// Every one, and variants of some.
+/// All text formats, and variants of some.
 pub const TEXTS: &[Text] = &[
     ("named", "named.csv", named),
     ("euroc", "data.csv", euroc),
@@ -27,7 +27,7 @@ pub const TEXTS: &[Text] = &[
 
 const G: f64 = 9.80665;
 
-/// One line for each sample: `row` is handed the stamp in µs, acceleration and rate.
+/// One line for each sample: `row` gets the timestamp in µs, acceleration and rate.
 fn lines(flight: &Flight, header: &str, row: impl Fn(u64, [f64; 3], [f64; 3]) -> String) -> Vec<u8> {
     let mut text = format!("{header}\n");
     for sample in 0..flight.len() {
@@ -55,7 +55,7 @@ fn named(flight: &Flight) -> Vec<u8> {
     )
 }
 
-/// As the app of Movella exports a DOT: its clock has 32 bits and is about to wrap.
+/// Export of a DOT by the app of Movella: its clock has 32 bits and is about to wrap.
 fn dot(flight: &Flight) -> Vec<u8> {
     const HEADER: &str = "sep=,\nDeviceTag:,Xsens DOT\nFirmwareVersion:,2.0.0\n\nPacketCounter,SampleTimeFine,Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z";
     let first = flight.stamps_us[0];
@@ -87,7 +87,7 @@ fn sensor_logger(flight: &Flight, ios: bool) -> Vec<u8> {
     let row = |us: u64, [x, y, z]: [f64; 3]| {
         format!("{},{},{z},{y},{x}", (EPOCH_US + us) * 1000, (us - first) as f64 / 1e6)
     };
-    // an iPhone has g, and up is down
+    // an iPhone uses g with the opposite sign
     let scale = if ios { -1.0 / G } else { 1.0 };
     let force = lines(flight, HEADER, |us, a, _| row(us, a.map(|a| a * scale)));
     // without gravity

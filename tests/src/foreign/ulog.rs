@@ -2,17 +2,17 @@
 
 use super::Flight;
 
-/// How often the raw topics are logged.
+/// Logging rate of the raw topics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rate {
     /// Every sample, in `sensor_accel` and `sensor_gyro`.
     Full,
-    /// Once a second, with `sensor_combined` at the full rate, as PX4 does unless asked.
+    /// Once a second, with `sensor_combined` at the full rate, the default of PX4.
     Decimated,
     /// Every sample, in batches of ten.
     Fifo,
-    /// The same from a version of PX4 that logs the samples in the sensor's axes, of a sensor turned by 90° about z: a
-    /// field `rotation` of 2 says so.
+    /// In batches, from a version of PX4 that logs samples in the sensor's axes, with the sensor rotated by 90° about z: a
+    /// field `rotation` is 2.
     FifoOfTurned,
 }
 
@@ -40,8 +40,8 @@ impl Log {
     }
 }
 
-/// A log in which every instance of a sensor has subscriptions of its own: topic, instance, `device_id` and the samples; those of
-/// one subscription may be of several devices.
+/// A log with separate subscriptions for every instance of a sensor: topic, instance, `device_id` and the samples;
+/// one subscription may have samples of several devices.
 pub fn ulog_of(sensors: &[(&str, u8, u32, &Flight)]) -> Vec<u8> {
     let mut log = Log(b"ULog\x01\x12\x35\x01".to_vec());
     log.0.extend(0_u64.to_le_bytes());
@@ -73,7 +73,7 @@ pub fn ulog_of(sensors: &[(&str, u8, u32, &Flight)]) -> Vec<u8> {
     log.0
 }
 
-/// The log of a flight.
+/// ULog of a flight.
 pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
     let mut log = Log(b"ULog\x01\x12\x35\x01".to_vec());
     log.0.extend(flight.stamps_us[0].to_le_bytes());
@@ -109,7 +109,7 @@ pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
         let us = flight.stamps_us[sample];
         let is_logged =
             rate == Rate::Full || us / 1_000_000 != flight.stamps_us[sample.saturating_sub(1)] / 1_000_000;
-        // what PX4 calls the time of publication is later
+        // PX4 calls this the time of publication, which is later
         let published = (us + 137).to_le_bytes();
         let stamp = us.to_le_bytes();
         let device = |instance: u8| (2_818_058 + u32::from(instance)).to_le_bytes();
@@ -137,7 +137,7 @@ pub fn ulog(flight: &Flight, rate: Rate) -> Vec<u8> {
                     [(2, &flight.acceleration, 16.0 * 9.80665 / 32768.0), (3, &flight.rate, 35.0 / 32768.0)]
                 {
                     let scale: f32 = scale;
-                    // as the sensor sees it: its x is the board's y, its y the board's −x
+                    // as measured by the sensor: its x is the board's y, its y the board's −x
                     let of_sensor = |[x, y, z]: [f32; 3]| match rate {
                         Rate::FifoOfTurned => [y, -x, z],
                         _ => [x, y, z],

@@ -6,7 +6,7 @@ use super::Flight;
 
 const G: f64 = 9.80665;
 
-/// Samples of a flight in blocks of so many, of which none has a gap within.
+/// Splits the samples of a flight into blocks of at most `most`, none of which contains a gap.
 fn blocks(flight: &Flight, most: usize) -> Vec<std::ops::Range<usize>> {
     let period_us = flight.stamps_us[1] - flight.stamps_us[0];
     let mut blocks: Vec<std::ops::Range<usize>> = Vec::new();
@@ -24,7 +24,7 @@ fn clock(us: u64) -> (u64, u64, u64, u64) {
     (us / 3_600_000_000, us / 60_000_000 % 60, us / 1_000_000 % 60, us % 1_000_000)
 }
 
-/// The log of a GENEActiv at 200 Hz: accelerometers only, in steps of 4 mg.
+/// Log of a GENEActiv at 200 Hz: accelerometers only, in steps of 4 mg.
 pub fn geneactiv(flight: &Flight) -> Vec<u8> {
     const GAIN: [f64; 3] = [25_344.0, 25_870.0, 25_470.0];
     const OFFSET: [f64; 3] = [1104.0, 454.0, -1433.0];
@@ -54,7 +54,7 @@ pub fn geneactiv(flight: &Flight) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// How an Axivity device stores its samples.
+/// Storage format of an Axivity device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axivity {
     /// AX3, 10 bits an axis.
@@ -65,7 +65,7 @@ pub enum Axivity {
     WithGyro,
 }
 
-/// The log of an Axivity device at 200 Hz.
+/// Log of an Axivity device at 200 Hz.
 pub fn axivity(flight: &Flight, layout: Axivity) -> Vec<u8> {
     let (most, axes, scales) = match layout {
         Axivity::Packed => (120, 0x30, 0),
@@ -106,7 +106,7 @@ pub fn axivity(flight: &Flight, layout: Axivity) -> Vec<u8> {
                 flight.rate[sample].map(|w| (f64::from(w).to_degrees() / 250.0 * 32_768.0).round() as i16);
             match layout {
                 Axivity::Packed => {
-                    // the least exponent by which all three have ten bits
+                    // the smallest exponent with which all three fit in ten bits
                     let exponent =
                         (0..4).find(|e| counts.iter().all(|c| (-512..512).contains(&(c >> e)))).unwrap_or(3);
                     let [x, y, z] = counts.map(|count| (count >> exponent) as u32 & 0x3ff);

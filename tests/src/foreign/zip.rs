@@ -1,11 +1,11 @@
-//! zip archives of files that are stored as they are (PKWARE's APPNOTE).
+//! zip archives with uncompressed files (PKWARE's APPNOTE).
 
 /// An archive of these files.
 pub fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
     let (mut archive, mut directory) = (Vec::new(), Vec::new());
     for (name, content) in files {
         let offset = archive.len() as u32;
-        // version, flags, method, time, date, crc, sizes, lengths of the name and of what else there is
+        // version, flags, method, time, date, crc, sizes, lengths of the name and of the extra field
         let mut common = Vec::new();
         for value in [20_u16, 0, 0, 0, 0x21] {
             common.extend(value.to_le_bytes());

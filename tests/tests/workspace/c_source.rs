@@ -8,7 +8,7 @@ use fos_embedded::hub::Hub;
 use fos_embedded::test_vector::{Expected, TestVector};
 use host_fit::export::{ExportError, c_source, image, test_vector};
 
-/// As much of fos.h as an exported header uses.
+/// The part of fos.h that an exported header uses.
 const FOS_H: &str = "
 #ifndef FOS_H
 #define FOS_H
@@ -56,8 +56,8 @@ fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
 #endif
 ";
 
-/// A hub that answers as the test vector says: it shows that the check compares what it should, and nothing of the
-/// library.
+/// A hub that returns the expected outputs of the test vector: it verifies the comparison of the check, and nothing of
+/// the library.
 const ECHO: &str = "
 #include \"unit.h\"
 #include <stdio.h>
@@ -120,7 +120,7 @@ fn header() -> String {
     c_source(&model(), "unit", "a sensor", "made for a test\nwith a backslash \\").expect("exported")
 }
 
-/// Runs the C compiler in `folder`; none, with the reason printed, if there is none.
+/// Runs the C compiler in `folder`; `None`, with the reason printed, if there is none.
 fn cc(folder: &Path, arguments: &[&str]) -> Option<(bool, String)> {
     let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
@@ -149,7 +149,7 @@ fn the_header_is_c99_without_a_warning() {
     let Some((compiled, said)) = cc(folder.path(), &["-fsyntax-only", "alone.c"]) else { return };
     assert!(compiled, "{said}");
 
-    // a library whose hub is too small is found out when compiling
+    // a library whose hub is too small is detected at compile time
     let small = FOS_H.replace("FOS_MAX_TERMS 128", "FOS_MAX_TERMS 4");
     std::fs::write(folder.path().join("fos.h"), small).expect("writable");
     let (compiled, said) = cc(folder.path(), &["-fsyntax-only", "alone.c"]).expect("there a moment ago");
@@ -165,12 +165,12 @@ fn the_check_compares_every_bit() {
     for wrong in [1, 40, samples] {
         let run = Command::new(folder.path().join("echo")).arg(wrong.to_string()).output().expect("runs");
         let said = String::from_utf8_lossy(&run.stdout).into_owned();
-        // as expected; the sample that is wrong by one bit; too little memory, by its status; what was given
+        // as expected; the sample that differs by one bit; too little memory, by its status; the given samples
         assert_eq!(said, format!("0 {wrong} -1 {}", samples + wrong), "{wrong}");
     }
 }
 
-/// The numbers of a table of the header.
+/// Numbers of a table of the header.
 fn table(header: &str, start: &str) -> Vec<i64> {
     let (_, rest) = header.split_once(start).unwrap_or_else(|| panic!("no {start}"));
     let (_, rest) = rest.split_once('{').expect("a table");

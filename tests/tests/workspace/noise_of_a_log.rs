@@ -11,7 +11,7 @@ const N: f64 = 1.2e-4;
 const B: f64 = 4e-5;
 const K: f64 = 4e-6;
 
-/// A gyro of `n` samples at rest, beside `others`.
+/// A gyro of `n` samples at rest, with other columns.
 fn log(values: Vec<f64>, others: Vec<(String, Vec<f64>)>) -> Recording {
     let time: Vec<f64> = (0..values.len()).map(|row| row as f64 / RATE_HZ).collect();
     let mut columns = vec![("t_s".to_owned(), time), ("gx_rads".to_owned(), values)];
@@ -53,7 +53,7 @@ fn intervals_of_an_hour_hold_the_truth_in_nine_of_ten_logs() {
     assert!(4 * seen > 3 * logs, "{seen} of {logs}");
 }
 
-/// A warm-up by 15 K drifts the bias by 250 times its random walk over a second; the sensor follows the thermometer late.
+/// A warm-up by 15 K drifts the bias by 250 times its random walk over a second; the sensor lags behind the thermometer.
 #[test]
 fn a_drift_with_temperature_is_no_random_walk() {
     let n = 24_000;
@@ -66,7 +66,7 @@ fn a_drift_with_temperature_is_no_random_walk() {
             1.2e-4 * (of_sensor - 25.0) + 3e-6 * (of_sensor - 25.0).powi(2)
         })
         .collect();
-    // a thermometer of steps of 0.5 K that answers every third time, too
+    // also with a thermometer of steps of 0.5 K and a value in every third row
     let coarse = |(row, measured): (usize, &f64)| {
         if row % 3 == 0 { (measured / 0.5).round() * 0.5 } else { f64::NAN }
     };

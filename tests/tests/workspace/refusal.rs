@@ -1,4 +1,4 @@
-//! What `export` says of the hubs is what the hubs do.
+//! Predictions of `export` about the hubs agree with the hubs.
 
 use crate::exported_model::model;
 use fos_core::{Axis, Model};
@@ -7,7 +7,7 @@ use fos_embedded::raw::Scales;
 use fos_fit::model::UnitModel;
 use host_fit::export::{ExportError, Refusal, Room, c_source, image};
 
-/// The hub of the C interface, for the sensor that the model was fitted to, and its answer to the image.
+/// Response of the hub of the C interface to the image, for the sensor that the model was fitted to.
 fn c_hub_takes(model: &UnitModel) -> Result<(), HubError> {
     let scales = Scales {
         accel_mps2: 0.0012,
@@ -37,7 +37,7 @@ fn a_model_that_is_said_to_fit_is_loaded_and_one_term_more_is_not() {
     for part in ["fos.h", "129 terms (room for 128)", "\nhelp:", "--max-terms", "Hub<13, 129, 64>"] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    // a header that no library of ours could load is not written
+    // a header that none of our libraries could load is not written
     let refused = c_source(&model, "unit", "", "").expect_err("too large");
     assert!(matches!(refused, ExportError::Refused(Refusal::TooLargeForC(_))), "{refused:?}");
 }
@@ -46,7 +46,7 @@ fn a_model_that_is_said_to_fit_is_loaded_and_one_term_more_is_not() {
 fn too_long_a_history_and_too_many_inputs_are_said_each_with_its_remedy() {
     let mut deep = model();
     let longest = |model: &mut UnitModel, lag| model.axes[0].stochastic[0].factors[0].lag = lag;
-    // so many lags of 13 inputs and 2 axes: 255 values are there, 270 are not
+    // with this many lags of 13 inputs and 2 axes, 255 values fit and 270 do not
     longest(&mut deep, 17);
     assert_eq!((Refusal::of(&deep), c_hub_takes(&deep)), (None, Ok(())));
     let header = c_source(&deep, "unit", "", "").expect("it fits");
@@ -74,7 +74,7 @@ fn what_no_sensor_measures_is_named_by_its_column() {
     assert_eq!(c_hub_takes(&other), Err(HubError::Axis(1)));
 }
 
-/// Neither the period nor the values are a matter of the model alone: for the sensor of the fit no hub refuses them.
+/// Period and values depend on the sensor, not only on the model: for the sensor of the fit no hub refuses them.
 #[test]
 fn the_sensor_of_the_fit_is_assumed() {
     let slow = UnitModel { period_s: 0.02, ..model() };

@@ -1,5 +1,5 @@
-//! A model as Rust source compiles, is the model of its image to the last bit, and comes with a test vector that
-//! notices when it is not.
+//! A model as Rust source compiles, equals the model of its image to the last bit, and has a test vector that detects a
+//! difference.
 
 use std::process::Command;
 
@@ -49,7 +49,7 @@ fn the_model_comes_to_the_bits_of_its_test_vector() {
     assert_eq!(exported::check(), Ok(()));
 }
 
-/// What `check` says of another model than the one that was exported.
+/// Result of `check` for a model other than the exported one.
 fn check(model: &Model<'_, f32>, vector: &TestVector<'_>) -> Result<(), usize> {
     let mut hub = exported::ModelHub::new(vector.scales);
     hub.load_model(model).expect("as large as the exported one");
@@ -72,7 +72,7 @@ fn a_coefficient_changed_in_its_last_bit_is_noticed() {
             }
         }
     }
-    // a term of 1e-7 beside others of 1: its last bit is rounded away whatever the samples, and the comment says so
+    // a term of 1e-7 among others of 1: its last bit is rounded away for any samples, as the comment states
     println!("not noticed: {unnoticed:?}");
     assert!(unnoticed.len() <= 4, "{unnoticed:?}");
     assert!(!unnoticed.contains(&(0, 0)) && !unnoticed.contains(&(1, 0)), "{unnoticed:?}");
@@ -117,7 +117,7 @@ fn the_hub_says_how_much_the_noise_has_grown() {
     assert_eq!(hub.deviation_ratio(Axis::Ay), None, "no model of this axis");
 }
 
-/// Compiles `source` against fos-core as this test was; what the compiler says if it does not compile.
+/// Compiles `source` against fos-core, built like this test; returns the message of the compiler if it fails.
 fn compile(source: &str) -> Option<Result<(), String>> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("model.rs");
@@ -131,7 +131,7 @@ fn compile(source: &str) -> Option<Result<(), String>> {
             name.starts_with("libfos_core-") && name.ends_with(".rlib")
         })
         .collect();
-    // there may be some of other builds; that of this test is the latest
+    // there may be libraries of other builds; that of this test is the latest
     candidates.sort_by_key(|path| std::cmp::Reverse(path.metadata().and_then(|file| file.modified()).ok()));
     let library = candidates.first()?;
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());

@@ -1,5 +1,5 @@
-//! The loop from the field back to the host: a device sends what it measures, the host makes a log of it and names what
-//! is missing from the model.
+//! The loop from the device back to the host: a device sends its measurements, the host converts them to a log and
+//! identifies the missing effect.
 
 use std::io::BufReader;
 
@@ -15,7 +15,7 @@ use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 use host_fit::export::image;
 use host_fit::record::record;
 
-/// A cable that loses a byte now and then.
+/// A cable that occasionally loses a byte.
 struct Cable {
     bytes: Vec<u8>,
     sent: usize,
@@ -115,7 +115,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
     assert!(named.contains(&"thermal_lag"), "{named:?}");
 }
 
-/// A stream that takes nothing more.
+/// A stream that accepts no more bytes.
 struct Full;
 
 impl ErrorType for Full {

@@ -42,7 +42,7 @@ fn noise_of_many_kinds_is_no_motion() {
                 (50_000..50_400).for_each(|row| values[row] *= 20.0);
             }
         };
-        // all axes grow louder, slowly
+        // the noise of all axes rises slowly
         let louder = |_: usize, values: &mut [f64]| {
             values.iter_mut().enumerate().for_each(|(row, value)| *value *= 1.0 + row as f64 / n as f64);
         };
@@ -71,7 +71,7 @@ fn noise_of_many_kinds_is_no_motion() {
     }
 }
 
-/// What is added to the values of an axis.
+/// Addition to the values of an axis.
 type Shape<'a> = dyn Fn(usize, &mut [f64]) + 'a;
 
 /// A damped sine on several axes.
@@ -103,7 +103,7 @@ fn a_hand_turns_the_unit_and_leaves_it_tilted() {
         for (since, value) in values[from..].iter_mut().enumerate() {
             let x = (since as f64 / (to - from) as f64).min(1.0);
             let tilt = 0.5 - 0.5 * (std::f64::consts::PI * x).cos();
-            // in units of the noise: 1 m/s² along two axes; 0.5 rad about one
+            // in multiples of the noise: 1 m/s² along two axes; 0.5 rad about one
             match axis {
                 0 => *value += 100.0 * tilt,
                 2 => *value -= 60.0 * tilt,

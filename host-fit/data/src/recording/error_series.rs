@@ -1,4 +1,4 @@
-//! The error of one axis, as far as it was measured.
+//! Measured error of one axis.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use crate::closest::closest;
 use crate::column::AXES;
 use crate::unit::Unit;
 
-/// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
+/// Measured error of one axis, before the offset is subtracted: y_raw(n) = measured(n) − reference(n).
 #[derive(Clone, Debug)]
 pub struct ErrorSeries<'a> {
     /// Name of the measured channel.
@@ -22,18 +22,18 @@ pub struct ErrorSeries<'a> {
     pub reference: Reference,
 }
 
-/// What the measurement is compared with.
+/// True value that the measurement is compared with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
-    /// Nothing was subtracted: the log is static, the true value a constant that leaves with the offset.
+    /// Nothing was subtracted: the log is static, and the constant true value becomes part of the offset.
     Constant,
-    /// The channel of this name, the truth as logged beside the measurement.
+    /// Name of the channel with the logged true value.
     Channel(String),
 }
 
 impl Recording {
-    /// The channel of an axis: its full name (`gx_rads`), or short (`gx`, `ay`).
+    /// Channel of an axis, by its full name (`gx_rads`) or its short one (`gx`, `ay`).
     ///
     /// # Errors
     /// No such channel.
@@ -57,11 +57,11 @@ impl Recording {
         })
     }
 
-    /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel
-    /// `ref_<name>` where the log has it, else constant.
+    /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel `ref_<name>` if
+    /// the log has it, else a constant.
     ///
     /// # Errors
-    /// No such channel, or one without a number in it.
+    /// No such channel, or a channel without a single number.
     pub fn error_series(&self, axis: &str) -> Result<ErrorSeries<'_>, RecordingError> {
         let measured = self.axis(axis)?;
         let name = measured.column().reference();
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_channel_without_a_number_is_named() {
-        // that there are "0 rows at rest", and that a longer log would help, was said of it
+        // the message used to state "0 rows at rest" and advise a longer log
         for (hollow, said) in
             [("gx_rads", "test: gx_rads: every cell of its 3 rows"), ("ref_gx_rads", "ref_gx_rads: every")]
         {

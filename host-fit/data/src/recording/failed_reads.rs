@@ -1,46 +1,45 @@
-//! Readings of a thermometer that failed: what a driver writes down in their place.
+//! Failed reads of a thermometer: placeholder values that a driver logs in their place.
 
 use serde::Serialize;
 
 use super::channel::Channel;
 use crate::unit::Unit;
 
-/// What is logged where a read failed, °C: a register of zeros, the power-on value of a DS18B20, what libraries for it
-/// return when it does not answer, absolute zero as converted or rounded.
+/// Placeholders logged for a failed read, °C: a register of zeros, the power-on value of a DS18B20, the value that its
+/// libraries return when it does not answer, absolute zero as converted or rounded.
 const SAID: [f64; 5] = [0.0, 85.0, -127.0, -273.0, -273.15];
 
-/// How near a number must be to one of them, °C: a conversion from kelvin or °F rounds.
+/// Tolerance for a match with a placeholder, °C: a conversion from kelvin or °F rounds.
 const EXACTLY: f64 = 1e-9;
 
-/// A thermometer that is read more than once a second does not move by so much from one reading to the next and back,
-/// K.
+/// Minimum jump from one reading to the next and back, K: no thermometer read more than once a second changes so fast.
 const JUMP_K: f64 = 5.0;
 
-/// Rows from which on one value throughout is no temperature.
+/// Minimum number of rows for discarding a thermometer that shows placeholders throughout.
 const FEWEST_ROWS: usize = 20;
 
-/// Readings of a thermometer that failed, taken for empty cells.
+/// Failed reads of a thermometer, treated as empty cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailedReads {
-    /// As in the log format, as `temp_c`.
+    /// Column in the log format, such as `temp_c`.
     pub column: String,
-    /// Rows with one.
+    /// Number of rows with a failed read.
     pub rows: u64,
-    /// Share of the rows that had a value.
+    /// Share of the rows with a value that are failed reads.
     pub share: f64,
-    /// What stood there, °C, in order.
+    /// Placeholder values found, °C, in ascending order.
     pub said: Vec<f64>,
 }
 
 impl FailedReads {
-    /// True if every reading of this column failed, so that the column is excluded.
+    /// Returns true if every reading of this column failed, so that the column is excluded.
     pub(super) fn is_of_all(&self, column: &str) -> bool {
         self.column == column && self.share >= 1.0
     }
 }
 
-/// Empties the cells of a thermometer that hold one of the values a failed read leaves, where the readings before and
-/// after are far from it, on the same side: a log that passes through 0 °C, or lives there, keeps it.
+/// Empties the cells of a thermometer that hold a placeholder of a failed read, if the readings before and after are far
+/// from it, on the same side: a log that passes through 0 °C, or stays there, keeps its values.
 pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
     if channel.unit != Unit::Celsius {
         return None;
@@ -48,7 +47,7 @@ pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
     let values = channel.values.clone();
     let said_at = |row: usize| SAID.into_iter().find(|said| (values[row] - said).abs() < EXACTLY);
     let known: Vec<usize> = (0..values.len()).filter(|row| !values[*row].is_nan()).collect();
-    // a thermometer shows its own noise, and no thermometer that works shows one of these values in every row
+    // a working thermometer shows its own noise, and never a placeholder in every row
     if known.len() >= FEWEST_ROWS && known.iter().all(|row| said_at(*row).is_some()) {
         let mut said: Vec<f64> = known.iter().filter_map(|row| said_at(*row)).collect();
         said.sort_unstable_by(f64::total_cmp);
@@ -112,7 +111,7 @@ mod tests {
         Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
     }
 
-    /// A degree a second, from `from` °C on.
+    /// Ramp of 1 K/s at 100 Hz, starting at `from` °C.
     fn warming(from: f64) -> Vec<f64> {
         (0..2000).map(|row| from + 0.01 * f64::from(row)).collect()
     }

@@ -1,4 +1,4 @@
-//! The gap rule on stamps whose truth is known.
+//! The gap rule on timestamps with known truth.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::*;
 
-/// True period of the made logs: 1.3 % off 200 Hz.
+/// True period of the synthetic logs: 1.3 % off 200 Hz.
 pub(super) const T: f64 = 0.005 * 1.013;
 
 fn record(time_s: Vec<f64>) -> Recording {
@@ -17,19 +17,19 @@ fn record(time_s: Vec<f64>) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
 }
 
-/// Row and missing samples of every gap.
+/// Row and number of missing samples of every gap.
 pub(super) fn gaps(recording: &Recording) -> Vec<(usize, u64)> {
     recording.segments[1..].iter().map(|s| (s.rows.start, s.missing_before)).collect()
 }
 
-/// Stamps of `n` samples with normal jitter of `sd` periods.
+/// Timestamps of `n` samples with normal jitter of `sd` periods.
 fn jittered(n: usize, sd: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let jitter = Normal::new(0.0, sd * T).unwrap();
     (0..n).map(|i| 100.0 + i as f64 * T + jitter.sample(&mut random)).collect()
 }
 
-/// Arrival times at a host that polls every 1 to `longest` samples, reading what is there at 0.2 T a sample.
+/// Arrival times at a host that polls every 1 to `longest` samples, and reads the buffer at 0.2 T per sample.
 pub(super) fn bursts(n: usize, longest: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut stamps = Vec::with_capacity(n);
@@ -124,7 +124,7 @@ fn a_removed_block_is_found_with_its_length_under_jitter() {
             let found = gaps(&recording);
             assert_eq!(found.len(), 1, "seed {seed}: {found:?} of {k}");
             assert_eq!(found[0].1, k as u64, "seed {seed}");
-            // half a period is five standard deviations: one or two rows may pass for the other side's
+            // half a period is five standard deviations: one or two rows may be assigned to the other side
             assert!(found[0].0.abs_diff(2500) <= 2, "seed {seed}: {found:?}");
         }
     }

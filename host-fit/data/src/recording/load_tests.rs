@@ -1,4 +1,4 @@
-//! Files in, recordings out: formats, units, rubbish, and writing them again.
+//! Reading of files: formats, units, damaged rows; and writing them again.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ fn mapped(specs: &[&str]) -> LoadOptions {
     LoadOptions { columns: ColumnMap::from_specs(specs).unwrap(), ..LoadOptions::default() }
 }
 
-/// A log of 100 rows at 100 Hz; `row` may put something else in place of a line.
+/// A log of 100 rows at 100 Hz; `row` may replace a line.
 fn log(row: impl Fn(usize) -> Option<&'static str>) -> String {
     let lines = (0..100).map(|i| match row(i) {
         Some(line) => line.to_owned(),
@@ -70,7 +70,7 @@ fn what_is_written_reads_back() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let n = 70_000; // more than one batch
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.005).collect();
-    // any bit pattern that is a finite number
+    // any bit pattern of a finite number
     let mut any: Vec<f64> = (0..n)
         .map(|_| {
             loop {
@@ -217,7 +217,7 @@ fn copies_of_a_row_are_dropped_and_repeated_stamps_kept() {
     let text = log(|i| match i {
         // the sender repeats row 49 while two samples are lost
         50 | 51 => Some("0.49,490"),
-        // another sample under the stamp of the one before
+        // another sample with the timestamp of the one before
         80 => Some("0.79,800"),
         _ => None,
     });

@@ -1,4 +1,4 @@
-//! What is found out about a recording is kept with it, and with no other.
+//! Cached results of a recording stay with it and reach no other one.
 
 use super::{LoadOptions, Recording, Source};
 

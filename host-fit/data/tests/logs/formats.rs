@@ -1,4 +1,4 @@
-//! Logs in the formats of others, written by other code than what reads them here, come out as what was measured.
+//! Logs in foreign formats, written by code independent of the readers, read back as the original measurements.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn format_of(recording: &Recording) -> (&'static str, String) {
     (read_as.format.id(), read_as.assumed.clone())
 }
 
-/// Every sample of the axes that are there, to within `tolerance` of its size and `step` of its unit.
+/// Checks every sample of the available axes to within `tolerance` of its size and `step` of its unit.
 fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f64) {
     for (name, expected) in flight.columns() {
         let Ok(channel) = recording.channel(name) else {
@@ -68,7 +68,7 @@ fn what_holds_every_digit_comes_out_to_the_last_bit() {
         is_the_flight(&recording, &flight, 0.0, 0.0);
         assert_eq!(recording.time_s, flight.time_s(), "{name}");
         assert!(recording.channel("temp_c").is_ok(), "{name}");
-        // as in the log format
+        // the same as in the log format
         let csv = read("a.csv", flight.csv().as_bytes());
         assert!(csv.sources[0].read_as.is_none());
         assert_eq!((&recording.time_s, recording.rate.true_hz), (&csv.time_s, csv.rate.true_hz), "{name}");
@@ -91,7 +91,7 @@ fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
         let step = if *id == "betaflight" { 0.5_f64.to_radians() + 1e-9 } else { 1e-9 };
         is_the_flight(&recording, &flight, 1e-12, step);
         assert_eq!(recording.axes().unwrap().len(), 6, "{name}");
-        // and again when the format is named
+        // and again with an explicit format
         let options = LoadOptions { format: Some(found.parse().unwrap()), ..LoadOptions::default() };
         assert_eq!(read_as(name, &write(&flight), &options).unwrap().time_s, recording.time_s, "{name}");
     }
@@ -111,7 +111,7 @@ fn recognises_renamed_files_of_sensor_logger() {
         let turn = read(name, sensor_logger(1.5).as_bytes());
         assert_eq!(turn.channel("gz_rads").unwrap().values[0], 1.5, "{name}");
     }
-    // by gravity where the name says nothing, as an iPhone has it
+    // by gravity if the name gives no hint, as on an iPhone
     let force = read("a.csv", sensor_logger(-1.0).as_bytes());
     assert!((force.channel("az_mps2").unwrap().values[0] - 9.80665).abs() < 1e-9);
     let error = read_as("a.csv", sensor_logger(0.3).as_bytes(), &LoadOptions::default()).unwrap_err();
@@ -148,7 +148,7 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
     assert!((first.rate.true_hz - 50.0).abs() < 0.01);
     assert_eq!(first.channel("gx_rads").unwrap().values[7], f64::from(flight.rate[7][0]));
     assert!(format_of(&first).1.contains("there are 1 too"), "{}", format_of(&first).1);
-    // a thermometer that is not there
+    // placeholder values of an absent thermometer
     assert!(first.channel("temp_c").is_err());
     assert!(first.oddities(&[true; SAMPLES]).iter().any(|odd| odd.to_string().contains("not a temperature")));
     for topic in ["1", "IMU 1", "IMU2"] {
@@ -190,7 +190,7 @@ fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
     let flight = flight();
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let mut gene = String::from_utf8(geneactiv(&flight)).unwrap();
-    // a page with a digit that is none, one that is cut short, one of an impossible time
+    // a page with an invalid digit, one cut short, one with an impossible time
     let samples: Vec<(usize, usize)> =
         gene.match_indices("200.0\r\n").map(|(at, text)| (at, at + text.len())).collect();
     gene.replace_range(samples[1].1..samples[1].1 + 1, "G");
@@ -247,7 +247,7 @@ fn what_px4_decimates_is_read_where_it_is_not_and_said() {
     let combined = read("a.ulg", &ulog(&flight, Rate::Decimated));
     let (_, assumed) = format_of(&combined);
     assert!(assumed.contains("sensor_combined") && assumed.contains("already corrected by PX4"), "{assumed}");
-    // the gyro's stamps lead; the accelerometer's are half a millisecond before, so that it is interpolated
+    // the gyro leads; the accelerometer's timestamps are half a millisecond earlier, so that it is interpolated
     assert_eq!(combined.time_s, flight.time_s());
     let turn = combined.channel("gx_rads").unwrap();
     assert!(turn.values.iter().zip(&flight.rate).all(|(found, rate)| *found == f64::from(rate[0])));
@@ -274,7 +274,7 @@ fn undoes_what_ardupilot_did_to_a_sample() {
         let recording = read("a.bin", &dataflash(&flight, &parameters, raw));
         let (_, assumed) = format_of(&recording);
         assert!(assumed.contains("undone: offsets, AHRS_ORIENTATION 4"), "{assumed}");
-        // turned by half a turn about z
+        // rotated by half a turn about z
         let x = recording.channel("ax_mps2").unwrap();
         let expected = flight.acceleration.iter().map(|value| -f64::from(value[0]) + 0.25);
         assert!(x.values.iter().zip(expected).all(|(found, expected)| *found == expected));
@@ -382,7 +382,7 @@ fn folders_are_opened_as_archives_are() {
     let source = &recording.sources[0];
     assert_eq!((source.path.as_str(), source.sha256.len()), (folder.path().to_str().unwrap(), 64));
     assert!(source.bytes > 0);
-    // the digest is that of what was read
+    // the digest covers the files read
     fs::write(data.join("sensor.yaml"), "rate_hz: 100\n").unwrap();
     assert_eq!(load(folder.path(), &LoadOptions::default()).unwrap().sources, recording.sources);
     fs::write(data.join("data.csv"), text("kalibr")).unwrap();

@@ -1,4 +1,4 @@
-//! From a path to what is in it: a container is looked into, the rest is told by its first bytes.
+//! Opens a path: a container is searched, any other file is recognised by its first bytes.
 
 use std::io::{BufReader, Seek};
 use std::path::Path;
@@ -20,15 +20,15 @@ use super::opened::{Extent, Opened, READ_BUFFER};
 use super::{archive, several};
 use crate::file::{self, FileError};
 
-/// Rows that are read of a file to see what is in it.
+/// Number of rows read to recognise a file.
 #[cfg(feature = "parquet")]
 const BEGIN_ROWS: usize = 2000;
 
-/// Opens a file, or a folder that a program writes.
+/// Opens a file, or a folder written by a program.
 ///
 /// # Errors
 ///
-/// It cannot be read, or is nothing that is known.
+/// The path cannot be read, or is nothing known.
 pub(in super::super) fn open(
     path: &Path,
     options: &LoadOptions,
@@ -51,7 +51,7 @@ pub(in super::super) fn open(
     file.rewind().map_err(failed())?;
     let mut hashing = Hashing::new(file.try_clone().map_err(failed())?, &mut digest);
     if begin.starts_with(b"PK\x03\x04") {
-        // read out of order, so not by way of the checksum; the two share one open file
+        // an archive is not read in order, so hash it first; both share one open file
         hashing.read_rest().map_err(failed())?;
         let mut archive = archive::zip(path, file)?;
         let opened = several::read(path, &mut archive, options, extent)?;
@@ -63,7 +63,7 @@ pub(in super::super) fn open(
         #[cfg(feature = "parquet")]
         {
             let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
-            // once, before: what is read moves the place where the checksum would go on
+            // hash first: reading moves the position at which the checksum would continue
             hashing.read_rest().map_err(failed())?;
             let table = parquet_file::read(path, file, &options.columns, rows)?;
             choice::refuse_topic(path, options, &choice::offers_of(&table))?;
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// The end of a Parquet file once counted twice, so that nobody else came to its digest.
+    /// The end of a Parquet file used to be hashed twice, so that the digest was wrong.
     #[test]
     fn size_and_checksum_are_those_of_the_file() {
         let folder = tempfile::tempdir().unwrap();

@@ -43,7 +43,7 @@ fn one_stream_alone_and_streams_of_the_same_stamps_pass_untouched() {
 
 #[test]
 fn slower_axes_are_interpolated_and_everything_else_is_held() {
-    // on the grid of the gyro: what is linear in time is exact, and what is held is up to a second old
+    // at the times of the gyro: values linear in time are exact, and held ones are up to a second old
     let gyro = stream("gyro", every(5_000_000, 2_000_000, 2000), &["gx_rads"], |t| t);
     let force = stream("accelerometer", every(10_000_000, 0, 1000), &["ax_mps2", "ay_mps2"], |t| 3.0 * t);
     let thermometer = stream("thermometer", every(1_000_000_000, 0, 10), &["temp_c"], f64::round);
@@ -72,8 +72,8 @@ fn slower_axes_are_interpolated_and_everything_else_is_held() {
     assert_eq!(alignment.others[1].rows_missing, 2, "after the last sample of the accelerometer");
 }
 
-/// A unit that hands turn for `turned_s` of every minute, in gravity: accelerometer of 104 Hz whose clock lacks `lacks_s` and
-/// `drift` more every second, gyro of 208 Hz, stamps that jitter by a millisecond.
+/// A device turned by hand for `turned_s` of every minute, in gravity: accelerometer of 104 Hz whose clock lags by
+/// `lacks_s` and `drift` more every second, gyro of 208 Hz, timestamps with a jitter of 1 ms.
 fn turned(seed: u64, minutes: f64, turned_s: f64, (lacks_s, drift): (f64, f64)) -> Vec<Stream> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(random) };
@@ -98,7 +98,7 @@ fn turned(seed: u64, minutes: f64, turned_s: f64, (lacks_s, drift): (f64, f64)) 
         let [wx, wy, wz] = rate;
         let [fx, fy, fz] = force;
         let change = [fy * wz - fz * wy, fz * wx - fx * wz, fx * wy - fy * wx];
-        // the rate is that of the step, and so is what the accelerometer has in its middle
+        // the rate is that of the step, and the accelerometer is sampled in its middle
         let middle = [0, 1, 2].map(|axis| force[axis] + 0.5 * step_s * change[axis]);
         force = [0, 1, 2].map(|axis| force[axis] + step_s * change[axis]);
         let samples = [(104.0, middle, 0.02, t - lacks_s - drift * (t - middle_s)), (208.0, rate, 0.002, t)];
@@ -136,7 +136,8 @@ fn the_offset_of_two_clocks_is_found_where_the_unit_turns() {
     }
 }
 
-/// A device on a pendulum of `swing_hz` about its x axis, noise of a phone, an accelerometer whose clock lacks `lacks_s`.
+/// A device on a pendulum of `swing_hz` about its x axis, with the noise of a phone; the accelerometer's clock lags by
+/// `lacks_s`.
 fn swung(seed: u64, swing_hz: f64, lacks_s: f64) -> Vec<Stream> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(random) };
@@ -171,9 +172,9 @@ fn swung(seed: u64, swing_hz: f64, lacks_s: f64) -> Vec<Stream> {
         .to_vec()
 }
 
-/// Whether an offset is the true one, and whether the swing is reported as one that repeats.
+/// Returns true if an offset is the true one, and the swing is reported as periodic if it is.
 fn is_right(apart: &Apart, swing_hz: f64, lacks_s: f64) -> bool {
-    // periods of which another offset within half a second explains the motion as well
+    // periods for which another offset within half a second explains the motion as well
     let has_another = 0.5 > 1.0 / swing_hz - lacks_s.abs();
     let repeats = match apart.repeats_s {
         Some(repeats_s) => (repeats_s * swing_hz - 1.0).abs() < 0.05,
@@ -182,7 +183,7 @@ fn is_right(apart: &Apart, swing_hz: f64, lacks_s: f64) -> bool {
     (apart.offset_s - lacks_s).abs() < 4.0 * apart.offset_error_s + 5e-4 && repeats
 }
 
-/// The least of equal minima was 400 ms off for a swing of 2.5 Hz and clocks that agreed.
+/// The first of equal minima used to be 400 ms off for a swing of 2.5 Hz and clocks that agreed.
 #[test]
 fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
     let (mut swings, mut noticed) = (0, 0);
@@ -195,7 +196,7 @@ fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
             if let Some(repeats_s) = apart.repeats_s {
                 let text = Clocks::Apart(apart).to_string();
                 assert!(text.contains(&format!("repeats every {repeats_s:.2} s")), "{text}");
-                // negative control: a period off, which is as low a minimum
+                // negative control: a period off, which is an equally low minimum
                 let off = Apart { offset_s: apart.offset_s + repeats_s, ..apart };
                 assert!(!is_right(&off, swing_hz, lacks_s), "{off:?}");
                 noticed += 1;
@@ -237,7 +238,7 @@ fn clocks_that_drift_apart_are_set_along_the_log() {
 
 #[test]
 fn what_shakes_without_turning_in_gravity_is_not_taken_for_it() {
-    // a fan of 17 Hz shows on both, with a phase of its own
+    // a fan of 17 Hz shows on both, with different phases
     for seed in 0..10 {
         let mut streams = turned(seed, 2.0, 0.0, (0.0, 0.0));
         for (stream, size) in streams.iter_mut().zip([0.8, 0.15]) {
@@ -256,7 +257,7 @@ fn what_shakes_without_turning_in_gravity_is_not_taken_for_it() {
 fn a_turn_about_the_vertical_tells_nothing() {
     let mut streams = turned(3, 2.0, 0.0, (0.1, 0.0));
     let stamps = streams[1].stamps_ns.clone();
-    // along the specific force of a unit that lies still: 1, 2, 9.5
+    // along the specific force of a device that lies still: 1, 2, 9.5
     for ((_, values), part) in streams[1].columns.iter_mut().zip([0.1, 0.2, 0.95]) {
         let turn = |stamp: &i64| part * (*stamp as f64 * 1e-9).sin();
         values.iter_mut().zip(&stamps).for_each(|(value, stamp)| *value += turn(stamp));
@@ -288,7 +289,7 @@ fn stamps_out_of_order_are_sorted_repeats_and_wild_ones_left_out_and_counted() {
     let Joined { columns, alignment } = joined(vec![mixed, force()]);
     assert_eq!(columns, expected);
     assert_eq!((alignment.samples_sorted, alignment.samples_dropped), (3, 2));
-    // another sample of the same stamp is one of its own
+    // another sample of the same timestamp is a sample of its own
     let mut coarse = sound;
     copy(&mut coarse, 51, 250_000_000, 9.0);
     let Joined { columns, .. } = joined(vec![coarse, force()]);

@@ -14,7 +14,7 @@ impl RamFlash {
         Self([0xff; 4 * PAGE])
     }
 
-    /// Clears bits all over, as no write would.
+    /// Clears bits everywhere, unlike any write.
     pub(crate) fn wreck(&mut self, bytes: Range<usize>) {
         for byte in &mut self.0[bytes] {
             *byte &= 0x55;
