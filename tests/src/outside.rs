@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_promised_must_be_there_where_a_machine_judges() {
+    fn promised_files_are_required_in_ci() {
         assert_eq!(missing(true, true), Missing::Fails);
         // people see the message; a clone was never promised any
         for (promised, ci) in [(true, false), (false, true), (false, false)] {
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "one of the three folders")]
-    fn a_folder_that_nobody_knows_is_a_mistake_of_the_test() {
+    fn unknown_folder_panics() {
         let _ = path("other/file");
     }
 }

@@ -17,7 +17,7 @@ pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
     INSIDE.set(outer);
-    result.map_err(|payload| match crate::interrupt::not_a_stop(payload).downcast::<String>() {
+    result.map_err(|payload| match crate::interrupt::rethrow_stop(payload).downcast::<String>() {
         Ok(text) => *text,
         Err(payload) => {
             payload.downcast_ref::<&str>().copied().unwrap_or("an error without a text").to_owned()
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_becomes_what_it_said() {
+    fn panic_becomes_its_message() {
         assert_eq!(catch_panic(|| 7), Ok(7));
         assert_eq!(catch_panic(|| -> u8 { panic!("too {}", "long") }), Err("too long".to_owned()));
         assert_eq!(catch_panic(|| -> u8 { panic!("short") }), Err("short".to_owned()));

@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_says_what_a_column_is() {
+    fn classifies_columns_by_name() {
         let gyro = Column::named("gy_rads");
         assert_eq!(gyro.place(), Some((Triad::Gyros, 1)));
         assert_eq!((gyro.axis(), gyro.quantity()), (Axis::Gy, Quantity::Measured(Axis::Gy)));

@@ -69,7 +69,7 @@ pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<
 }
 
 /// Payload of a caught panic. Continues to unwind if it is a requested stop.
-pub(crate) fn not_a_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
+pub(crate) fn rethrow_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
     if cause.is::<Unwound>() { panic::resume_unwind(cause) } else { cause }
 }
 
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_computation_ends_where_it_checks_and_not_before() {
+    fn computation_stops_at_its_next_check() {
         let stop = StopRequest::default();
         let mut last = 0;
         let result = interruptible(&stop, || {
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn what_runs_beside_one_another_stops_too_and_its_threads_go_on() {
+    fn parallel_work_stops_and_its_threads_continue() {
         let stop = StopRequest::default();
         let squares = interruptible(&stop, || in_parallel(0..100, |n| n * n));
         assert_eq!(squares, Ok((0..100).map(|n| n * n).collect()));
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_told_apart_from_a_stop() {
+    fn distinguishes_a_panic_from_a_stop() {
         let hook = panic::take_hook();
         panic::set_hook(Box::new(|_| {}));
         let result = interruptible(&StopRequest::default(), || panic!("on purpose"));

@@ -15,11 +15,11 @@ use crate::statistics::{MAD_TO_SD, finite_median, mean, median};
 /// Smallest difference of specific force between two orientations, m/s²: a tenth of gravity, a tilt of 6°. No bias moves
 /// so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt is indistinguishable from
 /// a change of the bias.
-const OTHER_POSE_MPS2: f64 = 0.1 * GRAVITY_MPS2 as f64;
+const MIN_CHANGE_MPS2: f64 = 0.1 * GRAVITY_MPS2 as f64;
 
 /// Length of the windows whose levels are compared, s, and minimum number of rows of one.
 const WINDOW_S: f64 = 1.0;
-const FEWEST_ROWS: usize = 5;
+const MIN_ROWS: usize = 5;
 
 /// Minimum number of consecutive windows of one orientation, so that a knock or a hand is not taken for one.
 const HELD_WINDOWS: usize = 3;
@@ -47,7 +47,7 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
     if values.is_empty() {
         return Vec::new();
     }
-    let rows = ((WINDOW_S / recording.rate.period_s).round() as usize).max(FEWEST_ROWS);
+    let rows = ((WINDOW_S / recording.rate.period_s).round() as usize).max(MIN_ROWS);
     let mut poses: Vec<Pose> = Vec::new();
     for stretch in recording.stretches_where(|row| used[row]) {
         // rows with an unchanged level so far, and their number of windows
@@ -85,11 +85,11 @@ pub(crate) const LEVEL_S: f64 = 5.0;
 
 /// A device is never put down exactly as it lay: a level has changed if the change exceeds this many standard errors
 /// and the minimum below, m/s² (1 mg).
-const MOVED: f64 = 8.0;
-const LEAST_TILT_MPS2: f64 = 0.01;
+const MIN_SIGMAS: f64 = 8.0;
+const MIN_TILT_MPS2: f64 = 0.01;
 
 /// Minimum number of accelerometers that a tilt changes: a change of one alone may be a step of its bias.
-const FEWEST_TILTED: usize = 2;
+const MIN_TILTED: usize = 2;
 
 /// Gap in the samples during which the device may have been picked up and put down, s.
 const PAUSE_S: f64 = 1.0;
@@ -99,7 +99,7 @@ const BIAS_PER_K: f64 = 0.01;
 
 /// Share of a level change that may appear as a change of |a| in a pure rotation: biases of 0.05 g and scale errors turn
 /// with the device.
-const NOT_CONSERVED: f64 = 0.1;
+const MAX_MAGNITUDE_SHARE: f64 = 0.1;
 
 /// Rows at rest from which gravity may have a different direction: after a motion that tilted the device, after a pause
 /// in which it may have been turned, or where a new log begins in another orientation. `tilted` are rows of motions
@@ -115,7 +115,7 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
                 let is_told = tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
                 // a device may be put down differently after handling: a step of the bias in between is not identifiable
                 let is_stated = recording.still.is_some() && has_paused(recording, &gap);
-                let fewest = if is_stated { 1 } else { FEWEST_TILTED };
+                let fewest = if is_stated { 1 } else { MIN_TILTED };
                 is_told || is_tilted_by(recording, &tail, &head, fewest)
             }
         };
@@ -133,9 +133,8 @@ fn has_paused(recording: &Recording, rows: &Range<usize>) -> bool {
 
 /// Last rows of each rest with the first rows of the next.
 fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize>, Range<usize>)> {
-    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(FEWEST_ROWS);
-    let rests =
-        recording.stretches_where(|row| still[row]).into_iter().filter(|rest| rest.len() >= FEWEST_ROWS);
+    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(MIN_ROWS);
+    let rests = recording.stretches_where(|row| still[row]).into_iter().filter(|rest| rest.len() >= MIN_ROWS);
     let rests: Vec<Range<usize>> = rests.collect();
     let tail = |rest: &Range<usize>| rest.start.max(rest.end.saturating_sub(length))..rest.end;
     let head = |rest: &Range<usize>| rest.start..rest.end.min(rest.start + length);
@@ -199,7 +198,7 @@ fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize
     let level = |axis: &[f64], rows: &Range<usize>| {
         let values: Vec<f64> = axis[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect();
         let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-        let pairs = values.len().checked_sub(1).filter(|pairs| *pairs + 1 >= FEWEST_ROWS)? as f64;
+        let pairs = values.len().checked_sub(1).filter(|pairs| *pairs + 1 >= MIN_ROWS)? as f64;
         Some((mean(&[&values]), squares / (2.0 * pairs) / values.len() as f64))
     };
     let (mut change, mut variance, mut squares) = (0.0, 0.0, [0.0; 2]);
@@ -215,9 +214,9 @@ fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize
         |rows: &Range<usize>| finite_median(&recording.channel("temp_c").ok()?.values[rows.clone()]);
     let warmer =
         temperature(before).zip(temperature(after)).map_or(0.0, |(before, after)| (after - before).abs());
-    let has_moved = change > MOVED * error && change > LEAST_TILT_MPS2 + BIAS_PER_K * warmer;
+    let has_moved = change > MIN_SIGMAS * error && change > MIN_TILT_MPS2 + BIAS_PER_K * warmer;
     let of_magnitude = (squares[1].sqrt() - squares[0].sqrt()).abs();
-    let is_conserved = axes.len() < 3 || of_magnitude < NOT_CONSERVED * change + MOVED * error;
+    let is_conserved = axes.len() < 3 || of_magnitude < MAX_MAGNITUDE_SHARE * change + MIN_SIGMAS * error;
     (has_moved && is_conserved).then_some(change)
 }
 
@@ -272,7 +271,7 @@ fn levels(
 
 /// Returns true if two accelerometers changed their level across a motion, or one by a large amount.
 pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
-    is_tilted_by(recording, before, after, FEWEST_TILTED)
+    is_tilted_by(recording, before, after, MIN_TILTED)
 }
 
 /// Returns true if at least `fewest` accelerometers changed their level, or one by a large amount.
@@ -283,13 +282,13 @@ fn is_tilted_by(recording: &Recording, before: &Range<usize>, after: &Range<usiz
             series.values[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect()
         };
         let (mut before, mut after) = (part(before), part(after));
-        if before.len() < FEWEST_ROWS || after.len() < FEWEST_ROWS {
+        if before.len() < MIN_ROWS || after.len() < MIN_ROWS {
             return false;
         }
         // standard error of a median of normal noise
         let error = 1.25 * (noise(&before) / before.len() as f64 + noise(&after) / after.len() as f64).sqrt();
         let moved = (median(&mut after) - median(&mut before)).abs();
-        moved > MOVED * error && moved > LEAST_TILT_MPS2
+        moved > MIN_SIGMAS * error && moved > MIN_TILT_MPS2
     };
     ACCELEROMETERS.iter().filter(|name| has_moved(name)).count() >= fewest || is_far(recording, before, after)
 }
@@ -306,7 +305,7 @@ fn noise(values: &[f64]) -> f64 {
 
 fn is_other(one: &[f64], other: &[f64]) -> bool {
     let squares = one.iter().zip(other).map(|(a, b)| (a - b).powi(2));
-    squares.sum::<f64>().sqrt() > OTHER_POSE_MPS2
+    squares.sum::<f64>().sqrt() > MIN_CHANGE_MPS2
 }
 
 #[cfg(test)]
@@ -331,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_bias_does_is_no_pose_and_neither_is_a_knock() {
+    fn bias_drift_and_knocks_are_no_orientation() {
         let warms_up = |t: f64| [0.4 * (1.0 - (-t / 10.0).exp()), 0.1, G];
         let steps = |t: f64| [if t > 20.0 { 0.5 } else { -0.3 }, 0.0, G];
         let knocked = |t: f64| if (30.0..31.5).contains(&t) { [6.0, 0.0, 3.0] } else { [0.0, 0.0, G] };
@@ -345,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn one_level_that_changes_over_a_stated_motion_is_another_orientation() {
+    fn level_change_across_stated_motion_is_another_orientation() {
         let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
         let axis = |(i, name): (usize, &str)| {
             let noise = white_noise(i as u64, 3000);
@@ -363,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn two_poses_are_told_by_all_axes_and_by_one_that_changes() {
+    fn finds_two_orientations_by_all_axes_or_one() {
         let turned = |t: f64| if t < 25.0 { [0.0, 0.0, G] } else { [G * 0.5, 0.0, G * 0.75_f64.sqrt()] };
         let poses = found(turned, &ACCELEROMETERS);
         assert_eq!((poses[0].rows.clone(), poses[1].rows.start), (0..1250, 1250));
@@ -406,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn each_side_of_a_pause_with_a_tilt_has_a_level_of_its_own() {
+    fn tilt_across_a_pause_starts_a_new_level() {
         let at_rest = |log: &Recording| turns(log, &[true; 6000], &[]);
         assert_eq!(overlooked(at_rest), []);
         // negative control: another orientation only if the levels are 6° apart
@@ -419,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_change_that_no_tilt_explains_is_none() {
+    fn level_change_without_a_possible_tilt_is_ignored() {
         let lying = [0.1, 0.2, 9.79];
         let found = |pause_s: f64, after: [f64; 3], celsius: [f64; 2]| {
             turns(&with_pause(pause_s, [lying, after], celsius), &[true; 6000], &[]).len()
@@ -433,10 +432,10 @@ mod tests {
     }
 
     #[test]
-    fn says_that_a_tilt_and_a_step_are_indistinguishable_across_a_pause() {
+    fn warns_that_tilt_and_step_are_indistinguishable_across_a_pause() {
         let log = with_pause(60.0, [[0.1, 0.2, 9.79], [0.27, 0.2, 9.79]], [25.0; 2]);
-        let said = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
-        assert!(said.contains("after a pause of 60.0 s") && said.contains("tilt of 1.0°"), "{said}");
-        assert!(said.contains("orientation changed or bias step, indistinguishable"), "{said}");
+        let message = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
+        assert!(message.contains("after a pause of 60.0 s") && message.contains("tilt of 1.0°"), "{message}");
+        assert!(message.contains("orientation changed or bias step, indistinguishable"), "{message}");
     }
 }

@@ -11,19 +11,19 @@ const REACH: usize = 5;
 
 /// Minimum distance of an outlier in standard deviations, and as a multiple of that of all but a thousandth of the values:
 /// normal noise never reaches it, and noise with tails as wide as Laplace's in one sample in 10⁷.
-const FAR: f64 = 8.0;
-const BEYOND_TAIL: f64 = 2.5;
+const MIN_SIGMAS: f64 = 8.0;
+const MIN_TAIL_RATIO: f64 = 2.5;
 
 /// Minimum distance near the ends of a stretch, in standard deviations: the device may have begun to move there.
-const FAR_AT_AN_END: f64 = 30.0;
+const MIN_SIGMAS_AT_END: f64 = 30.0;
 
-/// Minimum ratio to the distances of all but [`REACH`] of the values in `AROUND` rows before and after, which the onset of
+/// Minimum ratio to the distances of all but [`REACH`] of the values in `ISOLATION_ROWS` rows before and after, which the onset of
 /// shaking does not reach.
-const ALONE: f64 = 5.0;
-const AROUND: usize = 25;
+const MIN_ISOLATION: f64 = 5.0;
+const ISOLATION_ROWS: usize = 25;
 
 /// Largest share of outliers among the rows; with more the noise is intermittent.
-const MOST: f64 = 1e-3;
+const MAX_SHARE: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spikes {
@@ -61,23 +61,26 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     }
     let stands_alone = |at: usize| {
         let (row, own) = off[at];
-        let near = &off[at.saturating_sub(AROUND)..(at + AROUND + 1).min(off.len())];
-        let mut others: Vec<f64> =
-            near.iter().filter(|(other, _)| other.abs_diff(row) <= AROUND).map(|(_, off)| *off).collect();
+        let near = &off[at.saturating_sub(ISOLATION_ROWS)..(at + ISOLATION_ROWS + 1).min(off.len())];
+        let mut others: Vec<f64> = near
+            .iter()
+            .filter(|(other, _)| other.abs_diff(row) <= ISOLATION_ROWS)
+            .map(|(_, off)| *off)
+            .collect();
         let place = others.len().saturating_sub(REACH + 1);
-        own > ALONE * *others.select_nth_unstable_by(place, f64::total_cmp).1
+        own > MIN_ISOLATION * *others.select_nth_unstable_by(place, f64::total_cmp).1
     };
     let tail = sizes.len() - 1 - sizes.len() / 1000;
     let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
     // a thousandth may be outliers themselves, which then are the tail
-    let far = (FAR * deviation).max((BEYOND_TAIL * tail).min(FAR_AT_AN_END * deviation));
+    let far = (MIN_SIGMAS * deviation).max((MIN_TAIL_RATIO * tail).min(MIN_SIGMAS_AT_END * deviation));
     let is_far = |at: &usize| {
         let (_, own) = off[*at];
-        own > if is_inside[*at] { far } else { FAR_AT_AN_END * deviation } && stands_alone(*at)
+        own > if is_inside[*at] { far } else { MIN_SIGMAS_AT_END * deviation } && stands_alone(*at)
     };
     let far: Vec<(usize, f64)> = (0..off.len()).filter(is_far).map(|at| off[at]).collect();
     let worst = far.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let few = far.len() <= ((MOST * off.len() as f64) as usize).max(1);
+    let few = far.len() <= ((MAX_SHARE * off.len() as f64) as usize).max(1);
     few.then(|| Spikes {
         rows: far.iter().map(|(row, _)| *row).collect(),
         worst: (worst.0, values[worst.0], worst.1 / deviation),
@@ -167,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wild_sample_is_found_wherever_it_is() {
+    fn finds_an_outlier_at_any_position() {
         for row in [0, 1, 500, 998, 999] {
             let mut values = white_noise(3, 1000);
             values[row] = -32_768.0;
@@ -188,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_walks_steps_and_bursts_have_none() {
+    fn noise_walks_steps_and_bursts_have_no_outliers() {
         let step: Vec<f64> = white_noise(1, 4000)
             .iter()
             .enumerate()

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_measured_has_mean_and_variance_zero() {
+    fn mean_and_variance_of_no_samples_are_zero() {
         assert_eq!((mean(&[]), variance(&[])), (0.0, 0.0));
     }
 
@@ -108,7 +108,7 @@ mod tests {
 
     /// Selection and sorting give the same bits for the middle value of the total order.
     #[test]
-    fn a_median_that_is_selected_is_the_one_that_sorting_finds() {
+    fn selection_and_sorting_give_the_same_median() {
         let values: Vec<f64> =
             (0..257_i32).map(|k| f64::from(k * 7919 % 101) * 0.1 - 5.0).chain([-0.0, 0.0]).collect();
         for count in 1..=values.len() {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_is_one_across_gaps_too() {
+    fn detects_a_constant_across_gaps() {
         assert!(is_constant(&[]) && is_constant(&[&[]]) && is_constant(&[&[1.0], &[1.0, 1.0]]));
         assert!(!is_constant(&[&[1.0], &[1.0, 2.0]]) && !is_constant(&[&[1.0], &[2.0]]));
     }

@@ -69,18 +69,18 @@ impl KnownBy {
 /// Finds the rows at rest: by the column `still`, else by the detector, else all of them; without detected motion in any
 /// case.
 pub fn find(recording: &Recording) -> Stillness {
-    Stillness::clone(&recording.once(|recording| find_anew(recording, recording.n_rows())))
+    Stillness::clone(&recording.cached(|recording| find_uncached(recording, recording.n_rows())))
 }
 
 /// The same for fitting on the first `learnt_rows` rows: later rows have no influence on which of them are at rest.
 pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
     match learnt_rows < recording.n_rows() {
-        true => find_anew(recording, learnt_rows),
+        true => find_uncached(recording, learnt_rows),
         false => find(recording),
     }
 }
 
-fn find_anew(recording: &Recording, learnt_rows: usize) -> Stillness {
+fn find_uncached(recording: &Recording, learnt_rows: usize) -> Stillness {
     let learnt = 0..learnt_rows.min(recording.n_rows());
     let parts = [learnt.clone(), learnt.end..recording.n_rows()];
     let limits = limits(recording, &learnt);
@@ -102,7 +102,7 @@ fn find_anew(recording: &Recording, learnt_rows: usize) -> Stillness {
         rest[part.clone()].copy_from_slice(&still[part]);
         disturbances.extend(disturbance::find(recording, &rest));
     }
-    disturbance::leave_out(&mut still, &disturbances);
+    disturbance::exclude(&mut still, &disturbances);
     let turns = pose::turns(recording, &still, &disturbance::tilted(&disturbances));
     Stillness {
         still,

@@ -4,24 +4,24 @@
 use std::ops::Range;
 
 /// Shorter repeats are attributed to chance.
-const FEWEST: usize = 10;
+const MIN_RUN: usize = 10;
 
 /// Probability per log that chance makes a run of repeats as long as the limit.
-const ODDS: f64 = 1e-4;
+const CHANCE_PER_LOG: f64 = 1e-4;
 
 /// A held value must last this many times as long as nearly all others: repeats of a sensor that is read more often than
 /// it measures, or of a converter with coarse steps, do not.
-const LONGER: usize = 3;
+const MIN_LENGTH_RATIO: usize = 3;
 
 /// Minimum share of changes by two steps or more that determines the ratio of noise to step: that of steps of 4 standard
 /// deviations. With coarser steps a value may repeat for any length.
-const LEAST_TWO_STEPS: f64 = 1e-3;
+const MIN_TWO_STEPS: f64 = 1e-3;
 
 /// Share of stuck rows at rest from which an axis is rejected: most of it would be missing.
 pub(crate) const REFUSED_SHARE: f64 = 0.5;
 
 /// Minimum number of changes for an estimate of noise and step; with fewer the axis holds a single value.
-pub(crate) const FEWEST_CHANGES: usize = 10;
+pub(crate) const MIN_CHANGES: usize = 10;
 
 /// Rows, within gap-free `stretches`, that repeat a value for longer than noise and step of the axis explain. The first
 /// row of each run is a measurement and is not included.
@@ -31,13 +31,13 @@ pub(crate) const FEWEST_CHANGES: usize = 10;
 /// often chance repeats a value.
 pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
     let runs: Vec<Range<usize>> = stretches.iter().flat_map(|rows| repeats(values, rows.clone())).collect();
-    if runs.iter().all(|run| run.len() < FEWEST) {
+    if runs.iter().all(|run| run.len() < MIN_RUN) {
         return Vec::new();
     }
     let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let known: usize = stretches.iter().map(Range::len).sum();
-    let by_chance = ((ODDS / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
-    let least = by_chance.max(FEWEST).max(LONGER * usual(&runs, known));
+    let by_chance = ((CHANCE_PER_LOG / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
+    let least = by_chance.max(MIN_RUN).max(MIN_LENGTH_RATIO * usual(&runs, known));
     runs.into_iter().filter(|run| run.len() >= least).collect()
 }
 
@@ -47,7 +47,7 @@ fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     let (two_steps, pairs) = two_step_changes(values, stretches)?;
     // minus three standard errors: fewer two-step changes mean a larger bound on repeats
     let share = (two_steps - 3.0 * two_steps.sqrt()) / pairs;
-    if share < LEAST_TWO_STEPS {
+    if share < MIN_TWO_STEPS {
         return None;
     }
     let tail = (share / 2.0).sqrt().min(1.0 / 3.0);
@@ -65,7 +65,7 @@ fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, 
     };
     let changes: Vec<Vec<f64>> = stretches.iter().map(changes).collect();
     let mut sizes: Vec<f64> = changes.iter().flatten().map(|change| change.abs()).collect();
-    if sizes.len() < FEWEST_CHANGES {
+    if sizes.len() < MIN_CHANGES {
         return None;
     }
     let step = tenth(&mut sizes)?;
@@ -117,7 +117,12 @@ fn usual(runs: &[Range<usize>], known: usize) -> usize {
     let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
     lengths.sort_unstable();
     let rare = 4 + lengths.len() / 1000;
-    lengths.len().checked_sub(rare).and_then(|at| lengths.get(at)).copied().unwrap_or(usize::MAX / LONGER)
+    lengths
+        .len()
+        .checked_sub(rare)
+        .and_then(|at| lengths.get(at))
+        .copied()
+        .unwrap_or(usize::MAX / MIN_LENGTH_RATIO)
 }
 
 /// Rows equal to the row before them, run by run.
@@ -135,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_that_stays_is_found_and_the_sample_that_it_is_of_kept() {
+    fn marks_repeats_but_keeps_the_first_sample() {
         for step in [0.0, 0.2, 1.0] {
             let mut values = white_noise(1, 50_000);
             if step > 0.0 {

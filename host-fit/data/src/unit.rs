@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stamp_is_the_same_number_in_every_unit() {
+    fn timestamp_is_the_same_number_in_every_unit() {
         for (text, us) in
             [("0.3", 300_000.0), ("12.345678", 12_345_678.0), ("86399.999999", 86_399_999_999.0)]
         {

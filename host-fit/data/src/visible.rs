@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_has_no_shape_is_named() {
+    fn replaces_hidden_characters_by_code_points() {
         assert_eq!(
             visible("gx\r\n\u{1b}[31m\u{202e}\u{9b}\0"),
             "gx<U+000D><U+000A><U+001B>[31m<U+202E><U+009B><U+0000>"

@@ -95,7 +95,7 @@ fn a_plan_gives_the_same_bits_and_another_seed_others() {
 }
 
 #[test]
-fn what_is_planted_moves_the_target_and_nothing_else() {
+fn planted_effects_change_only_the_target() {
     let quiet = plan(9, Setup::Bench, Axis::Gx);
     let without = simulate_case(&quiet).expect("it works");
     assert!(without.truth.field.error.iter().chain(&without.truth.eval.error).all(|x| *x == 0.0));
@@ -189,7 +189,7 @@ fn the_reference_force_is_gravity_carried_along_by_the_reference_rate() {
 }
 
 #[test]
-fn a_case_is_written_and_its_meta_reads_back() {
+fn case_metadata_survives_a_round_trip() {
     let mut plan = plan(2, Setup::Shaker, Axis::Az);
     plan.durations = Durations { baseline_s: 60.0, field_s: 200.0, eval_s: 60.0 };
     plan.planted.push(Plant { effect: Effect::VibrationRectification, parameter: None, size: 30.0 });
@@ -210,7 +210,7 @@ fn a_case_is_written_and_its_meta_reads_back() {
 }
 
 #[test]
-fn what_cannot_be_planted_is_refused_with_the_choices() {
+fn rejects_unsuitable_plans_with_the_choices() {
     let refused = |plan: CasePlan| simulate_case(&plan).expect_err("refused").to_string();
     let mut unsuited = plan(1, Setup::Bench, Axis::Gx);
     unsuited.planted.push(Plant { effect: Effect::GSensitivity, parameter: None, size: 30.0 });
@@ -222,7 +222,7 @@ fn what_cannot_be_planted_is_refused_with_the_choices() {
 }
 
 #[test]
-fn a_rival_that_follows_the_same_course_leaves_nothing() {
+fn equivalent_rival_leaves_no_remainder() {
     let mut plan = plan(3, Setup::Bench, Axis::Gx);
     plan.path = Path::TemperatureRamp;
     plan.planted.push(Plant { effect: Effect::TempLinear, parameter: None, size: 40.0 });

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_keeps_the_level_of_the_whole_band() {
+    fn colour_preserves_the_level_of_the_whole_band() {
         for seed in 0..20 {
             let mut random = random(seed, Stream::Unit);
             let colour = Colour::draw(&mut random);

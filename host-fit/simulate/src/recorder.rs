@@ -20,7 +20,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    fn made_of(&self, noise: Vec<f64>, random: &mut Random) -> Vec<f64> {
+    fn with_character(&self, noise: Vec<f64>, random: &mut Random) -> Vec<f64> {
         match &self.character {
             Some(character) => character.apply(&noise, random),
             None => noise,
@@ -74,7 +74,7 @@ pub(super) fn analog(
     let axis = target as usize;
     let random = &mut random(seed, Stream::Noise(log, axis as u64));
     let noise = unit.noise[axis].series(world.len(), random);
-    let noise = unit.made_of(noise, random);
+    let noise = unit.with_character(noise, random);
     let truth = world.truth(target);
     let seen = |n: usize| truth[n] + motion.at(axis, n) + unit.bias[axis] + noise[n] + planted[n];
     (0..world.len()).map(seen).collect()
@@ -125,7 +125,7 @@ pub(super) fn record(
         let index = axis as usize;
         let random = &mut random(seed, Stream::Noise(log, index as u64));
         let noise = unit.noise[index].plain_series(n, random);
-        let noise = unit.made_of(noise, random);
+        let noise = unit.with_character(noise, random);
         let fine = Faults::default();
         let truth = world.truth(axis);
         let seen = |k: usize| truth[k] + motion.at(index, k) + unit.bias[index] + noise[k];

@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lever_arm_is_what_the_cross_products_say() {
+    fn lever_arm_equals_the_cross_products() {
         let rates = [[0.1, 0.3], [-0.2, 0.5], [0.7, 0.4]];
         let world = World {
             period_s: 0.5,

@@ -76,7 +76,7 @@ mod tests {
     use fos_data::recording::{Clocks, HowJoined};
 
     #[test]
-    fn what_was_split_is_joined_row_by_row() {
+    fn split_streams_join_to_the_same_rows() {
         let mut plan = CasePlan::new(3, "bmi270", Setup::Bench, Axis::Ax);
         plan.durations = Durations { baseline_s: 60.0, field_s: 120.0, eval_s: 60.0 };
         plan.disturbance = Disturbance::Streams;

@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_suite_has_the_shares_and_what_it_promises() {
+    fn suite_has_the_documented_shares_and_sizes() {
         let plans = suite(1, 30);
         assert_eq!(plans, suite(1, 30));
         let count = |of: fn(&Kind) -> bool| plans.iter().filter(|plan| of(&plan.kind)).count();

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use fos_data::disturbance::{marked, told};
+use fos_data::disturbance::{describe_disturbances, marked};
 use fos_data::recording::{Recording, runs};
 use fos_data::stillness::Stillness;
 
@@ -49,11 +49,14 @@ pub struct ShadedRange {
 /// stillness has seen, only a rest is found among the rows that it takes for still.
 pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
     let mut stretches: Vec<(Range<usize>, String)> = Vec::new();
-    for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_left_out()) {
+    for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_excluded()) {
         let overlaps = |rows: &Range<usize>| rows.start < one.rows.end && one.rows.start < rows.end;
         match stretches.iter_mut().find(|(rows, _)| overlaps(rows)) {
             Some((rows, _)) => *rows = rows.start.min(one.rows.start)..rows.end.max(one.rows.end),
-            None => stretches.push((one.rows.clone(), told(recording, std::slice::from_ref(one)).concat())),
+            None => stretches.push((
+                one.rows.clone(),
+                describe_disturbances(recording, std::slice::from_ref(one)).concat(),
+            )),
         }
     }
     stretches.sort_by_key(|(rows, _)| rows.start);
@@ -161,7 +164,7 @@ mod tests {
             let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
             let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
             assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
-            let told = stillness.disturbances.iter().filter(|one| one.is_left_out());
+            let told = stillness.disturbances.iter().filter(|one| one.is_excluded());
             assert!(told.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
             let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);
             let is_hand = moved.ranges.iter().any(|range| range.says.starts_with("handling"));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 
 /// Two minutes at rest, with or without values of `gy_rads`.
 fn log(seed: u64, with_gy: bool) -> String {
@@ -35,16 +35,16 @@ fn every_command_uses_the_other_axes() {
     fs::write(folder.join("six.csv"), log(2, true)).expect("written");
     let small = ["--max-lag", "2", "--degree", "1", "--max-terms", "2", "--memory", "none"];
     let fit = |log: &str, study: &str| done(folder, &[&["fit", log, "-o", study][..], &small].concat());
-    let told = fit("five.csv", "five.json");
-    assert!(told.contains("gy_rads: every cell is empty") && told.contains(" gz_rads "), "{told}");
+    let report = fit("five.csv", "five.json");
+    assert!(report.contains("gy_rads: every cell is empty") && report.contains(" gz_rads "), "{report}");
     fit("six.csv", "six.json");
     done(folder, &["compare", "five.json"]);
     done(folder, &["compare", "five.json", "six.csv"]);
-    let told = done(folder, &["compare", "six.json", "five.csv"]);
-    assert!(told.contains(" gz_rads ") && !told.contains(" gy_rads "), "{told}");
-    assert!(said(folder, &["diagnose", "five.csv"]).contains("excluded: five.csv: gy_rads: every cell"));
-    let told = done(folder, &["noise", "five.csv"]);
-    assert!(told.contains("gx_rads") && told.contains("gz_rads"), "{told}");
+    let report = done(folder, &["compare", "six.json", "five.csv"]);
+    assert!(report.contains(" gz_rads ") && !report.contains(" gy_rads "), "{report}");
+    assert!(stderr_of(folder, &["diagnose", "five.csv"]).contains("excluded: five.csv: gy_rads: every cell"));
+    let report = done(folder, &["noise", "five.csv"]);
+    assert!(report.contains("gx_rads") && report.contains("gz_rads"), "{report}");
     fs::create_dir(folder.join("units")).expect("a folder");
     for unit in 3..6 {
         fs::write(folder.join(format!("units/{unit}.csv")), log(unit, false)).expect("written");
@@ -55,7 +55,7 @@ fn every_command_uses_the_other_axes() {
     assert!(!header.lines().next().expect("a header").contains("gy_rads"));
     // if requested, it is refused
     for command in [&["noise", "five.csv", "--axis", "gy"][..], &["fit", "five.csv", "--axis", "gy"]] {
-        let told = fails(folder, 1, command);
-        assert!(told.contains("gy_rads: every cell of its 6000 rows is empty"), "{told}");
+        let report = fails(folder, 1, command);
+        assert!(report.contains("gy_rads: every cell of its 6000 rows is empty"), "{report}");
     }
 }

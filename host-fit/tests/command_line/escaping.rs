@@ -214,7 +214,7 @@ fn log_with(text: &str, folder: &Path, from: &str, to: &str) {
 
 #[test]
 #[cfg(unix)]
-fn text_from_outside_does_nothing_wherever_it_goes() {
+fn escapes_foreign_text_in_every_output() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut runs = Runs::default();

@@ -112,10 +112,10 @@ fn near(found: &Value, expected: f64) {
 }
 
 #[test]
-fn its_numbers_are_those_of_the_population() {
+fn page_shows_the_numbers_of_the_population() {
     let folder = tempfile::tempdir().expect("a folder");
     let fleet = write(folder.path(), &rows("unit ", 1));
-    let told: Value =
+    let printed: Value =
         serde_json::from_str(&done(folder.path(), &["fleet", "report", "population.json", "--json"]))
             .expect("JSON and nothing else");
     assert!(!folder.path().join("fleet.html").exists(), "JSON alone writes nothing");
@@ -126,7 +126,7 @@ fn its_numbers_are_those_of_the_population() {
         assert!(page.contains(&format!(">{text}")) || page.contains(&format!(" {text}")), "{text}");
     };
 
-    let (part, of_part) = (&told["parts"][0], &fleet.parts[0]);
+    let (part, of_part) = (&printed["parts"][0], &fleet.parts[0]);
     let population = of_part.axes[0].population.as_ref().expect("a population");
     for place in 0..2 {
         let coefficient = &part["axes"][0]["coefficients"][place];
@@ -173,7 +173,7 @@ fn its_numbers_are_those_of_the_population() {
 }
 
 #[test]
-fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
+fn fleet_of_three_devices_warns_about_its_limits() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut few: Vec<UnitRow> = rows("", 1).into_iter().take(3).collect();
     few.iter_mut().for_each(|row| row.lot = None);
@@ -186,7 +186,7 @@ fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
 
 /// The page of any fleet is complete: equal values, no errors, one to three devices, one log under several names.
 #[test]
-fn degenerate_fleets_are_shown_without_a_number_missing() {
+fn shows_degenerate_fleets_completely() {
     let change = |units: usize, change: &dyn Fn(usize, &mut UnitRow)| {
         let mut rows: Vec<UnitRow> = rows("", 1).into_iter().take(units).collect();
         rows.iter_mut().enumerate().for_each(|(place, row)| change(place, row));
@@ -201,7 +201,7 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
             }
         }
     };
-    for (what, rows, said) in [
+    for (what, rows, message) in [
         ("equal values", change(6, &|_, row| equal(row, true)), "No unit is unlike the others."),
         ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
         ("one device", change(1, &|_, _| {}), "no axis has a population"),
@@ -222,13 +222,13 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
         write(folder.path(), &rows);
         done(folder.path(), &["fleet", "report", "population.json"]);
         let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
-        assert!(page.contains(said), "{what}: {said}");
+        assert!(page.contains(message), "{what}: {message}");
         assert!(!page.contains("NaN") && !page.contains(">inf"), "{what}");
     }
 }
 
 #[test]
-fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
+fn rejects_mismatched_files_without_writing() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let (population, kept) = (folder.join("population.json"), folder.join("population.json.rows"));
@@ -237,8 +237,8 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     let (whole, sound) =
         (fs::read_to_string(&population).expect("there"), fs::read_to_string(&kept).expect("there"));
     let refused = |what: &str| {
-        let said = fails(folder, 1, &["fleet", "report", "population.json"]);
-        assert!(said.contains(what) && said.contains("help: "), "{what}: {said}");
+        let message = fails(folder, 1, &["fleet", "report", "population.json"]);
+        assert!(message.contains(what) && message.contains("help: "), "{what}: {message}");
         assert!(!folder.join("fleet.html").exists(), "{what}");
     };
 

@@ -128,15 +128,15 @@ fn run(folder: &Path, program: &str, arguments: &[String]) -> (End, String) {
             None => thread::sleep(Duration::from_millis(5)),
         }
     };
-    let said = std::fs::read_to_string(&err).unwrap_or_default();
+    let message = std::fs::read_to_string(&err).unwrap_or_default();
     let end = match status.map(|status| status.code()) {
-        _ if said.contains("panicked") => End::Fell,
+        _ if message.contains("panicked") => End::Fell,
         None => End::AtWork,
         Some(Some(0)) => End::Done,
-        Some(Some(1 | 2)) if said.starts_with("error: ") => End::Refused,
+        Some(Some(1 | 2)) if message.starts_with("error: ") => End::Refused,
         _ => End::Fell,
     };
-    (end, said)
+    (end, message)
 }
 
 /// `line` with the option set to `value`.
@@ -195,7 +195,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
 
 #[test]
 #[cfg(unix)]
-fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
+fn meaningless_numbers_are_rejected_safely() {
     let program = env!("CARGO_BIN_EXE_fos");
     let folder = tempfile::tempdir().expect("a folder");
     let prepare = |line: &str| {
@@ -225,8 +225,8 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
             .map(str::to_owned)
             .chain((*line == "simulate suite").then(|| "--suite=0".to_owned()))
             .collect();
-        let (end, said) = run(folder.path(), program, &words);
-        assert!(matches!(end, End::Done | End::AtWork), "{line}: {said}");
+        let (end, message) = run(folder.path(), program, &words);
+        assert!(matches!(end, End::Done | End::AtWork), "{line}: {message}");
     }
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
@@ -237,8 +237,8 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
             for file in ["log.csv", "unit.json", "unit.fosm", "none.stream", "turned.csv"] {
                 std::fs::copy(folder.path().join(file), own.path().join(file)).expect("copied");
             }
-            let (end, said) = run(own.path(), program, line);
-            assert_ne!(end, End::Fell, "{line:?}: {said}");
+            let (end, message) = run(own.path(), program, line);
+            assert_ne!(end, End::Fell, "{line:?}: {message}");
             found.push(end);
         }
         found

@@ -106,7 +106,7 @@ fn recovered(folder: &Path) -> u32 {
 }
 
 #[test]
-fn what_came_before_a_recording_was_ended_is_not_lost() {
+fn interrupted_recording_keeps_received_samples() {
     let mut table = Vec::new();
     for (signal, code, kept) in
         [("KILL", None, true), ("TERM", Some(0), false), ("HUP", Some(0), false), ("INT", Some(0), false)]
@@ -155,7 +155,7 @@ fn what_came_before_a_recording_was_ended_is_not_lost() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
+fn recording_under_nohup_survives_its_terminal() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
@@ -169,7 +169,7 @@ fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
 
 /// Checks the loss at power failure, by the system calls.
 #[test]
-fn what_arrives_is_brought_to_the_disk_every_second() {
+fn syncs_received_data_every_second() {
     if Command::new("strace").arg("-V").output().is_err() {
         println!("skipped: no strace");
         return;
@@ -205,14 +205,17 @@ fn a_recording_ends_with_its_input() {
     let folder = folder.path();
     // used to wait forever if a stream ends inside a frame
     fs::write(folder.join("cut.stream"), telemetry()).expect("written");
-    let said = done(folder, &["record", "cut.stream", "-o", "log.csv"]);
-    assert!(said.contains("1500 samples, 0 lost") && said.contains("1 damaged"), "{said}");
+    let message = done(folder, &["record", "cut.stream", "-o", "log.csv"]);
+    assert!(message.contains("1500 samples, 0 lost") && message.contains("1 damaged"), "{message}");
     fs::write(folder.join("other.stream"), "no telemetry\n".repeat(300)).expect("written");
-    let said = fails(folder, 1, &["record", "other.stream", "-o", "other.csv"]);
-    assert!(said.contains("no sample in 3900 bytes") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "other.stream", "-o", "other.csv"]);
+    assert!(message.contains("no sample in 3900 bytes") && message.contains("help: "), "{message}");
     // a stream that never ends
-    let said = fails(folder, 1, &["record", "/dev/zero", "-o", "other.csv"]);
-    assert!(said.contains("no frame of telemetry in the first") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "/dev/zero", "-o", "other.csv"]);
+    assert!(
+        message.contains("no frame of telemetry in the first") && message.contains("help: "),
+        "{message}"
+    );
     let left: Vec<String> = fs::read_dir(folder)
         .expect("a folder")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
@@ -222,16 +225,16 @@ fn a_recording_ends_with_its_input() {
 }
 
 #[test]
-fn who_waits_for_a_fifo_is_told_and_can_end_it() {
+fn waiting_for_a_fifo_is_reported_and_interruptible() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
-    let said = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
-    assert!(said.contains("port: a FIFO without a writer; waiting for one"), "{said}");
-    assert!(said.contains("port: nothing came") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
+    assert!(message.contains("port: a FIFO without a writer; waiting for one"), "{message}");
+    assert!(message.contains("port: nothing came") && message.contains("help: "), "{message}");
     let mut waiting = record(folder, &["port", "-o", "log.csv"]);
-    let mut told = String::new();
-    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut told).expect("told");
+    let mut printed = String::new();
+    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut printed).expect("told");
     send(&waiting, "INT");
     let ended = waiting.wait().expect("it ends");
     assert_eq!(ended.code(), Some(1), "it ends, and says that there is no log");
@@ -239,7 +242,7 @@ fn who_waits_for_a_fifo_is_told_and_can_end_it() {
 }
 
 #[test]
-fn what_another_recording_left_is_told_of_and_stays() {
+fn reports_and_keeps_leftovers_of_another_recording() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("log.csv.telemetry"), telemetry()).expect("written");
@@ -248,12 +251,12 @@ fn what_another_recording_left_is_told_of_and_stays() {
     let port = File::options().write(true).open(folder.join("port"));
     port.expect("a FIFO").write_all(&telemetry()).expect("read");
     let ended = recorder.wait_with_output().expect("it ends");
-    let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(ended.status.success() && said.contains("`fos record log.csv.telemetry -o LOG`"), "{said}");
+    let message = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success() && message.contains("`fos record log.csv.telemetry -o LOG`"), "{message}");
     assert_eq!(fs::read(folder.join("log.csv.telemetry")).expect("kept"), telemetry());
     assert!(!folder.join("log.csv.2.telemetry").exists());
     // a log does not replace its own source, and its name is checked before an hour is recorded
-    let said = fails(folder, 1, &["record", "log.csv", "-o", "log.csv"]);
-    assert!(said.contains("and would be lost") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "log.csv", "-o", "log.csv"]);
+    assert!(message.contains("and would be lost") && message.contains("help: "), "{message}");
     assert!(fails(folder, 1, &["record", "port", "-o", "log.txt"]).contains("log.txt: cannot tell"));
 }

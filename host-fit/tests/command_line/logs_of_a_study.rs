@@ -21,7 +21,7 @@ fn study(world: &Path) {
 }
 
 #[test]
-fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
+fn study_finds_its_logs_from_any_folder_and_after_a_move() {
     let world = tempfile::tempdir().expect("a folder");
     let world = world.path();
     study(world);
@@ -65,7 +65,7 @@ fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
 }
 
 #[test]
-fn a_log_of_the_same_name_is_not_taken_for_it() {
+fn rejects_another_log_of_the_same_name() {
     let world = tempfile::tempdir().expect("a folder");
     let world = world.path();
     study(world);
@@ -76,26 +76,26 @@ fn a_log_of_the_same_name_is_not_taken_for_it() {
     let compared = done(&other, &["compare", "../work/studies/unit.json"]);
     assert!(compared.contains("studies/../logs/quiet.parquet"), "{compared}");
     fs::remove_file(world.join("work/logs/quiet.parquet")).expect("it was there");
-    let said = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
+    let message = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
     assert!(
-        said.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
-        "{said}"
+        message.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
+        "{message}"
     );
-    let said = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
+    let message = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
     for words in [
         "logs/quiet.parquet: the log that studies/unit.json names is not there",
         "looked for as logs/quiet.parquet, ",
         "studies/../logs/quiet.parquet, ",
         "studies/quiet.parquet\nhelp: put it back, or beside the study",
     ] {
-        assert!(said.contains(words), "{words:?}: {said}");
+        assert!(message.contains(words), "{words:?}: {message}");
     }
 }
 
 /// Used to fail with "Illegal seek".
 #[cfg(unix)]
 #[test]
-fn a_log_may_come_through_a_pipe() {
+fn reads_a_log_through_a_pipe() {
     use std::process::{Command, Stdio};
 
     let folder = tempfile::tempdir().expect("a folder");
@@ -120,7 +120,7 @@ fn a_log_may_come_through_a_pipe() {
         assert_eq!(file["data"]["sources"][0]["sha256"], piped["data"]["sources"][0]["sha256"], "{log}");
         assert_eq!(piped["data"]["sources"][0]["path"], "/dev/stdin");
         // a pipe cannot be read again, and the error states it
-        let said = fails(folder, 1, &["compare", "piped.json"]);
-        assert!(said.contains("help: "), "{said}");
+        let message = fails(folder, 1, &["compare", "piped.json"]);
+        assert!(message.contains("help: "), "{message}");
     }
 }

@@ -348,13 +348,13 @@ fn copy_all(from: &Path, to: &Path) {
 }
 
 /// Checks that the file at `output` still holds `before` after a command with this output.
-fn kept(folder: &Path, output: &str, before: &[u8], ended: &Output) -> Result<(), String> {
-    let said = String::from_utf8_lossy(&ended.stderr);
+fn check_unchanged(folder: &Path, output: &str, before: &[u8], ended: &Output) -> Result<(), String> {
+    let message = String::from_utf8_lossy(&ended.stderr);
     let now = fs::read(folder.join(output)).unwrap_or_default();
     match ended.status.code() {
         _ if now != before => Err(format!("the input is lost, exit code {:?}", ended.status.code())),
-        Some(1) if said.contains("help: ") && said.contains("another file") => Ok(()),
-        code => Err(format!("exit code {code:?}: {said}")),
+        Some(1) if message.contains("help: ") && message.contains("another file") => Ok(()),
+        code => Err(format!("exit code {code:?}: {message}")),
     }
 }
 
@@ -418,7 +418,7 @@ fn no_output_replaces_an_input() {
                     *tried.lock().expect("whole") += 1;
                     // a comparison of names would have missed it
                     *of_names.lock().expect("whole") += usize::from(given != line.at);
-                    if let Err(what) = kept(folder, line.at, &before, &ended) {
+                    if let Err(what) = check_unchanged(folder, line.at, &before, &ended) {
                         let case = format!("{} ({id} {spelling}): {what}", line.words);
                         wrong.lock().expect("whole").push(case);
                     }
@@ -462,7 +462,7 @@ fn no_output_replaces_an_input() {
             env!("CARGO_BIN_EXE_fos")
         );
         let ended = Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell");
-        found_out += usize::from(kept(folder, "out.json", &before, &ended).is_err());
+        found_out += usize::from(check_unchanged(folder, "out.json", &before, &ended).is_err());
     }
     assert_eq!(found_out, SPELLINGS.len());
     println!(
@@ -488,15 +488,16 @@ fn two_outputs_are_two_files() {
         [("new", "new"), ("new", "./real/../new"), ("real/new", "linked/new"), ("old", "hard")]
     {
         for [one, other] in [["--image", "--rust"], ["--rust", "--c"], ["--image", "--c"]] {
-            let said = fails(folder, 1, &["export", "unit.json", one, first, other, second]);
+            let message = fails(folder, 1, &["export", "unit.json", one, first, other, second]);
             assert!(
-                said.contains(&format!("{one} and {other} are one file")) && said.contains("help: "),
-                "{said}"
+                message.contains(&format!("{one} and {other} are one file")) && message.contains("help: "),
+                "{message}"
             );
         }
         for [one, other] in [["--output", "--device-log"], ["--device-log", "--hub-log"]] {
-            let said = fails(folder, 1, &["replay", "unit.fosm", "log.parquet", one, first, other, second]);
-            assert!(said.contains(&format!("{one} and {other} are one file")), "{said}");
+            let message =
+                fails(folder, 1, &["replay", "unit.fosm", "log.parquet", one, first, other, second]);
+            assert!(message.contains(&format!("{one} and {other} are one file")), "{message}");
         }
     }
     assert!(!folder.join("new").exists() && !folder.join("real/new").exists(), "nothing was written");
@@ -508,16 +509,16 @@ fn two_outputs_are_two_files() {
 
 /// Other files that read without recording the input: none of them reads data of the user.
 const OTHER_DOORS: [&str; 10] = [
-    "data/src/file/read.rs",             // the door
-    "data/src/file/paths.rs",            // a folder, to bring its names to the disk
-    "data/src/file/replace.rs",          // what it is about to replace, and what killed writers left
-    "data/src/file/compare_and_swap.rs", // whether a study still is what was read
-    "diagnose/src/batch.rs",             // its own answers of before
-    "fleet/src/fleet.rs",                // its own rows of before
-    "src/bench/commands.rs",             // what the commands wrote that it ran
-    "src/calibration/kept.rs",           // its own outcomes of before
+    "data/src/file/read.rs",             // the module that records inputs
+    "data/src/file/paths.rs",            // a folder, to sync its names to the disk
+    "data/src/file/replace.rs",          // the file to be replaced, and leftovers of killed writers
+    "data/src/file/compare_and_swap.rs", // whether a study is unchanged
+    "diagnose/src/batch.rs",             // its own previous answers
+    "fleet/src/fleet.rs",                // its own previous rows
+    "src/bench/commands.rs",             // outputs of the commands that it ran
+    "src/calibration/kept.rs",           // its own previous outcomes
     "src/record/kept.rs",                // whether another recording runs
-    "src/record/end.rs",                 // what the system says of this process
+    "src/record/end.rs",                 // state of this process by the system
 ];
 
 fn opens_a_file(source: &str) -> bool {
@@ -528,7 +529,7 @@ fn opens_a_file(source: &str) -> bool {
 }
 
 #[test]
-fn files_come_in_through_one_door() {
+fn only_one_module_opens_user_files() {
     let all = sources(&[
         "src",
         "data/src",

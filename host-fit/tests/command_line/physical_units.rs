@@ -23,7 +23,7 @@ fn coefficient(printed: &str, of: &str) -> (f64, f64) {
 }
 
 #[test]
-fn coefficients_are_those_that_made_the_log() {
+fn prints_the_true_coefficients() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut rate = Transformer::new(&Transform::Rate { tau_s: 5.0 }, 1.0 / RATE_HZ);

@@ -369,7 +369,7 @@ fn every_command_answers_or_refuses_tables_that_broke_one() {
 }
 
 #[test]
-fn a_panic_a_loop_and_a_refusal_without_help_are_noticed() {
+fn detects_a_panic_a_loop_and_a_refusal_without_help() {
     let folder = tempfile::tempdir().expect("a folder");
     let end = |script: &str| run(folder.path(), 1, "sh", &["-c", script]);
     assert!(matches!(end("echo 'thread main panicked at x.rs' >&2; exit 101"), End::Broken(_)));

@@ -8,13 +8,13 @@ use fos_testkit::foreign::{Flight, Rate, mcap, ulog};
 use serde_json::Value;
 
 /// Removes the sources of the data.
-fn but_sources(value: &mut Value) {
+fn remove_sources(value: &mut Value) {
     match value {
         Value::Object(fields) => {
             fields.remove("sources");
-            fields.values_mut().for_each(but_sources);
+            fields.values_mut().for_each(remove_sources);
         }
-        Value::Array(items) => items.iter_mut().for_each(but_sources),
+        Value::Array(items) => items.iter_mut().for_each(remove_sources),
         _ => {}
     }
 }
@@ -27,7 +27,7 @@ fn study_and_diagnosis(folder: &Path, log: &str) -> (Value, String) {
     let text = fs::read_to_string(folder.join("unit.json")).expect("written");
     let mut study: Value = serde_json::from_str(&text).expect("JSON");
     assert!(!study["data"]["sources"].is_null(), "{study:#}");
-    but_sources(&mut study);
+    remove_sources(&mut study);
     let diagnosis = done(folder, &["diagnose", "unit.json", "--from", log, "--axis", "gy", "--json"]);
     (study, diagnosis)
 }

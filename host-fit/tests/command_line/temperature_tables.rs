@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 
 const RATE_HZ: usize = 20;
 const ROWS: usize = 20 * 1200;
@@ -116,29 +116,29 @@ fn parameters(text: &str) -> BTreeMap<String, f64> {
 }
 
 #[test]
-fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
+fn written_table_gives_the_reported_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let later = study(folder);
     let export =
         ["export", "unit.json", "--px4", "u.params", "--device-id", "77,88", "--ardupilot", "u.parm"];
     let rest = ["--instance", "0", "--evaluate-on", "later.csv", "--json"];
-    let told = done(folder, &[&export[..], &rest].concat());
-    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
-    let told = &told["temperature"];
-    assert_eq!(told["corrected_by"], serde_json::json!(["PX4", "ArduPilot"]));
+    let report = done(folder, &[&export[..], &rest].concat());
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON and nothing else");
+    let report = &report["temperature"];
+    assert_eq!(report["corrected_by"], serde_json::json!(["PX4", "ArduPilot"]));
     let read = |name: &str| parameters(&std::fs::read_to_string(folder.join(name)).expect("written"));
     let (for_px4, for_ardupilot) = (read("u.params"), read("u.parm"));
     assert_eq!((for_px4["TC_A0_ID"], for_px4["TC_G0_ID"]), (77.0, 88.0));
     assert_eq!((for_px4["TC_G_ENABLE"], for_ardupilot["INS_TCAL1_ENABLE"]), (1.0, 1.0));
     assert!(for_ardupilot["INS_TCAL1_TMAX"] >= for_ardupilot["INS_TCAL1_TMIN"] + 10.0);
     for (column, name) in COLUMNS.iter().enumerate() {
-        let axis = &told["axes"][column];
+        let axis = &report["axes"][column];
         assert_eq!(axis["column"], *name);
         // offsets are single precision: 6e-8 of up to 0.1 m/s² or 0.02 rad/s, against errors of 1e-3 and 1e-4
-        let same = |told: &serde_json::Value, found: f64| {
-            let told = told.as_f64().expect("a number");
-            assert!((told / found - 1.0).abs() < 1e-4, "{name}: {told} told, {found} found");
+        let same = |report: &serde_json::Value, found: f64| {
+            let report = report.as_f64().expect("a number");
+            assert!((report / found - 1.0).abs() < 1e-4, "{name}: {report} told, {found} found");
         };
         same(&axis["nothing"], left(&later, column, |_| 0.0));
         same(&axis["corrected"][0], left(&later, column, |celsius| px4(&for_px4, column, celsius)));
@@ -152,24 +152,24 @@ fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
         assert!(corrected < 0.8 * nothing, "{name}: {corrected} of {nothing}");
     }
     // a cubic is corrected down to the noise, 0.001·0.577/√20, and the remainder at the clipped ends
-    assert!(told["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{told}");
+    assert!(report["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{report}");
 }
 
 #[test]
-fn who_has_no_device_id_is_told_that_px4_ignores_the_table() {
+fn warns_that_px4_ignores_a_table_without_device_id() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     study(folder);
-    let warned = said(folder, &["export", "unit.json", "--instance", "0", "--px4", "u.params"]);
+    let warned = stderr_of(folder, &["export", "unit.json", "--instance", "0", "--px4", "u.params"]);
     assert!(warned.contains("PX4 ignores these tables") && warned.contains("--device-id"), "{warned}");
-    let told = done(folder, &["export", "unit.json", "--instance", "0", "--ardupilot", "u.parm"]);
+    let report = done(folder, &["export", "unit.json", "--instance", "0", "--ardupilot", "u.parm"]);
     for part in ["nothing corrected", "ArduPilot's cubic", "the study", "warm.csv that were not fitted"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(report.contains(part), "{part}: {report}");
     }
 }
 
 #[test]
-fn a_log_without_warmth_or_thermometer_is_refused_with_what_to_record() {
+fn rejects_a_log_without_temperature_change_with_a_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     write(&folder.join("steady.csv"), &rows(1.5, 4.0, 3));
@@ -323,7 +323,7 @@ fn px4_log(is_combined: bool) -> Vec<u8> {
 }
 
 #[test]
-fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
+fn corrected_px4_values_make_an_image_but_no_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     std::fs::write(folder.join("combined.ulg"), px4_log(true)).expect("written");
@@ -337,8 +337,8 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     };
     let image = fit("combined.ulg", "0");
     assert_eq!(image["fitted_on"], "FactoryCorrected", "{image}");
-    let told = image["provenance"].as_str().expect("a text");
-    assert!(told.contains("corrected by PX4"), "{told}");
+    let report = image["provenance"].as_str().expect("a text");
+    assert!(report.contains("corrected by PX4"), "{report}");
     let refused = fails(
         folder,
         1,
@@ -363,7 +363,7 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     let source = cut["data"]["sources"][0]["read_as"].as_object_mut().expect("another format");
     assert!(source.remove("provenance").is_some());
     std::fs::write(folder.join("cut.json"), cut.to_string()).expect("written");
-    let warned = said(folder, &["export", "cut.json", "--image", "cut.fosm"]);
+    let warned = stderr_of(folder, &["export", "cut.json", "--image", "cut.fosm"]);
     assert!(warned.contains("help: fit the log again"), "{warned}");
     let refused = fails(folder, 1, &["export", "cut.json", "--instance", "0", "--px4", "u.params"]);
     assert!(refused.contains("corrected before they were logged"), "{refused}");

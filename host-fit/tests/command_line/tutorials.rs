@@ -83,17 +83,17 @@ fn lines_of(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_first_tutorial_runs_as_it_stands() {
+fn first_tutorial_runs_as_printed() {
     runs_as_it_stands("first-correction.md");
 }
 
 #[test]
-fn the_walk_through_runs_as_it_stands() {
+fn walk_through_runs_as_printed() {
     runs_as_it_stands("finding-a-missing-effect.md");
 }
 
 #[test]
-fn every_command_of_the_pages_does_what_it_says() {
+fn every_command_of_the_pages_succeeds() {
     let pages = ["imu-yaml.md", "coming-from.md", "px4.md", "ardupilot.md"].map(page);
     let page = pages.concat();
     let folder = tempfile::tempdir().expect("a folder");

@@ -151,10 +151,10 @@ fn swapped(line: &str) -> String {
 fn fits(found: &Result<usize, String>, expected: &Expected) -> bool {
     match (found, expected) {
         (Ok(found), Ok(expected)) => found == expected,
-        (Err(said), Err(words)) => {
-            said.contains("log.bin")
-                && said.contains("\nhelp: ")
-                && words.iter().all(|word| said.contains(word))
+        (Err(message), Err(words)) => {
+            message.contains("log.bin")
+                && message.contains("\nhelp: ")
+                && words.iter().all(|word| message.contains(word))
         }
         _ => false,
     }
@@ -165,7 +165,7 @@ const LIMIT_KB: u32 = 150_000;
 
 /// Reads a file of 160 MB when decompressed; returns true if the exit code is 1.
 #[cfg(unix)]
-fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> bool {
+fn rejects_within_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> bool {
     // one member of a megabyte, repeated: compressing 160 MB takes longer than reading them
     let member = packed(&piece.repeat((1 << 20) / piece.len()));
     fs::write(folder.join("large.csv.gz"), [packed(begin), member.repeat(160)].concat()).expect("written");
@@ -183,7 +183,7 @@ fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> boo
 }
 
 #[test]
-fn an_unusual_file_is_read_or_refused_with_what_it_is_and_what_to_do() {
+fn unusual_files_are_read_or_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log.bin");
     let read = |bytes: &[u8]| {
@@ -221,10 +221,13 @@ fn an_unusual_file_is_read_or_refused_with_what_it_is_and_what_to_do() {
             ("lines of a megabyte", b"t_s,gx_rads\n", &line),
             ("one in the header", b"\"t_s,gx_rads,", &[b'x'; 4096]),
         ] {
-            assert!(is_refused_in_little_memory(folder.path(), begin, piece), "{name}");
+            assert!(rejects_within_little_memory(folder.path(), begin, piece), "{name}");
         }
         // negative control: rows are kept, so the limit is reached
-        assert!(!is_refused_in_little_memory(folder.path(), b"t_s,gx_rads\n", b"1,2\n"), "the limit is none");
+        assert!(
+            !rejects_within_little_memory(folder.path(), b"t_s,gx_rads\n", b"1,2\n"),
+            "the limit is none"
+        );
         format!(
             "3 texts of 160 MB without a row in them refused within {} MB of address space",
             LIMIT_KB / 1000

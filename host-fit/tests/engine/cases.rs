@@ -48,19 +48,19 @@ fn assert_thermal_lag(finding: &Finding, tau_s: f64, mg_per_k: f64) {
 }
 
 #[test]
-fn a_strong_g_sensitivity_that_was_planted_is_named() {
+fn identifies_a_planted_strong_g_sensitivity() {
     let strong = Plant { effect: Effect::GSensitivity, parameter: None, size: 150.0 };
     let (diagnosis, _) = simulated(1, Setup::PoseRig, Axis::Gx, &[strong]);
     assert_missing(&diagnosis, "g_sensitivity");
 }
 
 #[test]
-fn where_nothing_was_planted_nothing_is_named() {
+fn reports_no_effect_without_a_planted_one() {
     assert_nothing_missing(&simulated(2, Setup::Bench, Axis::Gz, &[]).0);
 }
 
 #[test]
-fn a_thermal_lag_that_was_planted_is_named_with_its_time_constant_and_size() {
+fn identifies_a_planted_thermal_lag_with_its_time_constant_and_size() {
     let medium = Plant { effect: Effect::ThermalLag, parameter: Some(75.0), size: 30.0 };
     let (diagnosis, planted) = simulated(3, Setup::Bench, Axis::Ay, &[medium]);
     assert_missing(&diagnosis, "thermal_lag");
@@ -69,19 +69,19 @@ fn a_thermal_lag_that_was_planted_is_named_with_its_time_constant_and_size() {
 }
 
 #[test]
-fn a_strong_g_sensitivity_is_named() {
+fn identifies_a_strong_g_sensitivity_of_another_simulator() {
     let Some(diagnosis) = answer("case_001") else { return };
     assert_missing(&diagnosis, "g_sensitivity");
 }
 
 #[test]
-fn where_nothing_is_missing_nothing_is_named() {
+fn reports_no_effect_in_a_clean_log_of_another_simulator() {
     let Some(diagnosis) = answer("case_002") else { return };
     assert_nothing_missing(&diagnosis);
 }
 
 #[test]
-fn a_thermal_lag_is_named_with_its_time_constant_and_size() {
+fn identifies_a_thermal_lag_of_another_simulator() {
     let Some(diagnosis) = answer("case_006") else { return };
     assert_missing(&diagnosis, "thermal_lag");
     // planted: 73.9 s and 0.108 mg/K, 23 standard errors

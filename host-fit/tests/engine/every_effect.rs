@@ -87,7 +87,7 @@ impl Logs {
 
     /// Remaining error of the later log on the device, with the model running on its own output throughout. `model` is
     /// converted to an image and runs in f32.
-    fn left_on_the_device(&self, model: &UnitModel, of: Left) -> f64 {
+    fn residual_on_the_device(&self, model: &UnitModel, of: Left) -> f64 {
         let bytes = image(model, "simulated", "").expect("an image");
         let columns: Vec<String> = model.axes.iter().map(|axis| axis.column.clone()).collect();
         let model = model_of(&Image::parse(&bytes).expect("whole"), &columns).expect("a model");
@@ -144,14 +144,18 @@ fn widths_outside(model: &UnitModel) -> f64 {
     };
     let mut free = model.clone();
     free.axes[0].parameters.physical_range = Range::unlimited();
-    let said = bits(&free);
-    assert!(bits(model) == said, "{:?}", model.inputs.iter().map(|named| &named.name).collect::<Vec<_>>());
+    let unlimited = bits(&free);
+    assert!(
+        bits(model) == unlimited,
+        "{:?}",
+        model.inputs.iter().map(|named| &named.name).collect::<Vec<_>>()
+    );
     let AxisParameters { offset, scale, physical_range: Range { low, high }, .. } = model.axes[0].parameters;
     let outside = |(predicted, ..): &(f32, u32, Validity)| {
         let p = (f64::from(*predicted) - offset) / scale;
         (p - high).max(low - p) / (high - low)
     };
-    said.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
+    unlimited.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
 }
 
 /// Linear congruential generator x ← 6364136223846793005·x + 1442695040888963407 (Knuth).
@@ -201,13 +205,13 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
         (_, Detector::Step) => Left::AboutBias,
         _ => Left::Means,
     };
-    let before = logs.left_on_the_device(&refinement.steps[0].model, of);
+    let before = logs.residual_on_the_device(&refinement.steps[0].model, of);
     let added = step.added.as_ref().expect("added");
     let wrong = (effect.search == Detector::Step).then(|| {
         let mut model = step.model.clone();
         model.axes[0].parameters.offset =
             refinement.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
-        logs.left_on_the_device(&model, of) / before
+        logs.residual_on_the_device(&model, of) / before
     });
     Outcome {
         id: effect.id.clone(),
@@ -215,7 +219,7 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
         predicted: added.finding.predicted_reduction_interval,
         measured: added.measured_reduction,
         bias: [refinement.steps[0].left.bias, step.left.bias],
-        ratio: logs.left_on_the_device(&step.model, of) / before,
+        ratio: logs.residual_on_the_device(&step.model, of) / before,
         one_step: step.errors.one_step_mse / refinement.steps[0].errors.one_step_mse,
         outside: widths_outside(&step.model),
         wrong,

@@ -60,7 +60,7 @@ fn text(fit: &AxisFit) -> String {
 /// insignificant coefficient times that distance entered the constant of the stochastic part, which fades after a minute
 /// of motion.
 #[test]
-fn nothing_is_learnt_from_rows_that_are_not_fitted() {
+fn unfitted_rows_have_no_influence() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 3);
     // a signal to fit: an autoregression and a temperature coefficient
@@ -105,7 +105,7 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
 /// Two thermometers that differ only in their noise: each has a coefficient, and their sum is that of a single one. p is
 /// stored as on the fitted rows, whatever follows.
 #[test]
-fn the_range_of_p_is_that_over_the_fitted_rows() {
+fn range_of_p_covers_the_fitted_rows() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 5);
     let temp_c = columns[6].1.clone();
@@ -128,11 +128,11 @@ fn the_range_of_p_is_that_over_the_fitted_rows() {
         let playback = Playback::new(&recording, model, &stillness.still).expect("a playback");
         let mut predictor = model.predictor::<f64>().expect("a model");
         let mut feed = playback.feed();
-        let said = (0..ROWS).map(|row| {
-            let said = feed.coast(&mut predictor, row)[0];
-            ((said.predicted - parameters.offset) / parameters.scale, said.validity)
+        let outputs = (0..ROWS).map(|row| {
+            let output = feed.coast(&mut predictor, row)[0];
+            ((output.predicted - parameters.offset) / parameters.scale, output.validity)
         });
-        said.collect()
+        outputs.collect()
     };
     let limited = p(&physical);
     let fitted = &limited[..ROWS / 2];
@@ -167,7 +167,7 @@ fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
 /// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models used to coast
 /// worse than the mean, "valid 100.0 %".
 #[test]
-fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean() {
+fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
     const ROWS: usize = 60_000;
     let (mut left_out, mut worst) = (0, 0.0_f64);
     for seed in 0..24 {
@@ -189,7 +189,7 @@ fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean()
 /// The rival's constant used to be the residual of the physical part, its range that of the stochastic part: the model
 /// seemed better.
 #[test]
-fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
+fn rival_depends_on_the_fitted_rows_only() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 9);
     let clock: Vec<f64> = (0..ROWS).map(|row| 30.0 * (-(row as f64) / 3000.0).exp()).collect();
@@ -215,7 +215,7 @@ fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
 }
 
 #[test]
-fn an_input_that_is_steady_or_unknown_where_it_is_fitted_is_refused_by_name() {
+fn rejects_a_constant_or_missing_input_by_name() {
     const ROWS: usize = 4000;
     let mut columns = log(ROWS, ROWS / 2, 1);
     let refused = |columns: &Columns| {

@@ -128,7 +128,7 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
 }
 
 #[test]
-fn what_begins_late_never_changes_or_is_empty_is_listed_as_not_tested() {
+fn lists_unusable_channels_as_not_tested() {
     let case = case("temp_linear", Setup::Bench, 1);
     let rows = case.field[0].1.len();
     for (why, change) in [

@@ -62,7 +62,7 @@ fn assert_made_linear(axis: usize, name: &str, per_unit: f64) {
 }
 
 #[test]
-fn drifts_that_were_made_are_found_with_their_sizes() {
+fn finds_synthetic_drifts_with_their_sizes() {
     let (per_mg, per_dps) = (1.0 / 9.80665e-3, 1.0_f64.to_degrees());
     assert_made_linear(1, "ay_mps2", per_mg);
     assert_made_linear(2, "az_mps2", per_mg);
@@ -70,7 +70,7 @@ fn drifts_that_were_made_are_found_with_their_sizes() {
 }
 
 #[test]
-fn a_law_in_temperature_that_holds_once_is_none() {
+fn temperature_law_valid_in_one_log_only_is_not_reported() {
     let [field, judged] = &*MADE;
     let diagnosis = diagnosed(field, judged, "gx_rads");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{}", diagnosis.sentence);

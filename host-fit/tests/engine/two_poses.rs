@@ -142,7 +142,7 @@ fn norm(force: [f32; 3]) -> f32 {
 }
 
 #[test]
-fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
+fn each_orientation_has_a_constant_and_mixed_models_are_flagged() {
     let (mut refused, mut fits) = (0, 0);
     for degrees in [8.0_f64, 15.0, 40.0, 90.0, 180.0] {
         let tilts = [0.0, degrees.to_radians(), 0.0, degrees.to_radians()];
@@ -161,7 +161,7 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
         let (gravity, _) = replayed(&fitted(&two, &options()), &two);
         assert_eq!((gravity.rests, gravity.rests_away), (4, 0), "{degrees}°: {gravity:?}");
         if degrees == 180.0 {
-            continue; // x alone shows nothing of it
+            continue; // x alone does not show it
         }
         // the axis alone, without any evidence of motion
         let alone = recording(
@@ -269,7 +269,7 @@ fn simulated_logs() -> Simulated {
 /// A bias that warms up while the device is turned repeatedly: the temperature coefficient is fitted within the
 /// orientations.
 #[test]
-fn what_is_learnt_is_learnt_within_a_pose() {
+fn fits_temperature_within_orientations() {
     const PER_KELVIN: f64 = 0.02;
     let mut columns = log(&[0.0, 0.5, 0.0, 1.2, 0.7, 0.0]);
     let mut random = ChaCha8Rng::seed_from_u64(9);

@@ -89,7 +89,7 @@ fn a_drift_with_temperature_is_no_random_walk() {
 }
 
 #[test]
-fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
+fn invisible_random_walk_gives_a_limit_and_a_log_length() {
     let (mut named, mut held) = (0, 0);
     let logs = if is_thorough() { 30 } else { 5 };
     for seed in 100..100 + logs {
@@ -106,7 +106,7 @@ fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
 }
 
 #[test]
-fn what_is_no_rest_and_no_measurement_counts_for_nothing() {
+fn motion_and_outliers_have_no_influence() {
     let quiet = simulated(K, 72_000, 7);
     let mut shaken = quiet.clone();
     let mut still = vec![1.0; quiet.len()];
@@ -129,7 +129,7 @@ fn what_is_no_rest_and_no_measurement_counts_for_nothing() {
 }
 
 #[test]
-fn a_log_too_short_and_one_without_noise_are_refused_with_what_to_do() {
+fn rejects_short_and_noiseless_logs_with_a_remedy() {
     let short = noise_of(&log(simulated(0.0, 300, 1), Vec::new())).unwrap_err().to_string();
     assert!(
         short.contains("15.0 s at rest in stretches") && short.contains("help: record a longer log"),

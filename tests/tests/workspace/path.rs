@@ -37,7 +37,7 @@ fn quadratic_plant(seed: u64) -> Vec<f64> {
 }
 
 #[test]
-fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
+fn recovers_a_known_plant_for_any_offset_and_unit() {
     let recording = recording(vec![("az_mps2".into(), quadratic_plant(5))]);
     let stillness = stillness::find(&recording);
     // the plant's own units: offset and scale known, so that coefficients compare
@@ -103,7 +103,7 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
 }
 
 #[test]
-fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where_there_is_not() {
+fn beats_the_constant_mean_only_on_predictable_axes() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let white: Vec<f64> = (0..60_000).map(|_| StandardNormal.sample(&mut random)).collect();
     let recording = recording(vec![("gx_rads".into(), white), ("gy_rads".into(), quadratic_plant(6))]);
@@ -151,7 +151,7 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
 }
 
 #[test]
-fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
+fn firmware_log_gives_the_digest_of_the_replay() {
     let (recording, bytes) = simulated_unit();
     let stillness = stillness::find(&recording);
     let stored = Image::parse(&bytes).expect("its own image");
@@ -185,7 +185,7 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
 }
 
 #[test]
-fn rounding_the_model_to_f32_costs_next_to_nothing() {
+fn rounding_to_f32_is_negligible() {
     let (recording, bytes) = simulated_unit();
     let stillness = stillness::find(&recording);
     let host =

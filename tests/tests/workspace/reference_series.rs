@@ -176,7 +176,7 @@ fn effects() -> Vec<Series> {
 }
 
 #[test]
-fn the_series_that_are_checked_in_are_those_of_the_seeds() {
+fn stored_series_match_their_seeds() {
     for Series { name, channels, .. } in all() {
         let stored = reference::own(name);
         assert_eq!(stored.channels.len(), channels.len(), "{name}");

@@ -101,7 +101,7 @@ fn a_model_for_another_sensor_does_not_pass_the_check() {
 }
 
 #[test]
-fn the_hub_says_how_much_the_noise_has_grown() {
+fn hub_reports_excess_noise() {
     let vector = exported::TEST_VECTOR;
     let mut hub = exported::ModelHub::new(vector.scales);
     assert_eq!(hub.deviation_ratio(Axis::Gx), None, "without a model");
@@ -145,8 +145,8 @@ fn compile(source: &str) -> Option<Result<(), String>> {
         .arg(&file)
         .output()
         .ok()?;
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    Some(if output.status.success() { Ok(()) } else { Err(said) })
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some(if output.status.success() { Ok(()) } else { Err(stderr) })
 }
 
 #[test]
@@ -155,8 +155,8 @@ fn source_with_an_output_at_lag_zero_does_not_compile() {
     let (model, _) = source.split_once("// From here on").expect("the part that needs fos-core only");
     match compile(model) {
         Some(Ok(())) => {}
-        Some(Err(said)) => {
-            println!("skipped: the unchanged source does not compile outside of cargo: {said}");
+        Some(Err(stderr)) => {
+            println!("skipped: the unchanged source does not compile outside of cargo: {stderr}");
             return;
         }
         None => {
@@ -166,6 +166,6 @@ fn source_with_an_output_at_lag_zero_does_not_compile() {
     }
     let wrong = model.replacen("&[y(1)]", "&[y(0)]", 1);
     assert_ne!(wrong, model);
-    let said = compile(&wrong).expect("compiled a moment ago").expect_err("an output at lag 0");
-    assert!(said.contains("no output at lag 0"), "{said}");
+    let stderr = compile(&wrong).expect("compiled a moment ago").expect_err("an output at lag 0");
+    assert!(stderr.contains("no output at lag 0"), "{stderr}");
 }

@@ -48,7 +48,7 @@ fn recording(name: &str, columns: Vec<(String, Vec<f64>)>) -> Recording {
 }
 
 #[test]
-fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
+fn identifies_a_hidden_effect_from_telemetry() {
     let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
     let case = simulate_case(&plan).expect("a case");
@@ -133,7 +133,7 @@ impl Write for Full {
 }
 
 #[test]
-fn what_cannot_be_sent_is_counted_and_does_no_harm() {
+fn counts_unsent_frames() {
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "" };
     let (measured, validity) = ([0.1], [Validity::VALID]);
     let frame = |tick| SampleFrame {
@@ -146,8 +146,8 @@ fn what_cannot_be_sent_is_counted_and_does_no_harm() {
     };
     let mut full: Recorder<_, 128> = Recorder::new(Full);
     for tick in 0..3 {
-        let said = full.sample(&start, frame(tick));
-        assert_eq!(said, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
+        let result = full.sample(&start, frame(tick));
+        assert_eq!(result, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
     }
     assert_eq!(full.failed(), 6, "every sample, and with it what it holds");
     let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: usize::MAX };

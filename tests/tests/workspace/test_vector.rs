@@ -79,7 +79,7 @@ fn changes(model: &UnitModel) -> Vec<Change> {
 }
 
 #[test]
-fn every_number_that_shapes_a_correction_is_noticed() {
+fn detects_a_change_of_every_relevant_number() {
     let model = model();
     let vector = test_vector(&model).expect("a hub takes it");
     assert!(vector.is_met_by(&model));
@@ -99,7 +99,7 @@ fn every_number_that_shapes_a_correction_is_noticed() {
 }
 
 #[test]
-fn everything_that_a_device_meets_is_in_it() {
+fn covers_every_condition_of_a_device() {
     let vector = test_vector(&model()).expect("a hub takes it");
     let vector = vector.vector();
     let seen = vector.expected.iter().fold(0, |seen, expected| seen | expected.validity);

@@ -15,11 +15,11 @@ use crate::unit::Unit;
 
 /// A channel changes if its second difference exceeds this many standard deviations of its own noise: noise alone does
 /// so once in 16,000 blocks.
-const CHANGED: f64 = 4.0;
+const MIN_SIGMAS: f64 = 4.0;
 
 /// Minimum reduction of the shared excess by the prediction. Chance does not reach it: a prediction from unrelated
 /// windows adds to the energy.
-const EXPLAINED: f64 = 0.25;
+const MIN_REDUCTION: f64 = 0.25;
 
 /// Coefficients of an axis: of the previous block, of the block, of the next one.
 const TAPS: usize = 3;
@@ -70,7 +70,7 @@ pub(super) fn possible_causes(recording: &Recording) -> Vec<&str> {
 }
 
 /// Lowers the score of the windows that one of `causes` explains.
-pub(super) fn spare(
+pub(super) fn lower_explained_scores(
     recording: &Recording,
     axes: &Axes<'_>,
     causes: &[&str],
@@ -102,7 +102,7 @@ pub(super) fn spare(
                 axes.usual[axis].excess(window, energy)
             });
             let remaining = sum_but_most(excess);
-            if remaining < FAR && remaining < EXPLAINED * score[window] {
+            if remaining < FAR && remaining < MIN_REDUCTION * score[window] {
                 if score[window] >= FAR {
                     explained.push(Explained { channel: (*name).to_owned(), rows });
                 }
@@ -153,7 +153,7 @@ impl<'a> Changes<'a> {
             .filter(|mean| mean.is_finite())
             .fold(0.0, |most: f64, mean| most.max(mean.abs()));
         // a sum of equal values may be off by rounding
-        let limit = (CHANGED * MAD_TO_SD * median_of_known(&sizes)).max(1e-9 * largest);
+        let limit = (MIN_SIGMAS * MAD_TO_SD * median_of_known(&sizes)).max(1e-9 * largest);
         let mut of_row = vec![0.0; n];
         let mut end = 0;
         for row in (0..n).filter(|row| second[*row].abs() > limit) {

@@ -29,7 +29,7 @@ impl Disturbance {
 
     /// Returns true if its rows are excluded: neither those of lasting vibration, a state of the surroundings that may cause
     /// an effect, nor those that a logged channel explains.
-    pub fn is_left_out(&self) -> bool {
+    pub fn is_excluded(&self) -> bool {
         !matches!(self.kind, Kind::Vibration | Kind::Explained)
     }
 }
@@ -82,7 +82,7 @@ const TURNED_RAD: f64 = 0.17;
 const TILTED_RAD: f64 = 0.035;
 
 /// Classifies the motion in these rows.
-pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
+pub(super) fn classify(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
     let period_s = recording.rate.period_s;
     let seconds = rows.len() as f64 * period_s;
     let beside = beside(recording, &rows, rest);

@@ -34,17 +34,17 @@ use crate::unit::Unit;
 pub use kind::{Disturbance, Kind};
 
 /// Maximum number of disturbances listed individually, the longest first.
-const MOST_TOLD: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// Describes detected motion by time, duration and kind, one line each; of more than 12 the longest, in order of time.
 /// Then the number of stretches that a logged channel explains, one line for each channel.
-pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> {
+pub fn describe_disturbances(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> {
     let seconds = |one: &Disturbance| one.rows.len() as f64 * recording.rate.period_s;
     let (explained, moved): (Vec<&Disturbance>, Vec<&Disturbance>) =
         disturbances.iter().partition(|one| one.channel.is_some());
     let mut longest = moved.clone();
     longest.sort_by_key(|one| std::cmp::Reverse(one.rows.len()));
-    longest.truncate(MOST_TOLD);
+    longest.truncate(MAX_LISTED);
     longest.sort_by_key(|one| one.rows.start);
     let mut lines: Vec<String> = longest
         .into_iter()
@@ -58,14 +58,14 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
                 recording.time_s[one.rows.start],
                 seconds(one),
                 if one.is_tilted { ", perhaps in another orientation afterwards" } else { "" },
-                if one.is_left_out() { "; excluded" } else { "" },
+                if one.is_excluded() { "; excluded" } else { "" },
             )
         })
         .collect();
-    if moved.len() > MOST_TOLD {
-        let excluded = moved.iter().filter(|one| one.is_left_out());
+    if moved.len() > MAX_LISTED {
+        let excluded = moved.iter().filter(|one| one.is_excluded());
         let all = excluded.fold(0.0, |sum, one| sum + seconds(one));
-        lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MOST_TOLD));
+        lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MAX_LISTED));
     }
     let mut channels: Vec<&str> = explained.iter().filter_map(|one| one.channel.as_deref()).collect();
     channels.sort_unstable();
@@ -130,16 +130,16 @@ pub fn check_rest(
 ///
 /// [`RecordingError::Moves`].
 pub fn check(recording: &Recording) -> Result<(), RecordingError> {
-    let marks = recording.once(Marks::of);
+    let marks = recording.cached(Marks::of);
     check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))
 }
 
 /// The same log with the rows of detected motion marked as not at rest, and the detected motion. Without a column `still`
 /// all other rows count as at rest.
 pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
-    let marks = recording.once(Marks::of);
+    let marks = recording.cached(Marks::of);
     let found = marks.found.clone();
-    if marks.turns.is_empty() && !found.iter().any(Disturbance::is_left_out) {
+    if marks.turns.is_empty() && !found.iter().any(Disturbance::is_excluded) {
         return (Cow::Borrowed(recording), found);
     }
     (Cow::Owned(recording.with_rests(marks.rest.clone(), marks.turns.clone())), found)
@@ -157,7 +157,7 @@ impl Marks {
     fn of(recording: &Recording) -> Self {
         let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
         let found = find(recording, &rest);
-        leave_out(&mut rest, &found);
+        exclude(&mut rest, &found);
         let turns = pose::turns(recording, &rest, &tilted(&found));
         Self { found, rest, turns }
     }
@@ -165,7 +165,7 @@ impl Marks {
 
 /// Result of [`find`] within the rows that the recording states are at rest, or within all rows.
 pub(crate) fn find_at_rest(recording: &Recording) -> Vec<Disturbance> {
-    recording.once(Marks::of).found.clone()
+    recording.cached(Marks::of).found.clone()
 }
 
 /// Rows of the motions that tilted the device.
@@ -175,13 +175,13 @@ pub(crate) fn tilted(disturbances: &[Disturbance]) -> Vec<Range<usize>> {
 }
 
 /// Marks the rows of excluded disturbances as not at rest.
-pub fn leave_out(rest: &mut [bool], disturbances: &[Disturbance]) {
-    let left_out = disturbances.iter().filter(|disturbance| disturbance.is_left_out());
+pub fn exclude(rest: &mut [bool], disturbances: &[Disturbance]) {
+    let left_out = disturbances.iter().filter(|disturbance| disturbance.is_excluded());
     left_out.for_each(|disturbance| rest[disturbance.rows.clone()].fill(false));
 }
 
 /// Motion in more than this share of a log is its usual state and no disturbance, unless no sensor at rest can show it.
-const MOST: f64 = 0.5;
+const MAX_SHARE: f64 = 0.5;
 
 /// Detected motion, in order, among the rows marked by `rest`. Empty for a log with fewer than two inertial columns, and
 /// for one whose motion is kept. Of an axis with a reference the error is examined: known motion is no disturbance.
@@ -190,10 +190,10 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         return Vec::new();
     }
     let mut axes = Vec::new();
-    let mut is_vouched = false;
+    let mut has_reference = false;
     for name in AXES {
         let Ok(series) = recording.error_series(name) else { continue };
-        is_vouched |= matches!(series.reference, Reference::Channel(_));
+        has_reference |= matches!(series.reference, Reference::Channel(_));
         let mut values = series.values.into_owned();
         values.iter_mut().zip(rest).filter(|(_, rest)| !**rest).for_each(|(value, _)| *value = f64::NAN);
         axes.push((name, values));
@@ -203,8 +203,9 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     }
     let rows_at_rest = rest.iter().filter(|rest| **rest).count() as f64;
     // at rest the reference is the orientation, and does not include motion
-    let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);
-    let lasting = if is_vouched { Vec::new() } else { absolute::find(recording, &axes) };
+    let has_reference =
+        has_reference && (recording.still.is_none() || rows_at_rest < MAX_SHARE * rest.len() as f64);
+    let lasting = if has_reference { Vec::new() } else { absolute::find(recording, &axes) };
     let lasts =
         |rows: &&Range<usize>| rows.len() as f64 * recording.rate.period_s >= absolute::SHORTEST_REST_S;
     // the usual scatter is that of the remaining log, however short it is compared with the motion
@@ -212,12 +213,12 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     for rows in lasting.iter().filter(lasts) {
         values.iter_mut().for_each(|values| values[rows.clone()].fill(f64::NAN));
     }
-    let found = shared::find(recording, values, is_vouched);
+    let found = shared::find(recording, values, has_reference);
     let share = |stretches: &[Range<usize>]| {
         let at_rest = |rows: &Range<usize>| rest[rows.clone()].iter().filter(|rest| **rest).count();
         stretches.iter().map(at_rest).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
-    let is_usual = share(&found.moved) > MOST;
+    let is_usual = share(&found.moved) > MAX_SHARE;
     // an event is detected more precisely against the usual energy; a stretch as long as a rest is motion in any case
     let lasting: Vec<Range<usize>> = lasting.iter().filter(|rows| is_usual || lasts(rows)).cloned().collect();
     let is_inside = |rows: &Range<usize>, all: &[Range<usize>]| {
@@ -231,7 +232,7 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         rows: one.rows.start.clamp(first, end)..one.rows.end.clamp(first, end),
         ..one
     };
-    let moved = events.map(|rows| kind::described(recording, rows.clone(), rest));
+    let moved = events.map(|rows| kind::classify(recording, rows.clone(), rest));
     let lasting = lasting
         .iter()
         .map(|rows| Disturbance { is_tilted: true, ..Disturbance::level(rows.clone(), Kind::Motion) });

@@ -127,7 +127,7 @@ pub(super) fn median_of_known(values: &[f64]) -> f64 {
 }
 
 /// Lower limit of the scatter, below which an estimate comes from too few values.
-const LEAST_SCATTER: f64 = 0.1;
+const MIN_SCATTER: f64 = 0.1;
 
 /// Usual energy of one axis on one time scale.
 #[derive(Debug)]
@@ -141,7 +141,7 @@ impl Usual {
     pub(super) fn about(level: Vec<f64>, log_energy: &[f64]) -> Self {
         let off: Vec<f64> =
             log_energy.iter().zip(&level).map(|(energy, level)| (energy - level).abs()).collect();
-        let scatter = (MAD_TO_SD * median_of_known(&off)).max(LEAST_SCATTER);
+        let scatter = (MAD_TO_SD * median_of_known(&off)).max(MIN_SCATTER);
         Self { level, scatter }
     }
 

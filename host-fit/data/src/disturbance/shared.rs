@@ -24,7 +24,7 @@ const PIECE_S: f64 = 5.0;
 const LASTING_S: f64 = 28.0;
 
 /// Motions closer than this are merged, s.
-const ONE_S: f64 = 0.75;
+const MERGE_S: f64 = 0.75;
 
 /// Minimum excess of the level of vibration in a lasting stretch above that of the quietest tenth: half as much again in
 /// deviation.
@@ -45,7 +45,7 @@ pub(super) struct Shared {
 
 /// Searches all axes on all time scales. With a reference for the motion, slow motion is not searched: its remaining part
 /// is the error.
-pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: bool) -> Shared {
+pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_reference: bool) -> Shared {
     let period_s = recording.rate.period_s;
     let n = recording.n_rows();
     let mut moved = vec![false; n];
@@ -58,7 +58,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
     for level in 0.. {
         let scale = Scale::new(level, period_s);
         let block_s = scale.block as f64 * period_s;
-        if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || is_vouched && block_s > VIBRATION_BLOCK_S {
+        if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || has_reference && block_s > VIBRATION_BLOCK_S {
             break;
         }
         let energies: Vec<Vec<f64>> =
@@ -89,7 +89,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         };
         let mut score: Vec<f64> = (0..energies[0].len()).map(|window| sum_but_most(excess(window))).collect();
         let axes = Axes { scale, means: &means, energies: &energies, usual: &usual };
-        explained.extend(explained::spare(recording, &axes, &causes, &mut score));
+        explained.extend(explained::lower_explained_scores(recording, &axes, &causes, &mut score));
         mark(&mut moved, &scale, &score);
         if is_vibration {
             leaking = usual.iter().map(|usual| (scale, above_least(usual.level()))).collect();
@@ -104,7 +104,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
             scale.doubled(means)
         });
     }
-    let joined = (ONE_S / period_s) as usize;
+    let joined = (MERGE_S / period_s) as usize;
     let mut lasting = stretches(&shaken, (PIECE_S / period_s) as usize);
     let lasts = |rows: &Range<usize>| rows.len() as f64 * period_s >= LASTING_S;
     // a large excess that ends sooner is an event, although its middle raised the local level

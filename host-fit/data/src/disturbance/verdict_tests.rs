@@ -74,7 +74,7 @@ impl Log {
 
     /// Excluded stretches, s.
     fn excluded(&self) -> Vec<[f64; 2]> {
-        let excluded = self.found().into_iter().filter(Disturbance::is_left_out);
+        let excluded = self.found().into_iter().filter(Disturbance::is_excluded);
         excluded.map(|one| [one.rows.start as f64 / RATE_HZ, one.rows.end as f64 / RATE_HZ]).collect()
     }
 }
@@ -143,7 +143,7 @@ fn keeps_steps_that_follow_a_logged_channel() {
 fn counts_the_stretches_that_follow_a_channel() {
     let log = Log::at_rest(4, 300.0).add(|axis, t| 5e-3 * SHARE[axis] * dip(5.0)(t));
     let log = log.with("supply_v", |t| 3.3 - 0.3 * dip(5.0)(t));
-    let lines = told(&log.recording(), &log.found());
+    let lines = describe_disturbances(&log.recording(), &log.found());
     assert!(lines.len() == 1 && lines[0].ends_with("stretches follow supply_v and were kept"), "{lines:?}");
 }
 
@@ -173,7 +173,7 @@ fn handling(at_s: f64) -> impl Fn(usize, f64) -> f64 {
 }
 
 #[test]
-fn excludes_motion_that_coincides_with_a_change_of_a_channel() {
+fn excludes_motion_during_a_channel_change() {
     let at_s = 125.0;
     let is_hit =
         |log: &Log| log.excluded().iter().any(|[start, end]| *start <= at_s + 0.1 && at_s + 0.1 <= *end);
@@ -277,7 +277,7 @@ fn vehicle(seed: u64, seconds: f64, size: f64) -> Log {
 }
 
 #[test]
-fn a_log_that_moves_all_along_has_no_rest() {
+fn rejects_a_log_in_continuous_motion() {
     for log in
         [vehicle(30, 300.0, 1.0), vehicle(31, 120.0, 0.4), vehicle(32, 300.0, 1.0).with("still", |_| 1.0)]
     {
@@ -307,7 +307,7 @@ fn lost_samples_do_not_hide_a_drive() {
 }
 
 #[test]
-fn a_rest_of_a_drive_is_used() {
+fn uses_the_rest_within_a_drive() {
     let drive = vehicle(33, 300.0, 1.0);
     let mut log = Log::at_rest(33, 300.0);
     for ((_, values), (_, driven)) in log.columns.iter_mut().zip(&drive.columns) {
@@ -321,7 +321,7 @@ fn a_rest_of_a_drive_is_used() {
 }
 
 #[test]
-fn a_sensor_at_rest_moves_for_no_effect() {
+fn no_effect_looks_like_motion() {
     let rest = |seed| Log::at_rest(seed, 200.0);
     let walk = random_walk(99, 10_000);
     let logs = [

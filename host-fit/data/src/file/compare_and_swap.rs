@@ -124,15 +124,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_has_changed_is_not_replaced() {
+    fn does_not_replace_a_changed_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         let absent = FileVersion::now(&path).unwrap();
         absent.replace(b"one").unwrap();
         let one = FileVersion::of(&path, b"one");
         assert_eq!(one.digest, FileVersion::now(&path).unwrap().digest);
-        let said = absent.replace(b"two").unwrap_err().to_string();
-        assert!(said.contains("a.json: changed meanwhile") && said.contains("help: run"), "{said}");
+        let message = absent.replace(b"two").unwrap_err().to_string();
+        assert!(message.contains("a.json: changed meanwhile") && message.contains("help: run"), "{message}");
         one.replace(b"two").unwrap();
         assert!(matches!(one.replace(b"three"), Err(CompareAndSwapError::Changed(_))));
         fs::remove_file(&path).unwrap();
@@ -149,7 +149,7 @@ mod tests {
 
     /// Each writer adds a line to what it read and retries if another process was first: no line is lost.
     #[test]
-    fn of_many_writers_at_once_none_loses_what_it_added() {
+    fn concurrent_writers_lose_no_line() {
         const WRITERS: usize = 8;
         const LINES: usize = 20;
         let folder = tempfile::tempdir().unwrap();

@@ -134,7 +134,7 @@ mod tests {
     use crate::file::{read, write_atomically};
 
     #[test]
-    fn what_was_read_is_not_replaced_whatever_it_is_called() {
+    fn inputs_are_protected_under_any_name() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("log.csv"), b"measured").unwrap();
@@ -143,9 +143,9 @@ mod tests {
         fs::copy(at("log.csv"), at("copy.csv")).unwrap();
         read(&at("log.csv")).unwrap();
         for name in ["log.csv", "./log.csv", "hard.csv", "link.csv"] {
-            let said = write_atomically(&at(name), b"made").unwrap_err().to_string();
-            assert!(said.contains("which was read") || said.contains("very file"), "{name}: {said}");
-            assert!(said.contains("\nhelp: write to another file"), "{name}: {said}");
+            let message = write_atomically(&at(name), b"made").unwrap_err().to_string();
+            assert!(message.contains("which was read") || message.contains("very file"), "{name}: {message}");
+            assert!(message.contains("\nhelp: write to another file"), "{name}: {message}");
         }
         assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
         write_atomically(&at("copy.csv"), b"made").unwrap();
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_here_may_be_read_and_written_again() {
+    fn own_outputs_may_be_rewritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("example.csv");
         for content in [&b"one"[..], b"two", b"three"] {

@@ -114,7 +114,7 @@ impl TemporarySibling {
         note_written(&file, &path)
     }
 
-    /// The same, also over what was read: it is what was read, changed, and is not replaced by anything else either.
+    /// The same, and may replace an input of this process: the new content is an edit of the old, and stays protected.
     pub fn put_back(self) -> io::Result<()> {
         let (file, path) = self.replace()?;
         note_read(&file, &path)
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_writer_that_fails_leaves_the_old_file_and_nothing_beside_it() {
+    fn failed_writer_leaves_only_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         write_atomically(&path, b"old").unwrap();
@@ -189,14 +189,14 @@ mod tests {
             file.write_all(b"ne")?;
             Err(ErrorKind::StorageFull.into())
         });
-        let said = error.map_err(FileError::writing(&path)).unwrap_err().to_string();
-        assert!(said.contains("a.json") && said.contains("help: the disk is full"), "{said}");
+        let message = error.map_err(FileError::writing(&path)).unwrap_err().to_string();
+        assert!(message.contains("a.json") && message.contains("help: the disk is full"), "{message}");
         assert_eq!(read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.json"]);
     }
 
     #[test]
-    fn what_is_no_file_is_not_replaced() {
+    fn replaces_regular_files_only() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("folder");
         make_folder(&path).unwrap();
@@ -205,7 +205,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_killed_writer_left_is_removed_and_what_is_being_written_is_not() {
+    fn removes_leftovers_of_killed_writers_only() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         fs::write(folder.path().join(".fos-killed.tmp"), b"half").unwrap();
@@ -226,7 +226,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_stays_one_and_permissions_stay() {
+    fn keeps_links_and_permissions() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (path, link) = (folder.path().join("a.json"), folder.path().join("link.json"));

@@ -19,7 +19,7 @@ const BLOCK_ROWS: usize = 8;
 
 /// Number of consecutive blocks with such a fast change in one direction, and their minimum total, K.
 const BLOCKS: usize = 3;
-const LEAST_K: f64 = 10.0;
+const MIN_K: f64 = 10.0;
 
 /// Share of repeated timestamps from which the clock ticks slower than the sensor samples.
 const REPEATED: f64 = 0.1;
@@ -166,7 +166,7 @@ fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)>
         let moved = (last.1 - first.1, last.0 - first.0);
         if ways[from] != 0.0
             && run >= BLOCKS
-            && moved.0.abs() >= LEAST_K
+            && moved.0.abs() >= MIN_K
             && most.is_none_or(|most| moved.0.abs() > most.0.abs())
         {
             most = Some(moved);
@@ -206,7 +206,7 @@ pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Oddity, Recording, Source};
+    use super::super::{LoadOptions, LogWarning, Recording, Source};
     use super::*;
 
     fn recording(time_s: Vec<f64>, celsius: Vec<f64>, rate_hz: Option<f64>) -> Recording {
@@ -219,17 +219,19 @@ mod tests {
 
     fn clock_warnings(log: &Recording) -> Vec<String> {
         let odd = log.oddities(&vec![true; log.n_rows()]).into_iter();
-        odd.filter(|odd| matches!(odd, Oddity::Clock(_))).map(|odd| odd.to_string()).collect()
+        odd.filter(|odd| matches!(odd, LogWarning::Clock(_))).map(|odd| odd.to_string()).collect()
     }
 
     #[test]
-    fn warns_of_a_thermometer_that_no_part_could_follow() {
+    fn warns_of_impossibly_fast_temperature_changes() {
         let stamps = |period: f64| (0..8000).map(|row| f64::from(row) * period).collect::<Vec<_>>();
         let chamber = || (0..8000).map(|row| 50.0 - f64::from(row) * 0.01).collect::<Vec<_>>();
-        let said = clock_warnings(&recording(stamps(5e-4), chamber(), None));
+        let warnings = clock_warnings(&recording(stamps(5e-4), chamber(), None));
         assert!(
-            said.len() == 1 && said[0].contains("temp_c moves by -") && said[0].contains("`rate_hz`"),
-            "{said:?}"
+            warnings.len() == 1
+                && warnings[0].contains("temp_c moves by -")
+                && warnings[0].contains("`rate_hz`"),
+            "{warnings:?}"
         );
         // the same at its true rate
         assert!(clock_warnings(&recording(stamps(0.5), chamber(), None)).is_empty());
@@ -243,13 +245,16 @@ mod tests {
     }
 
     #[test]
-    fn a_stated_rate_replaces_stamps_that_contradict_it_and_says_so() {
+    fn stated_rate_replaces_contradicting_timestamps_with_a_warning() {
         let stamps: Vec<f64> = (0..2000).map(|row| f64::from(row) * 5e-4).collect();
         let warm = vec![25.5; 2000];
         let log = recording(stamps.clone(), warm.clone(), Some(2.0));
         assert_eq!((log.rate.true_hz, log.time_s[10], log.n_rows()), (2.0, 5.0, 2000));
-        let said = clock_warnings(&log);
-        assert!(said[0].contains("2 Hz replaces") && said[0].contains("2000.0000 Hz"), "{said:?}");
+        let warnings = clock_warnings(&log);
+        assert!(
+            warnings[0].contains("2 Hz replaces") && warnings[0].contains("2000.0000 Hz"),
+            "{warnings:?}"
+        );
         // if the timestamps agree it is the nominal rate, as before
         let log = recording(stamps, warm.clone(), Some(1990.0));
         assert!((log.rate.true_hz - 2000.0).abs() < 1e-6 && clock_warnings(&log).is_empty());

@@ -9,11 +9,11 @@ use crate::unit::Unit;
 const COARSE_K: std::ops::RangeInclusive<f64> = 0.25..=2.0;
 
 /// Largest distance of a value from a whole number of steps, in steps.
-const ON_GRID: f64 = 0.02;
+const GRID_TOLERANCE: f64 = 0.02;
 
 /// Consecutive crossings between the same two steps within this share of the usual time between crossings count as one:
 /// noise at the edge of a step.
-const TOGETHER: f64 = 0.25;
+const SAME_CROSSING: f64 = 0.25;
 
 impl Recording {
     /// Step of a thermometer, K, if its values form a staircase.
@@ -27,7 +27,7 @@ impl Recording {
         levels.dedup();
         let gaps = || levels.windows(2).map(|pair| pair[1] - pair[0]);
         let step = gaps().fold(f64::INFINITY, f64::min);
-        let on_grid = |gap: f64| (gap / step - (gap / step).round()).abs() < ON_GRID;
+        let on_grid = |gap: f64| (gap / step - (gap / step).round()).abs() < GRID_TOLERANCE;
         (COARSE_K.contains(&step) && gaps().all(on_grid)).then_some(step)
     }
 
@@ -79,7 +79,7 @@ fn crossings(ticks: &[f64], values: &[f64], step: f64) -> Vec<(f64, f64)> {
         }
     }
     let on = crossings.windows(2).filter(|pair| pair[0].1 != pair[1].1).map(|pair| pair[1].0 - pair[0].0);
-    let together = TOGETHER * median_of(on).unwrap_or(0.0);
+    let together = SAME_CROSSING * median_of(on).unwrap_or(0.0);
     let ends = [(ticks[0], values[0]), (ticks[ticks.len() - 1], values[values.len() - 1])];
     let mut knots = vec![ends[0]];
     let same = |a: &(f64, f64), b: &(f64, f64)| a.1 == b.1 && b.0 - a.0 < together;
@@ -103,7 +103,7 @@ fn slopes(knots: &[(f64, f64)]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Oddity, Source};
+    use super::super::{LoadOptions, LogWarning, Source};
     use super::*;
 
     fn recording(values: Vec<f64>) -> Recording {
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn stairs_are_followed_to_a_fraction_of_a_step() {
+    fn smooths_coarse_steps_to_a_fraction_of_a_step() {
         let true_c: Vec<f64> = (0..9000).map(|row| 25.0 + 6.0 * (0.002 * f64::from(row)).sin()).collect();
         for step in [0.5, 1.0] {
             let log = recording(true_c.iter().map(|t| (t / step).round() * step).collect());
@@ -127,14 +127,14 @@ mod tests {
             assert!(stairs > 0.27 && smooth < 0.07, "{stairs} {smooth}");
             let odd = log.oddities(&[true; 9000]);
             assert!(
-                matches!(&odd[..], [Oddity::CoarseSteps { step: found, .. }] if *found == step),
+                matches!(&odd[..], [LogWarning::CoarseSteps { step: found, .. }] if *found == step),
                 "{odd:?}"
             );
         }
     }
 
     #[test]
-    fn fine_steps_jumps_and_other_quantities_are_no_stairs() {
+    fn ignores_fine_steps_jumps_and_other_quantities() {
         let fine = (0..900).map(|row| 25.0 + f64::from(row / 9) / 16.0).collect();
         let off_grid = (0..900).map(|row| 25.0 + 0.31 * f64::from(row / 90).powf(1.5)).collect();
         let jump = (0..900).map(|row| if row < 300 { 20.0 } else { 30.0 }).collect();

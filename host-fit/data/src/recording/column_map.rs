@@ -406,14 +406,14 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_of_the_wrong_kind_is_refused() {
+    fn rejects_a_unit_of_the_wrong_kind() {
         let error = ColumnMap::from_specs(["gx_rads=gyro:g"]).unwrap_err();
         assert!(matches!(error, MapError::WrongKind { .. }), "{error}");
         assert!(error.to_string().contains("gx_rads is in rad/s"), "{error}");
     }
 
     #[test]
-    fn what_cannot_be_read_says_what_to_write() {
+    fn invalid_map_entries_state_the_remedy() {
         for (spec, hint) in [
             ("gx_rads", "target=column"),
             ("=x", "target=column"),
@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn any_name_of_a_column_can_be_said() {
+    fn maps_columns_of_any_name() {
         for column in ["plain", "acc:x", "\"", "a\"b", "\"a\":\"b\"", " padded ", "::"] {
             let mut map = ColumnMap::default();
             map.add_mapping("x", column, None, None).unwrap();
@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn a_toml_map_says_the_same_as_the_command_line() {
+    fn toml_map_equals_the_command_line() {
         let toml = r#"
             ignore = ["debug"]
             [columns]

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_reference_it_is_the_measurement_and_says_so() {
+    fn error_without_a_reference_is_the_measurement() {
         let log = recording(&["ref_gy_rads", "gx_rads"]);
         let error = log.error_series("gx_rads").unwrap();
         assert_eq!(*error.values, [1.0; 3]);
@@ -113,19 +113,19 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_without_a_number_is_named() {
+    fn rejects_a_channel_without_a_number_by_name() {
         // the message used to state "0 rows at rest" and advise a longer log
-        for (hollow, said) in
+        for (hollow, expected) in
             [("gx_rads", "test: gx_rads: every cell of its 3 rows"), ("ref_gx_rads", "ref_gx_rads: every")]
         {
             let log = recording(&["ref_gx_rads", "gx_rads"]).with_values(hollow, vec![f64::NAN; 3]);
             let message = log.error_series("gx").unwrap_err().to_string();
-            assert!(message.contains(said) && message.contains("help: "), "{message}");
+            assert!(message.contains(expected) && message.contains("help: "), "{message}");
         }
     }
 
     #[test]
-    fn an_axis_that_is_not_there_names_the_closest() {
+    fn unknown_axis_suggests_the_closest() {
         let message = recording(&["gx_rads", "temp_c"]).error_series("gy").unwrap_err().to_string();
         assert!(message.contains("did you mean \"gx_rads\"?"), "{message}");
     }

@@ -36,7 +36,7 @@ const BURSTS_AT_END: f64 = 10.0;
 
 /// Maximum number of missing samples in one gap, 150 years at 200 Hz: beyond it the timestamps are nonsense, and ticks
 /// must not overflow.
-const MOST_MISSING: f64 = 1e12;
+const MAX_MISSING: f64 = 1e12;
 
 /// Finds all boundaries. `marks` are in order of rows, at most one per row.
 pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {
@@ -228,7 +228,7 @@ impl<'a> Search<'a> {
 
     /// Number of samples missing at `row`, from the rise of the level there.
     fn count(&self, row: usize, rise: f64) -> u64 {
-        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MOST_MISSING) as u64 } else { 0 }
+        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MAX_MISSING) as u64 } else { 0 }
     }
 
     fn missing(&self, row: usize) -> u64 {
@@ -294,7 +294,7 @@ impl<'a> Search<'a> {
         let back = self.steps_back(mark.row) && rise < -RISE_JITTERED;
         self.grid.clock_back += u64::from(back);
         let missing = match mark.boundary {
-            Boundary::Pause => rise.round().clamp(1.0, MOST_MISSING) as u64,
+            Boundary::Pause => rise.round().clamp(1.0, MAX_MISSING) as u64,
             _ => self.count(mark.row, rise),
         };
         self.accept(mark.row, mark.boundary, mark.missing.max(missing));

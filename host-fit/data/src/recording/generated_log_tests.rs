@@ -53,7 +53,7 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 }
 
 #[test]
-fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_no_more() {
+fn jitter_beyond_a_period_hides_no_lost_sample_and_adds_none() {
     const HZ: f64 = 397.344;
     let mut random = ChaCha8Rng::seed_from_u64(2);
     // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is lost
@@ -77,7 +77,7 @@ fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_n
 }
 
 #[test]
-fn stamps_in_whole_milliseconds_show_the_rate_between_them_and_no_gap() {
+fn whole_millisecond_timestamps_give_the_true_rate() {
     // 286 Hz: intervals of three and of four milliseconds
     let stamps: Vec<f64> = (0..50_000).map(|row| (f64::from(row) * 1e3 / 285.714).round() / 1e3).collect();
     let (log, _) = load_text(&log_of(&stamps, 3), &[]);
@@ -209,7 +209,7 @@ fn raw_counts_become_si_by_a_map() {
 }
 
 #[test]
-fn stamps_in_parquet_that_jitter_have_no_gap() {
+fn jitter_in_parquet_makes_no_gap() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.parquet");
     for (seed, off) in [(1, 0.985), (2, 1.0), (3, 1.015)] {

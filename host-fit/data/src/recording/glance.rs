@@ -11,7 +11,7 @@ use crate::interrupt::in_parallel;
 use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
-use crate::stuck::{FEWEST_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
+use crate::stuck::{MIN_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest measure it to within their scale error and bias.
 const GRAVITY: f64 = 9.806_65;
@@ -27,11 +27,11 @@ const NOISE_RATIO: f64 = 3.0;
 const RATE_DIFFERS: f64 = 2e-3;
 
 /// Minimum number of rows at rest without a change that show an axis to be coarser than its noise.
-const FEWEST_AT_REST: usize = 1000;
+const MIN_AT_REST: usize = 1000;
 
 /// A warning about implausible data in a log.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Oddity {
+pub enum LogWarning {
     /// An axis holds one value throughout, or is stuck for half of the log and more.
     Stuck {
         /// Column in the log format, such as `gx_rads`.
@@ -110,7 +110,7 @@ pub enum Oddity {
     },
 }
 
-impl fmt::Display for Oddity {
+impl fmt::Display for LogWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stuck { column, value, seconds: [stuck, all] } => {
@@ -189,33 +189,33 @@ impl fmt::Display for Oddity {
 
 impl Recording {
     /// Warnings about all axes and the log as a whole. `still` marks the rows at rest.
-    pub fn oddities(&self, still: &[bool]) -> Vec<Oddity> {
+    pub fn oddities(&self, still: &[bool]) -> Vec<LogWarning> {
         self.oddities_about(&AXES, still)
     }
 
     /// Warnings about these axes and the log as a whole.
-    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
+    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
         let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
         let mut found = in_parallel(0..axes.len(), of_axis).concat();
         let assumed = Some(&self.quality.assumed_map).filter(|map| !map.is_empty());
-        found.extend(assumed.cloned().map(Oddity::AssumedMap));
-        found.extend(self.quality.clock.iter().cloned().map(Oddity::Clock));
-        found.extend(self.quality.failed_reads.iter().cloned().map(Oddity::FailedReads));
+        found.extend(assumed.cloned().map(LogWarning::AssumedMap));
+        found.extend(self.quality.clock.iter().cloned().map(LogWarning::Clock));
+        found.extend(self.quality.failed_reads.iter().cloned().map(LogWarning::FailedReads));
         found.extend(self.channels().iter().filter_map(|channel| {
             let step = self.coarse_step(channel)?;
-            Some(Oddity::CoarseSteps { column: channel.name.clone(), step })
+            Some(LogWarning::CoarseSteps { column: channel.name.clone(), step })
         }));
         found.extend(self.not_gravity(still));
         if wanted.iter().any(|axis| has_unknown_level(self, axis)) {
-            found.extend(pose::after_pauses(self, still).map(Oddity::LevelAfterPause));
+            found.extend(pose::after_pauses(self, still).map(LogWarning::LevelAfterPause));
         }
         found.extend(self.rates_differ(&self.power_ons()));
         found
     }
 
     /// Warnings about one axis: on its own, if it is in `wanted`, and in comparison with the axes after it.
-    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
+    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let mut found = Vec::new();
         let logs: Vec<Range<usize>> = self.power_ons();
         let values = self.values(axis);
@@ -225,7 +225,7 @@ impl Recording {
                 && values.iter().zip(self.values(other)).all(same)
                 && values.iter().any(|v| *v != values[0])
             {
-                found.push(Oddity::Same { columns: [axis.to_owned(), (*other).to_owned()] });
+                found.push(LogWarning::Same { columns: [axis.to_owned(), (*other).to_owned()] });
             }
         }
         if !wanted.contains(&axis) {
@@ -234,7 +234,7 @@ impl Recording {
         if let Some(Spikes { rows, worst: (row, value, times) }) = self.spikes(axis, 0..self.n_rows(), still)
         {
             let (column, worst) = (axis.to_owned(), [self.time_s[row], value, times]);
-            found.push(Oddity::Spikes { column, count: rows.len(), worst });
+            found.push(LogWarning::Spikes { column, count: rows.len(), worst });
         }
         found.extend(self.repeats(axis, still));
         let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
@@ -244,7 +244,7 @@ impl Recording {
             && no_reference
             && let Some(rate) = unusual_median(rates, |rate| rate.abs() > RATE_AT_REST)
         {
-            found.push(Oddity::TurnsAtRest { column: axis.to_owned(), rate });
+            found.push(LogWarning::TurnsAtRest { column: axis.to_owned(), rate });
         }
         let several = if logs.len() > 1 { logs } else { Vec::new() };
         let mut noise: Vec<f64> = several.into_iter().filter_map(|rows| fast_noise(&values[rows])).collect();
@@ -252,7 +252,7 @@ impl Recording {
         if let [quietest, .., loudest] = noise[..]
             && loudest > NOISE_RATIO * quietest
         {
-            found.push(Oddity::NoiseDiffers { column: axis.to_owned(), ratio: loudest / quietest });
+            found.push(LogWarning::NoiseDiffers { column: axis.to_owned(), ratio: loudest / quietest });
         }
         found
     }
@@ -271,12 +271,7 @@ impl Recording {
 
     /// The same recording with the outliers and stuck values of an axis among `rows` at rest replaced by empty cells, and
     /// their number.
-    pub fn only_measurements(
-        &self,
-        axis: &str,
-        rows: Range<usize>,
-        still: &[bool],
-    ) -> (Cow<'_, Self>, usize) {
+    pub fn without_outliers(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
         let spikes = self.spikes(axis, rows.clone(), still).map_or_else(Vec::new, |spikes| spikes.rows);
         let stuck = self.stuck_rows(axis, rows, still);
         if spikes.is_empty() && stuck.is_empty() {
@@ -326,11 +321,11 @@ impl Recording {
             let changes = |rows: &Range<usize>| {
                 values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count()
             };
-            if stretches.iter().map(changes).sum::<usize>() >= FEWEST_CHANGES {
+            if stretches.iter().map(changes).sum::<usize>() >= MIN_CHANGES {
                 return Some(coarse_step(values, &stretches));
             }
-            let moves = changes(&(0..values.len())) >= FEWEST_CHANGES;
-            moves.then(|| (rest >= FEWEST_AT_REST).then(|| least_change(values)).flatten())
+            let moves = changes(&(0..values.len())) >= MIN_CHANGES;
+            moves.then(|| (rest >= MIN_AT_REST).then(|| least_change(values)).flatten())
         };
         if let Some(step) = own(axis) {
             return step;
@@ -341,23 +336,23 @@ impl Recording {
         of_triad.filter_map(own).flatten().reduce(f64::max)
     }
 
-    fn repeats(&self, axis: &str, still: &[bool]) -> Option<Oddity> {
+    fn repeats(&self, axis: &str, still: &[bool]) -> Option<LogWarning> {
         let column = axis.to_owned();
         if let Some((value, seconds)) = self.stuck_axis(axis, still) {
-            return Some(Oddity::Stuck { column, value, seconds });
+            return Some(LogWarning::Stuck { column, value, seconds });
         }
         if let Some(step) = self.hidden_step(axis, still) {
-            return Some(Oddity::CoarseAxis { column, step });
+            return Some(LogWarning::CoarseAxis { column, step });
         }
         let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
         let seconds = |rows: usize| rows as f64 * self.rate.period_s;
         let longest = stuck.iter().max_by_key(|rows| rows.len())?;
         let longest = [self.time_s[longest.start], seconds(longest.len())];
         let all = stuck.iter().map(Range::len).sum();
-        Some(Oddity::Held { column, times: stuck.len(), seconds: seconds(all), longest })
+        Some(LogWarning::Held { column, times: stuck.len(), seconds: seconds(all), longest })
     }
 
-    fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
+    fn not_gravity(&self, still: &[bool]) -> Option<LogWarning> {
         if AXES[..3]
             .iter()
             .any(|axis| self.channel(axis).is_err() || self.channel(&Column::named(axis).reference()).is_ok())
@@ -370,10 +365,10 @@ impl Recording {
         let magnitudes = at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite());
         let magnitude =
             unusual_median(magnitudes, |magnitude| (magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN)?;
-        Some(Oddity::NotGravity { magnitude })
+        Some(LogWarning::NotGravity { magnitude })
     }
 
-    fn rates_differ(&self, logs: &[Range<usize>]) -> Option<Oddity> {
+    fn rates_differ(&self, logs: &[Range<usize>]) -> Option<LogWarning> {
         let rate = |rows: &Range<usize>| {
             let longest = self.segments.iter().filter(|segment| rows.contains(&segment.rows.start));
             let longest = longest.max_by_key(|segment| segment.rows.len())?.rows.clone();
@@ -384,7 +379,7 @@ impl Recording {
         let (first, others) = rates.split_first()?;
         let other = others.iter().max_by(|a, b| (*a - first).abs().total_cmp(&(*b - first).abs()))?;
         let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
-        differs.then_some(Oddity::RatesDiffer { rates_hz: [*first, *other] })
+        differs.then_some(LogWarning::RatesDiffer { rates_hz: [*first, *other] })
     }
 }
 

@@ -11,7 +11,7 @@ const SHORTEST_PAUSE_S: f64 = 1.0;
 
 /// Minimum number of pauses that establish a rule. Losses at random moments have exponential intervals, of which 28 % lie
 /// within [`SIMILAR`] of their median: that nearly all of eight do happens once in ten thousand logs.
-const FEWEST_PAUSES: usize = 8;
+const MIN_PAUSES: usize = 8;
 
 /// Largest ratio of two similar lengths.
 const SIMILAR: f64 = 1.5;
@@ -139,7 +139,7 @@ pub(super) fn regular_pauses(segments: &[Segment], period_s: f64) -> Option<(Vec
             && segment.missing_before as f64 * period_s >= SHORTEST_PAUSE_S
     };
     let waits: Vec<usize> = (1..segments.len()).filter(|place| is_wait(&segments[*place])).collect();
-    if waits.len() < FEWEST_PAUSES {
+    if waits.len() < MIN_PAUSES {
         return None;
     }
     let length = |wait: usize| segments[wait].missing_before as f64;

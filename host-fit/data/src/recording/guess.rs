@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_state_a_unit_are_taken_at_their_word() {
+    fn names_with_units_are_certain() {
         for (name, target, unit) in [
             ("gyro_x [mdps]", "gx_rads", "mdps"),
             ("GyroY(dps)", "gy_rads", "dps"),
@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_the_log_format_mean_what_they_say() {
+    fn names_of_the_log_format_take_precedence() {
         for name in ["t_s", "gx_rads", "ref_az_mps2", "still", "temp_c"] {
             assert_eq!(guessed(&[(name, noise(1.0, 0.0))])[0], Some((name.to_owned(), None, true)));
         }
@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn values_tell_the_unit_where_the_name_does_not_and_that_is_not_sure() {
+    fn guesses_units_from_values_as_uncertain() {
         let stamps = |step: f64| (0..500).map(|n| 1e6 + f64::from(n) * step).collect::<Vec<_>>();
         for (step, unit) in [(0.005, "s"), (5.0, "ms"), (5000.0, "us"), (5e6, "ns")] {
             let found = guessed(&[("time", stamps(step))]);
@@ -457,7 +457,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_channel_is_left_alone() {
+    fn ignores_columns_that_are_no_channel() {
         for name in ["", "counter", "x", "label", "motor_current", "gps_lat"] {
             assert_eq!(guessed(&[(name, noise(1.0, 0.0))])[0], None, "{name}");
         }
@@ -620,7 +620,7 @@ mod tests {
     }
 
     #[test]
-    fn is_deceived_by_no_word_beside_the_measurement() {
+    fn ignores_decoy_words_in_column_names() {
         let words: Vec<&str> = column_words::DECOYS
             .into_iter()
             .chain(["linear", "filtered", "raw", "lpf", "debug", "left"])

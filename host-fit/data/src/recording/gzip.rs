@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn members_are_one_text_and_zeros_behind_them_nothing() {
+    fn concatenates_members_and_ignores_trailing_zeros() {
         let (one, two) = (packed("one\n"), packed("two\n"));
         for piece in [1, 3, 100] {
             assert_eq!(unpacked(&[&*one, &two].concat(), piece).unwrap(), "one\ntwo\n");
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_else_behind_them_is_refused_by_name() {
+    fn rejects_other_data_after_the_members() {
         let one = packed("one\n");
         for (tail, says) in [
             (&b"hello"[..], "beginning with 0x68"),
@@ -106,8 +106,8 @@ mod tests {
             (b"\x1f", "end of file"),
             (b"\x1f\x00 is no member", "header"),
         ] {
-            let said = unpacked(&[&*one, tail].concat(), 10).unwrap_err();
-            assert!(said.contains(says), "{tail:?}: {said}");
+            let message = unpacked(&[&*one, tail].concat(), 10).unwrap_err();
+            assert!(message.contains(says), "{tail:?}: {message}");
         }
     }
 }

@@ -8,7 +8,7 @@ use super::format::is_unit;
 use super::table::{check_names, column_name};
 
 /// Number of lines searched for titles: Betaflight writes a hundred and fifty before its header.
-const MOST_TITLES: usize = 400;
+const MAX_TITLES: usize = 400;
 
 /// Names of the columns, and the separator.
 pub(super) struct Header {
@@ -81,7 +81,7 @@ fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
             && names_cells(units, &row)
             && 2 * known > cells
     };
-    (1..lines.len().saturating_sub(1).min(MOST_TITLES)).find(|at| is_units(*at))
+    (1..lines.len().saturating_sub(1).min(MAX_TITLES)).find(|at| is_units(*at))
 }
 
 /// Returns true if a comma in a number is the decimal point, that is, if no number has a point.
@@ -186,7 +186,7 @@ fn first_row_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize
         2 * row.numbers >= row.cells && row.numbers > 1 && names_cells(&lines[at].1, &row)
     };
     let is_below_titles = |at: usize| Shape::of(&lines[at].1, spaced).cells > title.cells;
-    (0..lines.len().min(MOST_TITLES)).find(|&at| (at == 0 || is_below_titles(at)) && is_header(at))
+    (0..lines.len().min(MAX_TITLES)).find(|&at| (at == 0 || is_below_titles(at)) && is_header(at))
 }
 
 #[cfg(test)]
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_line_is_the_header_unless_titles_stand_above() {
+    fn finds_the_header_below_titles() {
         assert_eq!(taken(None, "a,b\n1,2\n"), (vec!["a".into(), "b".into()], b',', false, 1));
         // an unusable first row is no title
         assert_eq!(taken(None, "a,b,c\nrubbish\n1,2,3\n").3, 2);
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_that_names_the_cells_of_the_numbers_below_is_the_header() {
+    fn comment_with_the_names_of_the_cells_is_the_header() {
         assert_eq!(taken(Some("timestamp [ns],x,y"), "1,2,3\n").0[0], "timestamp [ns]");
         assert_eq!(taken(Some("a remark, with a comma"), "t,x\n1,2\n").0[0], "t");
         // a remark is no header
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_decimal_comma_is_one_where_no_point_is() {
+    fn recognises_decimal_commas_without_points() {
         assert!(taken(None, "a;b\n1,5;2\n").2);
         assert!(!taken(None, "a;b\n1.5;2\n").2);
         assert!(!taken(None, "a,b\n1,2\n").2);

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_value_is_held_and_before_the_first_nothing_is_known() {
+    fn holds_missing_values_from_the_first_one_on() {
         let recording = recording(&[NAN, 1.0, NAN, NAN, 2.0, NAN]);
         let channel = recording.channel("temp_c").unwrap();
         equal(&recording.held(channel), &[NAN, 1.0, 1.0, 1.0, 2.0, 2.0]);
@@ -85,7 +85,7 @@ mod tests {
 
     /// The last value of one log used to be held into the next, though the device may have been off for a week.
     #[test]
-    fn nothing_is_held_from_one_recording_into_the_next() {
+    fn holds_no_value_across_recordings() {
         let both = Recording::join(vec![recording(&[1.0, 2.0, 3.0]), recording(&[NAN, 7.0, NAN])]).unwrap();
         let channel = both.channel("temp_c").unwrap();
         equal(&both.held(channel), &[1.0, 2.0, 3.0, NAN, 7.0, 7.0]);

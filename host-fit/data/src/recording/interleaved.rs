@@ -5,11 +5,11 @@ const WINDOW: usize = 64;
 
 /// Number of standard errors by which the two must differ in half of the windows. For one device, the median over the
 /// windows of the largest of six differences is about 1.6.
-const APART: f64 = 6.0;
+const MIN_SIGMAS: f64 = 6.0;
 
 /// Minimum alternating difference of the intervals between timestamps, as a share of their sum, in most windows. The
 /// intervals of one device that is read evenly stay below.
-const UNEVEN: f64 = 0.1;
+const MIN_ALTERNATION: f64 = 0.1;
 
 /// Returns true if every second sample is of another device: the intervals between the timestamps alternate, short and
 /// long, and so do the levels of at least one axis.
@@ -33,7 +33,7 @@ pub(super) fn interleaved(stamps_s: &[f64], columns: &[&[f64]]) -> bool {
         values.get(values.len() / 2).is_some_and(|median| *median > limit)
     };
     // too few windows are inconclusive
-    uneven.len() >= 4 && exceeds(uneven, UNEVEN) && exceeds(apart, APART)
+    uneven.len() >= 4 && exceeds(uneven, MIN_ALTERNATION) && exceeds(apart, MIN_SIGMAS)
 }
 
 fn by_turns(values: &[f64]) -> (Vec<f64>, Vec<f64>) {

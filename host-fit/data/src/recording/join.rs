@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_joined_has_a_boundary_where_it_was_joined() {
+    fn joined_recordings_have_a_boundary() {
         let first = recording(100.0, &[("gx_rads", 30), ("temp_c", 30)]);
         let second = recording(101.0, &[("supply_v", 20), ("gx_rads", 20)]);
         let joined = Recording::join(vec![first, second]).unwrap();
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_go_together_is_refused() {
+    fn rejects_incompatible_recordings() {
         let one = || recording(100.0, &[("gx_rads", 30)]);
         let faster = Recording::join(vec![one(), recording(103.0, &[("gx_rads", 30)])]).unwrap_err();
         assert!(faster.to_string().contains("103"), "{faster}");

@@ -29,7 +29,7 @@ const MAX_COPIES: f64 = 0.1;
 /// Number and share of steps back that a clock may have if it was set back; timestamps with more of them are out of the
 /// order of time.
 const FEW_BACKS: u64 = 3;
-const MOST_BACKS: f64 = 0.02;
+const MAX_BACKS: f64 = 0.02;
 
 /// Relative difference from which a measured rate contradicts the stated one, which then replaces it: the oscillators of
 /// parts are off by up to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
@@ -132,7 +132,7 @@ impl Recording {
         for i in 0..table.columns.len() {
             table.note_missing_cells(i, 0);
         }
-        assemble(source, table, &Meaning::told(options), options, rates)
+        assemble(source, table, &Meaning::of_user(options), options, rates)
     }
 }
 
@@ -183,8 +183,8 @@ fn assemble(
     quality.assumed_map.clone_from(&meaning.assumed_map);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
-    channels.retain(|channel| !quality.failed_reads.iter().any(|reads| reads.is_of_all(&channel.name)));
-    leave_out_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
+    channels.retain(|channel| !quality.failed_reads.iter().any(|reads| reads.covers_column(&channel.name)));
+    exclude_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
     if rates == MayHaveRates::Yes
         && let Some(streams) = streams_of(&channels, n_rows, options)
     {
@@ -247,7 +247,7 @@ fn assemble(
         },
         (None, rate_hz) => by_order(rate_hz.unwrap_or(1.0)),
     };
-    if rate.stamps != Stamps::Absent && is_of_two(&time_s, &channels) {
+    if rate.stamps != Stamps::Absent && is_interleaved(&time_s, &channels) {
         return Err(RecordingError::TwoDevices { path });
     }
     quality.stamps_repeated = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
@@ -307,7 +307,7 @@ fn measured(
         return Err(RecordingError::NoSuchClock { path, column, period_s: rate.period_s });
     }
     let (backs, rows) = (grid.clock_back, time_s.len());
-    if backs > FEW_BACKS && backs as f64 > MOST_BACKS * rows as f64 {
+    if backs > FEW_BACKS && backs as f64 > MAX_BACKS * rows as f64 {
         return Err(RecordingError::OutOfOrder { path, column, backs, rows });
     }
     Ok((time_s, grid, rate))
@@ -410,7 +410,7 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
 }
 
 /// Returns true if rows of two devices alternate.
-fn is_of_two(time_s: &[f64], channels: &[Channel]) -> bool {
+fn is_interleaved(time_s: &[f64], channels: &[Channel]) -> bool {
     let axes = channels.iter().filter(|channel| AXES.contains(&channel.name.as_str()));
     interleaved::interleaved(time_s, &axes.map(|channel| &channel.values[..]).collect::<Vec<_>>())
 }
@@ -419,7 +419,7 @@ fn is_of_two(time_s: &[f64], channels: &[Channel]) -> bool {
 ///
 /// # Errors
 /// The user's own map names the column of such an axis.
-fn leave_out_empty_axes(
+fn exclude_empty_axes(
     path: &Path,
     channels: &mut Vec<Channel>,
     quality: &mut Quality,
@@ -476,7 +476,7 @@ fn measure(time_s: &[f64], nominal_hz: Option<f64>, marks: &[Mark]) -> Option<(G
     }
     let period_s = rate::slope(time_s, &grid).unwrap_or(look.period_s);
     let jitter_s = rate::jitter(time_s, &grid, period_s);
-    let stamps = rate::name_stamps(look.stamps, jitter_s, period_s);
+    let stamps = rate::classify_timestamps(look.stamps, jitter_s, period_s);
     Some((
         grid.with_pauses(period_s),
         Rate { nominal_hz, true_hz: 1.0 / period_s, period_s, jitter_s, stamps },

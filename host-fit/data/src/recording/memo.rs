@@ -12,7 +12,7 @@ pub(super) struct Memo(Mutex<Found>);
 
 impl Memo {
     /// Result of `find`, computed once for each type `T`.
-    pub(super) fn once<T: Any + Send + Sync>(&self, find: impl FnOnce() -> T) -> Arc<T> {
+    pub(super) fn cached<T: Any + Send + Sync>(&self, find: impl FnOnce() -> T) -> Arc<T> {
         let known =
             |found: &Found| found.get(&TypeId::of::<T>()).cloned().and_then(|any| any.downcast().ok());
         let before = known(&self.found());

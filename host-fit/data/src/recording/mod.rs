@@ -7,26 +7,26 @@
 //!
 //! | in the log | treatment |
 //! |---|---|
-//! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
-//! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
-//! | a stated rate that is 7 % off what the stamps show, or stamps that cannot be time | the rows count in their order, at the stated rate; both are printed |
-//! | a temperature that moves faster than 5 K/s, stamps that a spreadsheet rounded, a clock that ticks slower than the sensor samples | warning, with the remedy |
-//! | a thermometer shows one of these values in every row | the column is left out, with a warning |
+//! | samples missing | the segment ends; [`Segment`] documents the distinction from jitter and bursts |
+//! | nothing for ten seconds or more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
+//! | a stated rate that differs by 7 % from that of the timestamps, or timestamps that cannot be time | the rows count in their order, at the stated rate; both are printed |
+//! | a temperature that changes faster than 5 K/s, timestamps rounded by a spreadsheet, a clock that ticks slower than the sensor samples | warning, with the remedy |
+//! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and reported as a warning |
+//! | a thermometer shows one of these values in every row | the column is excluded, with a warning |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
-//! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
-//! | a stamp repeats, the sample differs | kept and counted |
+//! | a row repeats the timestamp and all inertial channels of the previous one | dropped and counted; kept if over 10 % of timestamps repeat (coarse clock) |
+//! | a timestamp repeats, the sample differs | kept and counted |
 //! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
-//! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and said as an oddity |
-//! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
-//! | over 5 % of rows are like that, or one in strict mode | refused |
+//! | a cell is no number, a row is too short or long, a timestamp is missing | row skipped, counted, the first five located; it is a missing sample |
+//! | over 5 % of rows are like that, or one in strict mode | rejected |
 //! | an axis has a value in every second to twentieth row, or the rows of two sensors alternate | the streams that the table was merged from, resampled to the rows of the fastest |
-//! | stamps and values of every second row differ | refused: two devices in turn |
-//! | no cell of an axis is a number | the axis is left out, and said |
-//! | a column holds text | left out and listed (`segment`: its labels count) |
+//! | timestamps and values of every second row differ | rejected: two alternating devices |
+//! | no cell of an axis is a number | the axis is excluded and reported |
+//! | a column holds text | ignored and listed (`segment`: its labels count) |
 //! | the value of `segment` changes | the segment ends |
 //! | `still` is above 0.5 | the sensor is known to be still |
-//! | stamps that mean fewer than 0.01 or more than 10⁶ samples a second | refused: in another unit |
-//! | no `t_s` | row number over the stated rate, else refused |
+//! | timestamps that give fewer than 0.01 or more than 10⁶ samples a second | rejected: in another unit |
+//! | no `t_s` | row number over the stated rate, else rejected |
 
 mod cell;
 mod channel;
@@ -101,7 +101,7 @@ pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use failed_reads::FailedReads;
 pub use format::{Format, FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, ReadAs, UnknownFormat, may_be_log};
-pub use glance::Oddity;
+pub use glance::LogWarning;
 pub use grid::{Boundary, Segment};
 pub use held::back_filled;
 pub use load::load;
@@ -254,8 +254,8 @@ impl Recording {
     }
 
     /// Result of `find`, computed once for each type `T`; a derived recording computes it again.
-    pub(crate) fn once<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
-        self.memo.once(|| find(self))
+    pub(crate) fn cached<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
+        self.memo.cached(|| find(self))
     }
 
     /// Duration by the sample grid, s: timestamps may go back.
@@ -271,7 +271,7 @@ impl Recording {
     }
 
     /// Same recording with monotonic time: a segment stamped as if it began before the end of the previous one is shifted.
-    pub fn counted_on(mut self) -> Self {
+    pub fn with_monotonic_time(mut self) -> Self {
         let period_s = self.rate.period_s;
         let mut shift_s = 0.0;
         let mut ended_s = f64::NEG_INFINITY;

@@ -7,7 +7,7 @@ use super::stream::stamps;
 use super::streams::is_followed;
 
 /// Minimum number of values that show a rate.
-const FEWEST: usize = 16;
+const MIN_VALUES: usize = 16;
 
 /// Share of the intervals between values that lie within half of the median about it. Cells missing at random, one in ten
 /// or more, give a smaller share.
@@ -54,7 +54,7 @@ pub(super) fn streams(time_s: &[f64], channels: &[&Channel]) -> Option<Vec<Strea
 /// Returns true if values come at one rate, and not in every row.
 fn is_regular(time_s: &[f64], values: &[f64]) -> bool {
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
-    if rows.len() < FEWEST {
+    if rows.len() < MIN_VALUES {
         return false;
     }
     let runs = 1 + rows.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();

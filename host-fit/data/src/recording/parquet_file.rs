@@ -22,7 +22,7 @@ use crate::catch_panic::catch_panic;
 const BATCH_CELLS: usize = 65_536;
 
 /// Maximum number of cells reserved in advance: an hour at 200 Hz.
-const MOST_AHEAD: usize = 720_000;
+const MAX_AHEAD: usize = 720_000;
 
 /// Interpretation of the cells of a column.
 enum Kind {
@@ -166,7 +166,7 @@ fn not_unpacked(codec: Compression) -> Option<&'static str> {
 /// Calls the library, which panics on some damaged metadata, such as a column offset before the begin of the file.
 fn library<T>(call: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
     catch_panic(call)
-        .unwrap_or_else(|said| Err(ParquetError::General(format!("the file is damaged ({said})"))))
+        .unwrap_or_else(|panic| Err(ParquetError::General(format!("the file is damaged ({panic})"))))
 }
 
 /// Interpretation of a column; `None` if it is not numeric.
@@ -295,7 +295,7 @@ impl Into<'_> {
     ) -> Result<(), ParquetError> {
         let mut left = self.rows;
         // the metadata of the file may be wrong
-        self.values.reserve(left.min(MOST_AHEAD));
+        self.values.reserve(left.min(MAX_AHEAD));
         let (mut found, mut levels) = (Vec::new(), Vec::new());
         while left > 0 {
             crate::interrupt::check();
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_any_bit_changed_is_read_or_refused() {
+    fn any_flipped_bit_is_read_or_rejected() {
         let path = file("message log { required double t_s; optional int32 gx; }", |group| {
             put::<DoubleType>(group, &all(&[0.0, 0.005, 0.01]));
             put::<Int32Type>(group, &[Some(1), None, Some(3)]);
@@ -438,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_every_kind_keep_their_value_and_what_is_no_number_is_left_out() {
+    fn reads_numbers_of_every_kind_and_ignores_others() {
         let schema = "message log {
             required int64 old_stamp (TIMESTAMP_MICROS);
             required int32 small (UINT_32);

@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_there_is_read_and_the_end_is_an_error() {
+    fn reading_past_the_end_is_an_error() {
         let input = Ending(Bytes::from_static(b"0123456789"));
         let mut read = input.get_read(7).unwrap();
         let mut rest = [0; 3];

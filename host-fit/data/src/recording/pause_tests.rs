@@ -41,14 +41,14 @@ fn is_read(time_s: Vec<f64>, bursts: usize, within: f64) {
 
 /// 50 Hz for 5 s every 300 s used to be read as 0.83 Hz, the mean.
 #[test]
-fn the_rate_of_a_duty_cycled_log_is_that_between_its_pauses() {
+fn rate_of_a_duty_cycled_log_excludes_pauses() {
     for (bursts, rows, every_s) in [(288, 250, 300.0), (60, 256, 20.0), (500, 50, 60.0), (100, 1500, 600.0)] {
         is_read(duty_cycled(bursts, rows, every_s, 1), bursts, 1e-9);
     }
 }
 
 #[test]
-fn so_it_is_where_stamps_jitter_are_rounded_or_come_from_a_host_that_polls() {
+fn duty_cycle_survives_jitter_rounding_and_polling() {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let jitter = Normal::new(0.0, 0.2 * T).unwrap();
     let exact = duty_cycled(200, 250, 300.0, 3);
@@ -62,7 +62,7 @@ fn so_it_is_where_stamps_jitter_are_rounded_or_come_from_a_host_that_polls() {
 }
 
 #[test]
-fn what_is_lost_within_a_burst_is_missing() {
+fn counts_losses_within_a_burst() {
     let mut stamps = duty_cycled(200, 250, 300.0, 4);
     for burst in (0..200).rev().step_by(10) {
         stamps.drain(250 * burst + 100..250 * burst + 103);
@@ -73,7 +73,7 @@ fn what_is_lost_within_a_burst_is_missing() {
 
 /// Seconds between two polls are no pauses: everything was recorded.
 #[test]
-fn a_host_that_polls_every_few_seconds_makes_no_pause() {
+fn slow_polling_is_no_pause() {
     let stamps = |rate_hz: f64, poll_s: f64| -> Vec<f64> {
         let ready = (0..40_000).map(|row| ((row + 1) as f64 / rate_hz / poll_s).ceil() * poll_s);
         let mut stamps: Vec<f64> = ready.collect();
@@ -104,7 +104,7 @@ fn ten_seconds_of_nothing_are_a_pause_and_five_a_loss() {
 }
 
 #[test]
-fn a_stated_rate_that_the_stamps_contradict_replaces_them_and_pauses_stay() {
+fn stated_rate_replaces_contradicting_timestamps_and_keeps_pauses() {
     for (rate_hz, is_right) in [(50.0, true), (52.0, true), (55.0, false), (40.0, false), (200.0, false)] {
         let log = load(duty_cycled(100, 250, 300.0, 6), Some(rate_hz)).unwrap();
         assert_eq!((log.rate.nominal_hz, log.segments.len(), log.quality.pauses), (Some(rate_hz), 100, 99));

@@ -229,7 +229,7 @@ pub(super) fn jitter(time_s: &[f64], grid: &Grid, period_s: f64) -> f64 {
 }
 
 /// Classifies jittered timestamps as regular by their scatter.
-pub(super) fn name_stamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps {
+pub(super) fn classify_timestamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps {
     match first {
         Stamps::Jittered if jitter_s < REGULAR_SCATTER * period_s => Stamps::Regular,
         other => other,

@@ -29,7 +29,7 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 }
 
 #[test]
-fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_no_more() {
+fn jitter_beyond_a_period_hides_no_lost_sample_and_adds_none() {
     let Some(log) = load_shared("data/icm45686_rocket_jackpot3_400hz.csv.gz") else { return };
     // 164 intervals exceed 1.5 periods and are made up for at once; at ten rows the timestamps shift by one period
     // permanently (0.98 T each), every 3929 rows (9.9 s) or a multiple of it, as when the recorder stalls

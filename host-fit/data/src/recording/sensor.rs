@@ -66,13 +66,13 @@ mod tests {
         assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance { instance: None, ..raw(0, Some(7)) });
         let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..raw(0, Some(7)) };
         let vehicle = SensorProvenance { frame: Frame::Vehicle, ..raw(0, Some(7)) };
-        for (other, said) in [
+        for (other, expected) in [
             (raw(0, Some(8)), "device_id 8"),
             (corrected, "corrected by PX4"),
             (vehicle, "axes of the vehicle"),
         ] {
             let error = join(raw(0, Some(7)), other).unwrap_err().to_string();
-            assert!(error.contains(said) && error.contains("\nhelp: "), "{error}");
+            assert!(error.contains(expected) && error.contains("\nhelp: "), "{error}");
         }
         assert!(join(raw(0, None), raw(1, None)).unwrap_err().to_string().contains("IMU 1"));
         // the log format states no provenance, so the joined log has none

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_only_looked_at_is_not_read_to_its_end() {
+    fn preview_stops_before_the_end() {
         let mut digest = Digest::none();
         let mut reader = Hashing::new(&b"abc"[..], &mut digest);
         reader.read_exact(&mut [0]).unwrap();

@@ -61,7 +61,7 @@ enum Ending {
 }
 
 impl Ending {
-    /// By what the name ends in.
+    /// Format by the ending of the name.
     fn of(path: &Path) -> Result<Self, RecordingError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
         let formats = [(".csv", Self::Csv), (".csv.gz", Self::PackedCsv), (".parquet", Self::Parquet)];

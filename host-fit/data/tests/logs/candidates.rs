@@ -143,9 +143,10 @@ fn mixes(log: &Mixed, read: impl Fn(&LoadOptions) -> Result<Recording, Recording
             return Some(format!("{}: {error}", log.name));
         }
         Err(error) => {
-            let said = error.to_string();
-            if let Some(missing) = log.choices.into_iter().flatten().find(|choice| !said.contains(choice)) {
-                return Some(format!("{}: does not say {missing}: {said}", log.name));
+            let message = error.to_string();
+            if let Some(missing) = log.choices.into_iter().flatten().find(|choice| !message.contains(choice))
+            {
+                return Some(format!("{}: does not say {missing}: {message}", log.name));
             }
         }
     }
@@ -184,13 +185,13 @@ fn interleaved() -> Result<Recording, RecordingError> {
 }
 
 #[test]
-fn the_check_for_mixes_notices_one() {
+fn check_detects_a_mix() {
     assert_eq!(device_of(&interleaved().unwrap()), None);
     assert!(mixed().iter().all(|log| mixes(log, |_| interleaved()).is_some()));
 }
 
 #[test]
-fn reads_one_device_that_no_other_disturbs() {
+fn reads_unambiguous_single_devices() {
     let one = Flight::new(1000, 5000, 1);
     // a restarted publisher is one device
     let mut again = one.clone();
@@ -211,13 +212,13 @@ fn reads_one_device_that_no_other_disturbs() {
     ] {
         let taken = read("a.bag", &bag_of(&publishers), &LoadOptions::default()).unwrap();
         assert_eq!(device_of(&taken), Some(0));
-        let said = taken.sources[0].read_as.as_ref().unwrap().assumed.clone();
-        assert!(said.starts_with("/imu/data_raw (there are /imu/data too)"), "{said}");
+        let message = taken.sources[0].read_as.as_ref().unwrap().assumed.clone();
+        assert!(message.starts_with("/imu/data_raw (there are /imu/data too)"), "{message}");
     }
 }
 
 #[test]
-fn says_where_accelerometer_and_gyro_are_of_different_chips() {
+fn reports_accelerometer_and_gyro_of_different_chips() {
     let one = Flight::new(1000, 5000, 1);
     let other = one.of_another(0, BIAS);
     let [acc, gyr, twin] = [0x1_0001_u32, 0x2_0009, 0x1_0001];
@@ -226,8 +227,11 @@ fn says_where_accelerometer_and_gyro_are_of_different_chips() {
         ("sensor_gyro", 0, gyr, &other),
         ("sensor_gyro", 1, twin, &one),
     ]);
-    let said = read("a.ulg", &log, &LoadOptions::default()).unwrap_err().to_string();
-    assert!(said.contains("sensor_gyro 1 is device 65537") && said.contains("0@65537,131081"), "{said}");
+    let message = read("a.ulg", &log, &LoadOptions::default()).unwrap_err().to_string();
+    assert!(
+        message.contains("sensor_gyro 1 is device 65537") && message.contains("0@65537,131081"),
+        "{message}"
+    );
     let both = read("a.ulg", &log, &topic("0@65537,131081")).unwrap();
     assert_eq!(device_of(&both), Some(1));
     // if there is no other, the difference is reported
@@ -237,7 +241,7 @@ fn says_where_accelerometer_and_gyro_are_of_different_chips() {
 }
 
 #[test]
-fn an_undecided_table_offers_maps_that_read_it() {
+fn ambiguous_table_offers_working_maps() {
     let axes = |of: &str, unit: &str| format!("{of}_x_{unit},{of}_y_{unit},{of}_z_{unit}");
     let header =
         format!("time_ms,{},{},{}", axes("imu0_gyro", "dps"), axes("imu1_gyro", "dps"), axes("acc", "g"));
@@ -302,29 +306,29 @@ fn without_effect(found: Option<Format>) -> Vec<LoadOptions> {
 }
 
 /// Options that a reader accepts and ignores.
-fn passed_over(read: impl Fn(&LoadOptions) -> Result<Recording, RecordingError>) -> Vec<LoadOptions> {
+fn ignored_options(read: impl Fn(&LoadOptions) -> Result<Recording, RecordingError>) -> Vec<LoadOptions> {
     let recording = read(&LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let found = recording.sources[0].read_as.as_ref().map(|read_as| read_as.format);
     // a table may be readable in another way as well, which then is the requested one
-    let is_deaf = |options: &LoadOptions| {
+    let is_ignored = |options: &LoadOptions| {
         read(options).is_ok_and(|again| {
             let read_as = again.sources[0].read_as.as_ref().map(|read_as| read_as.format);
             options.format.is_none() || read_as != options.format
         })
     };
-    without_effect(found).into_iter().filter(is_deaf).collect()
+    without_effect(found).into_iter().filter(is_ignored).collect()
 }
 
 #[test]
 fn refuses_options_that_have_no_effect() {
     for (name, bytes) in every_format() {
-        let passed = passed_over(|options| read(&name, &bytes, options));
+        let passed = ignored_options(|options| read(&name, &bytes, options));
         assert_eq!(passed, [], "{name}");
     }
     // negative control: a reader that ignores all options
     let flight = Flight::new(500, 5000, 1);
     let deaf = |_: &LoadOptions| read("a.csv", flight.csv().as_bytes(), &LoadOptions::default());
-    let passed = passed_over(deaf).len();
+    let passed = ignored_options(deaf).len();
     assert!(passed > 10);
     println!(
         "attack: options without effect | {} files of every format: a topic, format, column map or strictness that would change nothing is refused | negative control: of a reader that looks at no option {passed} are noticed",
@@ -333,10 +337,13 @@ fn refuses_options_that_have_no_effect() {
 }
 
 #[test]
-fn a_table_without_topics_says_what_it_offers() {
+fn topic_option_on_a_table_lists_its_columns() {
     let flight = Flight::new(100, 5000, 1);
-    let said = read("a.csv", flight.csv().as_bytes(), &topic("nonsense")).unwrap_err().to_string();
-    assert!(said.contains("topic \"nonsense\" has no effect") && said.contains("t_s, ax_mps2"), "{said}");
+    let message = read("a.csv", flight.csv().as_bytes(), &topic("nonsense")).unwrap_err().to_string();
+    assert!(
+        message.contains("topic \"nonsense\" has no effect") && message.contains("t_s, ax_mps2"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -357,15 +364,15 @@ fn strict_refuses_a_damaged_log_of_any_format() {
 }
 
 #[test]
-fn leaves_out_an_axis_without_a_number() {
+fn excludes_an_axis_without_a_number() {
     let rows: String = (0..50).map(|n| format!("{},0.{n},,0.1{n}\n", f64::from(n) * 0.005)).collect();
     let text = format!("t_s,gx_rads,gy_rads,gz_rads\n{rows}");
     let recording = read("a.csv", text.as_bytes(), &LoadOptions::default()).unwrap();
     assert_eq!(recording.axes().unwrap(), ["gx_rads", "gz_rads"]);
     assert!(recording.quality.to_string().contains("gy_rads: every cell is empty"), "{}", recording.quality);
     for name in ["gy", "gy_rads"] {
-        let said = recording.axis(name).unwrap_err().to_string();
-        assert!(said.contains("gy_rads: every cell of its 50 rows is empty"), "{said}");
+        let message = recording.axis(name).unwrap_err().to_string();
+        assert!(message.contains("gy_rads: every cell of its 50 rows is empty"), "{message}");
     }
     // if named by the user, it remains an error, and so does a log without any
     assert!(read("a.csv", text.as_bytes(), &map(&["gy_rads=gy_rads"])).is_err());

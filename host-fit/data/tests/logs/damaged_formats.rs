@@ -31,7 +31,7 @@ fn message(kind: u8, payload: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn formats_of_ulog_that_would_take_for_ever_are_refused() {
+fn rejects_ulog_formats_of_excessive_size() {
     let begin = [&b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0"[..], &message(b'B', &[0; 40])].concat();
     let log = |formats: &[String], subscriptions: u16| {
         let mut log = begin.clone();
@@ -73,7 +73,7 @@ fn chunks_that_unpack_to_a_gigabyte_are_refused() {
 }
 
 #[test]
-fn a_file_in_a_damaged_container_is_no_matter_of_the_systems() {
+fn damage_in_a_container_is_not_a_system_error() {
     let flight = Flight::new(500, 5000, 1);
     let (csv, log) = (flight.csv(), ulog(&flight, Rate::Full));
     for (name, content) in [("a.csv", csv.as_bytes()), ("a.ulg", &log[..])] {
@@ -91,7 +91,7 @@ fn a_file_in_a_damaged_container_is_no_matter_of_the_systems() {
 }
 
 #[test]
-fn files_of_an_archive_are_named_with_it() {
+fn errors_name_archive_and_member() {
     let linear = b"time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\n";
     refused("b.zip", &zip(&[("Accelerometer.csv", linear)]), "b.zip/Accelerometer.csv");
     // an absolute member path must not replace that of the archive
@@ -101,7 +101,7 @@ fn files_of_an_archive_are_named_with_it() {
 }
 
 #[test]
-fn rows_of_a_phone_without_a_stamp_are_left_out() {
+fn skips_rows_of_a_phone_without_a_timestamp() {
     let mut text =
         "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\",\"Gyroscope z (rad/s)\"\n".to_owned();
     for row in 0..1000 {
@@ -112,6 +112,6 @@ fn rows_of_a_phone_without_a_stamp_are_left_out() {
     text.push_str("1e300,0.01,0.02,0.03\n");
     let log = read("a.zip", &zip(&[("Gyroscope.csv", text.as_bytes())])).unwrap();
     assert_eq!((log.n_rows(), log.time_s[0], log.time_s[998]), (999, 100.0, 109.99));
-    let said = &log.sources[0].read_as.as_ref().unwrap().assumed;
-    assert!(said.contains("2 of 1001 rows cannot be used"), "{said}");
+    let assumed = &log.sources[0].read_as.as_ref().unwrap().assumed;
+    assert!(assumed.contains("2 of 1001 rows cannot be used"), "{assumed}");
 }

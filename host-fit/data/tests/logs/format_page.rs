@@ -106,7 +106,7 @@ fn size(value: Option<f64>) -> String {
 }
 
 #[test]
-fn what_is_known_of_every_format_stands_on_the_page() {
+fn page_documents_every_format() {
     let mut text = String::from("\n");
     for known in KNOWN_FORMATS {
         let _ = write!(
@@ -128,7 +128,7 @@ fn what_is_known_of_every_format_stands_on_the_page() {
 }
 
 #[test]
-fn what_comes_out_of_a_flight_stands_on_the_page() {
+fn page_documents_the_result_for_a_flight() {
     let flight = Flight::new(SAMPLES, 5000, 1);
     let folder = TempDir::new().unwrap();
     let mut text = String::from(
@@ -165,7 +165,7 @@ fn what_comes_out_of_a_flight_stands_on_the_page() {
 }
 
 #[test]
-fn what_hostile_files_are_told_stands_on_the_page() {
+fn page_documents_messages_for_hostile_files() {
     let flight = Flight::new(SAMPLES, 5000, 1);
     let folder = TempDir::new().unwrap();
     let all = variants();
@@ -214,7 +214,7 @@ fn what_hostile_files_are_told_stands_on_the_page() {
             let read = read_in(&folder, name, &bytes, said_to_be).and_then(|recording| {
                 recording.axes().map(|_| recording.clone()).map_err(|error| error.to_string())
             });
-            let told = match &read {
+            let message = match &read {
                 Ok(recording) => cautions(recording, &clean),
                 Err(error) => {
                     let (first, help) = error.split_once('\n').unwrap_or((error, ""));
@@ -226,17 +226,17 @@ fn what_hostile_files_are_told_stands_on_the_page() {
             };
             // text has no line count, so a cut between lines goes unnoticed
             let is_text = !matches!(format, Format::Ulog | Format::Dataflash | Format::Mcap | Format::Bag);
-            let is_silent = told == "nothing";
-            assert!(!is_silent || is_text && what == "cut in half", "{name}, {what}: {told}");
+            let is_silent = message == "nothing";
+            assert!(!is_silent || is_text && what == "cut in half", "{name}, {what}: {message}");
             // a file of another format is never accepted as this one
             let is_taken = said_to_be.is_some() && read.is_ok();
-            assert!(!is_taken, "{name}, {what}: {told}");
-            let told = shortened(&told).replace('|', "\\|");
+            assert!(!is_taken, "{name}, {what}: {message}");
+            let message = shortened(&message).replace('|', "\\|");
             let (rows, wrong) = match &read {
                 Ok(recording) => (recording.n_rows().to_string(), wrong(recording, &clean).to_string()),
                 Err(_) => ("–".to_owned(), "–".to_owned()),
             };
-            let _ = writeln!(text, "| {} | {what} | {rows} | {wrong} | {told} |", format.id());
+            let _ = writeln!(text, "| {} | {what} | {rows} | {wrong} | {message} |", format.id());
         }
     }
     page::holds("formats.md", "<!-- hostile -->", "<!-- end of hostile -->", &text);

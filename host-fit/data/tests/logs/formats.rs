@@ -54,7 +54,7 @@ fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f
 }
 
 #[test]
-fn what_holds_every_digit_comes_out_to_the_last_bit() {
+fn lossless_formats_read_back_to_the_last_bit() {
     let flight = flight();
     for (id, name, bytes) in [
         ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
@@ -80,7 +80,7 @@ fn what_holds_every_digit_comes_out_to_the_last_bit() {
 }
 
 #[test]
-fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
+fn reads_texts_of_apps_and_tools_without_options() {
     let flight = flight();
     for (id, name, write) in TEXTS {
         let recording = read(name, &write(&flight));
@@ -162,7 +162,7 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
 }
 
 #[test]
-fn reads_what_wearables_log() {
+fn reads_logs_of_wearables() {
     let flight = flight();
     let g = 9.80665;
     for (name, bytes, axes, step) in [
@@ -186,7 +186,7 @@ fn reads_what_wearables_log() {
 }
 
 #[test]
-fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
+fn skips_damaged_blocks_of_wearables_with_a_warning() {
     let flight = flight();
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let mut gene = String::from_utf8(geneactiv(&flight)).unwrap();
@@ -220,17 +220,17 @@ fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
 }
 
 #[test]
-fn names_what_to_export_of_files_that_are_known_and_not_read() {
+fn names_the_export_for_known_unreadable_files() {
     let matrix = [&[0; 512][..], b"MDTC\x01\0MDTCPACK"].concat();
     let gt3x = zip(&[("info.txt", b"Serial Number: X"), ("log.bin", &[0x1e; 400])]);
-    for (name, bytes, said) in [("a.BIN", matrix, "Parmay"), ("a.gt3x", gt3x, "ActiGraph")] {
+    for (name, bytes, product) in [("a.BIN", matrix, "Parmay"), ("a.gt3x", gt3x, "ActiGraph")] {
         let error = read_as(name, &bytes, &LoadOptions::default()).unwrap_err();
-        assert!(error.contains(said) && error.contains("help: export it"), "{error}");
+        assert!(error.contains(product) && error.contains("help: export it"), "{error}");
     }
 }
 
 #[test]
-fn a_file_of_one_sensor_is_known_by_its_name() {
+fn recognises_a_single_sensor_file_by_its_name() {
     let rows = "1,0.0,9.81,0.1,0.2\n2,0.01,9.82,0.1,0.2\n3,0.02,9.8,0.1,0.2\n";
     let text = format!("time,seconds_elapsed,z,y,x\n{rows}");
     let turn = read("Gyroscope.csv", text.as_bytes());
@@ -242,7 +242,7 @@ fn a_file_of_one_sensor_is_known_by_its_name() {
 }
 
 #[test]
-fn what_px4_decimates_is_read_where_it_is_not_and_said() {
+fn reads_px4_topics_at_full_rate_and_reports_decimation() {
     let flight = flight();
     let combined = read("a.ulg", &ulog(&flight, Rate::Decimated));
     let (_, assumed) = format_of(&combined);
@@ -288,7 +288,7 @@ fn undoes_what_ardupilot_did_to_a_sample() {
 }
 
 #[test]
-fn another_sensor_is_taken_when_it_is_asked_for() {
+fn reads_the_requested_sensor() {
     let flight = flight();
     let topic = |name: &str| LoadOptions { topic: Some(name.to_owned()), ..LoadOptions::default() };
     let slow = read_as("a.mcap", &mcap(&flight), &topic("/imu/slow")).unwrap();
@@ -314,7 +314,7 @@ fn another_sensor_is_taken_when_it_is_asked_for() {
 }
 
 #[test]
-fn what_cannot_be_used_says_what_to_record() {
+fn unusable_logs_name_the_data_to_record() {
     let flight = flight();
     let linear = "time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\n";
     let mut missing = flight.clone();
@@ -340,7 +340,7 @@ fn what_cannot_be_used_says_what_to_record() {
 }
 
 #[test]
-fn a_log_cut_short_gives_what_was_read_and_says_so() {
+fn truncated_log_is_read_with_a_warning() {
     let flight = flight();
     for (name, bytes) in [
         ("a.ulg", ulog(&flight, Rate::Full)),
@@ -350,8 +350,8 @@ fn a_log_cut_short_gives_what_was_read_and_says_so() {
     ] {
         let recording = read(name, &bytes[..bytes.len() / 2]);
         assert!((SAMPLES / 3..SAMPLES).contains(&recording.n_rows()), "{name}: {}", recording.n_rows());
-        let said = format_of(&recording).1;
-        assert!(said.contains("cut short"), "{name}: {said}");
+        let assumed = format_of(&recording).1;
+        assert!(assumed.contains("cut short"), "{name}: {assumed}");
         // and noise in the middle
         let mut noisy = bytes.clone();
         let middle = noisy.len() / 2;
@@ -395,7 +395,7 @@ fn folders_are_opened_as_archives_are() {
 }
 
 #[test]
-fn what_is_packed_is_unpacked_first() {
+fn reads_compressed_files() {
     use std::io::Write as _;
     let flight = flight();
     let log = ulog(&flight, Rate::Full);
@@ -412,7 +412,7 @@ fn what_is_packed_is_unpacked_first() {
 }
 
 #[test]
-fn what_spreadsheets_do_to_a_table_is_undone() {
+fn reads_tables_altered_by_spreadsheets() {
     let flight = Flight::new(500, 5000, 2);
     let csv = flight.csv();
     let comma = csv.replace(',', ";").replace('.', ",");

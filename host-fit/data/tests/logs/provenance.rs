@@ -171,8 +171,11 @@ fn every_format_states_sensor_corrections_and_axes() {
         assert_eq!(first_wrong(&stored, &case.expected), None, "{name}");
         // and in words
         if let Some(read_as) = &recording.sources[0].read_as {
-            let said = read_as.to_string();
-            assert!(case.expected.iter().all(|sensor| said.contains(&sensor.to_string())), "{name}: {said}");
+            let description = read_as.to_string();
+            assert!(
+                case.expected.iter().all(|sensor| description.contains(&sensor.to_string())),
+                "{name}: {description}"
+            );
         }
     }
     let stated = cases.iter().filter(|case| case.expected != [const { SENSOR }; 2]).count();
@@ -204,7 +207,7 @@ fn without_provenance(recording: &Recording) -> Recording {
 }
 
 #[test]
-fn a_cut_provenance_is_noticed() {
+fn detects_missing_provenance() {
     let flight = Flight::new(400, 5000, 1);
     let folder = TempDir::new().unwrap();
     for case in cases(&flight).iter().filter(|case| case.expected != [const { SENSOR }; 2]) {
@@ -217,7 +220,7 @@ const SENSOR: SensorProvenance =
     SensorProvenance { instance: None, device_id: None, values: Values::Unstated, frame: Frame::Unstated };
 
 #[test]
-fn columns_that_the_user_maps_have_no_provenance() {
+fn mapped_columns_have_no_provenance() {
     let flight = Flight::new(400, 5000, 1);
     let folder = TempDir::new().unwrap();
     let cases = cases(&flight);
@@ -239,8 +242,8 @@ fn turns_batches_in_the_axes_of_the_sensor_to_those_of_the_board() {
         read(&folder, &case, ColumnMap::default())
     };
     let (board, turned) = (read(Rate::Fifo), read(Rate::FifoOfTurned));
-    let said = &turned.sources[0].read_as.as_ref().unwrap().assumed;
-    assert!(said.contains("turned into the board's axes by its rotation 2"), "{said}");
+    let description = &turned.sources[0].read_as.as_ref().unwrap().assumed;
+    assert!(description.contains("turned into the board's axes by its rotation 2"), "{description}");
     for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
         let (found, expected) = (turned.channel(axis).unwrap(), board.channel(axis).unwrap());
         assert_eq!(found.values, expected.values, "{axis}");

@@ -446,7 +446,7 @@ impl<'a> Refiner<'a> {
 
     /// The field log without samples of an axis that are no measurements.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
-        self.field.only_measurements(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
+        self.field.without_outliers(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
     }
 
     /// What a rival has seen: the field log as it was.

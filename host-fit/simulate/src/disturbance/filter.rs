@@ -96,7 +96,7 @@ mod tests {
     use crate::random::{Stream, normal, random};
 
     #[test]
-    fn a_level_goes_through_and_noise_becomes_less_or_stays() {
+    fn filters_keep_the_level_and_never_amplify_noise() {
         let filters = [
             Filter::MovingAverage(4),
             Filter::LowPass(0.1, 1),

@@ -85,11 +85,11 @@ fn preprocessed(source: &str, standard: &str) -> String {
         .expect("it is there");
     cc.stdin.take().expect("piped").write_all(own.as_bytes()).expect("it reads");
     let output = cc.wait_with_output().expect("it ends");
-    let said = String::from_utf8_lossy(&output.stderr)
+    let message = String::from_utf8_lossy(&output.stderr)
         .lines()
         .filter(|line| line.contains("error"))
         .collect::<String>();
-    without_numbers(&String::from_utf8_lossy(&output.stdout)) + &said
+    without_numbers(&String::from_utf8_lossy(&output.stdout)) + &message
 }
 
 trait LinesByLf {

@@ -16,7 +16,7 @@ pub(crate) fn done(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// Runs a command that must succeed; returns its standard error.
-pub(crate) fn said(folder: &Path, arguments: &[&str]) -> String {
+pub(crate) fn stderr_of(folder: &Path, arguments: &[&str]) -> String {
     let output = host_fit(folder, arguments);
     let err = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{arguments:?}\n{err}");

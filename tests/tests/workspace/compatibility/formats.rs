@@ -176,11 +176,11 @@ fn of_flash(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = String::new();
     let held = images(&mut store(Flash(bytes.to_vec())))?;
     for (name, image) in ["newest", "previous"].into_iter().zip(held) {
-        let said = match image {
+        let corrected = match image {
             Some(image) => corrections(|hub| hub.load(&image))?,
             None => "none\n".to_owned(),
         };
-        let _ = write!(outputs, "{name}\n{said}");
+        let _ = write!(outputs, "{name}\n{corrected}");
     }
     Ok(outputs)
 }
@@ -236,17 +236,17 @@ fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
         .map_err(|error| error.to_string())?;
     let (mut measured, mut quantities) =
         (vec![0.0; header.n_axes.into()], vec![0.0; header.n_quantities.into()]);
-    let (mut said, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
+    let (mut corrected, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
     for bytes in bytes[PredictorLogHeader::LENGTH..].chunks(header.record_length()) {
         let record = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities)
             .map_err(|error| error.to_string())?;
         content.number(f64::from(record.skipped));
         content.bytes(format!("{:?}", record.motion).as_bytes());
         content.numbers(record.measured.iter().chain(record.quantities).copied());
-        said.update(record.step(&mut predictor));
+        corrected.update(record.step(&mut predictor));
         records += 1;
     }
-    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", said.corrections()))
+    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", corrected.corrections()))
 }
 
 /// A file with this content, for readers of files; in a folder that lives as long as the second value.

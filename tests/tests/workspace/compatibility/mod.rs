@@ -80,14 +80,14 @@ fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
 }
 
 #[test]
-fn another_version_is_refused_by_its_number() {
+fn rejects_another_version_by_its_number() {
     for format in FORMATS {
         let Some(as_version) = format.as_version else { continue };
         let bytes = read(&file_of(format));
         for version in [format.version + 1, 999] {
-            let said = (format.outputs)(&as_version(&bytes, version)).expect_err("it is refused");
+            let message = (format.outputs)(&as_version(&bytes, version)).expect_err("it is refused");
             for word in [version.to_string(), "this program reads".to_owned(), format.version.to_string()] {
-                assert!(said.contains(&word), "{}: {word:?} is not in: {said}", format.title);
+                assert!(message.contains(&word), "{}: {word:?} is not in: {message}", format.title);
             }
         }
     }

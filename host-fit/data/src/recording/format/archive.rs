@@ -12,10 +12,10 @@ use super::opened::damage;
 use crate::file::{self, FileError};
 
 /// Maximum depth of the search in folders: `bag/mav0/imu0/data.csv`.
-const DEEPEST: usize = 4;
+const MAX_DEPTH: usize = 4;
 
 /// Maximum number of files listed; a folder with more is no recording.
-const MOST_FILES: usize = 10_000;
+const MAX_FILES: usize = 10_000;
 
 #[cfg(feature = "zip")]
 const ZIP: &str = "zip archive";
@@ -44,7 +44,7 @@ enum Files {
 /// The folder cannot be read.
 pub(super) fn folder(path: &Path, digest: Digest) -> Result<Archive, RecordingError> {
     let mut names = Vec::new();
-    list(path, "", DEEPEST, &mut names).map_err(FileError::reading(path))?;
+    list(path, "", MAX_DEPTH, &mut names).map_err(FileError::reading(path))?;
     names.sort();
     Ok(Archive { names, files: Files::Folder(path.to_owned()), digest })
 }
@@ -54,7 +54,7 @@ fn list(folder: &Path, begin: &str, deep: usize, names: &mut Vec<String>) -> std
         let entry = entry?;
         let name = format!("{begin}{}", entry.file_name().to_string_lossy());
         let kind = entry.file_type()?;
-        if names.len() >= MOST_FILES {
+        if names.len() >= MAX_FILES {
             break;
         }
         if kind.is_dir() && deep > 1 {
@@ -76,7 +76,7 @@ pub(super) fn zip(path: &Path, file: File) -> Result<Archive, RecordingError> {
     let archive = crate::catch_panic::catch_panic(|| zip::ZipArchive::new(file))
         .unwrap_or_else(|_| Err(zip::result::ZipError::InvalidArchive("it cannot be read".into())))
         .map_err(|source| damaged(path, &source.to_string()))?;
-    let files = archive.file_names().take(MOST_FILES).filter_map(Result::ok);
+    let files = archive.file_names().take(MAX_FILES).filter_map(Result::ok);
     let mut names: Vec<String> =
         files.filter(|name| !name.ends_with('/')).map(|name| name.into_owned()).collect();
     names.sort();

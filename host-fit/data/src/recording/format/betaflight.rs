@@ -50,11 +50,11 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
             unit => Some((unit.to_owned(), format!("in {unit}"))),
         };
         match how {
-            Some((how, said)) => {
+            Some((how, state)) => {
                 for (target, column) in ACCELEROMETERS.into_iter().zip(columns) {
                     entries.push((target, column.name.clone(), how.clone()));
                 }
-                assumed.push_str(&format!("; accSmooth {said}, filtered by the flight controller"));
+                assumed.push_str(&format!("; accSmooth {state}, filtered by the flight controller"));
             }
             None => assumed.push_str("; accSmooth excluded: gravity does not show how many counts are 1 g"),
         }

@@ -98,7 +98,7 @@ pub(super) fn unpacked(
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
     let (map, strict) = (&options.columns, options.strict);
     let table = csv_file::read(path, input.take(longest), map, strict, is_packed)?;
-    choice::refuse_topic(path, options, &choice::offers_of(&table))?;
+    choice::refuse_topic(path, options, &choice::describe_table(&table))?;
     Ok(Opened::Table(Box::new(table)))
 }
 

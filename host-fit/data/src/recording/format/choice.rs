@@ -64,7 +64,7 @@ pub(super) fn refuse_topic(path: &Path, options: &LoadOptions, offers: &str) -> 
 }
 
 /// Description of a table, for [`refuse_topic`].
-pub(super) fn offers_of(table: &Table) -> String {
+pub(super) fn describe_table(table: &Table) -> String {
     format!("one table with the columns {}", table.names().join(", "))
 }
 

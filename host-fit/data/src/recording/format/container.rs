@@ -66,7 +66,7 @@ pub(in super::super) fn open(
             // hash first: reading moves the position at which the checksum would continue
             hashing.read_rest().map_err(failed())?;
             let table = parquet_file::read(path, file, &options.columns, rows)?;
-            choice::refuse_topic(path, options, &choice::offers_of(&table))?;
+            choice::refuse_topic(path, options, &choice::describe_table(&table))?;
             return Ok((Opened::Table(Box::new(table)), digest.finish(path)));
         }
     }
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn of_what_is_only_looked_at_no_checksum_is_taken() {
+    fn preview_computes_no_checksum() {
         let folder = tempfile::tempdir().unwrap();
         for path in logs(folder.path()) {
             let source = |extent| open(&path, &LoadOptions::default(), extent).unwrap().1;
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_packed_in_a_way_that_is_not_known_says_what_to_do() {
+    fn unsupported_compression_states_a_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let mut bytes = zip(&[("a.csv", b"t_s,gx_rads\n0,1\n1,2\n")]);
         // PKWARE's APPNOTE, 4.4.5: Deflate64, in the header of the file and in the directory
@@ -153,9 +153,12 @@ mod tests {
         let path = folder.path().join("a.zip");
         std::fs::write(&path, bytes).unwrap();
         for extent in [Extent::Begin, Extent::Whole] {
-            let said = open(&path, &LoadOptions::default(), extent).map(drop).unwrap_err().to_string();
-            assert!(said.contains("a.zip/a.csv: it cannot be unpacked: ") && said.contains(": 9"), "{said}");
-            assert!(said.ends_with("\nhelp: unpack it, and name the log itself"), "{said}");
+            let message = open(&path, &LoadOptions::default(), extent).map(drop).unwrap_err().to_string();
+            assert!(
+                message.contains("a.zip/a.csv: it cannot be unpacked: ") && message.contains(": 9"),
+                "{message}"
+            );
+            assert!(message.ends_with("\nhelp: unpack it, and name the log itself"), "{message}");
         }
     }
 }

@@ -445,8 +445,8 @@ mod tests {
                         let target = dialect.columns.iter().map(|(target, ..)| target);
                         let target = target.into_iter().find(|target| Unit::of_column(target) == kind);
                         let unit = header::spelling(spelling, target.unwrap()).unwrap();
-                        let said = format!(" in {unit}");
-                        assert!(read_as.assumed.contains(&said), "{what}: {}", read_as.assumed);
+                        let unit_text = format!(" in {unit}");
+                        assert!(read_as.assumed.contains(&unit_text), "{what}: {}", read_as.assumed);
                         stated += 1;
                     }
                 }
@@ -463,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn values_that_are_not_in_the_stated_unit_are_noticed() {
+    fn detects_values_that_contradict_the_stated_unit() {
         let folder = tempfile::tempdir().unwrap();
         let euroc = DIALECTS.iter().find(|dialect| dialect.format == Format::Euroc).unwrap();
         // the previous rule: the header states µs, the values are ns

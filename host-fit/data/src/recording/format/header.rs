@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_of_another_quantity_is_none() {
+    fn rejects_units_of_another_quantity() {
         assert_eq!(spelling("rad s^-1", "gx_rads"), Some("rad/s"));
         assert_eq!(spelling("m s^-2", "ax_mps2"), Some("m/s2"));
         assert_eq!(spelling("m/sÂ²", "ax_mps2"), Some("m/s2"));

@@ -48,7 +48,7 @@ pub(super) fn filled<T: AsRef<str>>(
 
 impl Meaning {
     /// The user's map, and nothing else.
-    pub(in super::super) fn told(options: &LoadOptions) -> Self {
+    pub(in super::super) fn of_user(options: &LoadOptions) -> Self {
         Self { map: options.columns.clone(), ..Self::default() }
     }
 

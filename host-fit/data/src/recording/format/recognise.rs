@@ -27,8 +27,8 @@ pub(in super::super) fn meaning(
     let has_axes = AXES.iter().any(|axis| has(axis));
     let has_time = has("t_s") || options.rate_hz.is_some();
     match options.format {
-        Some(Format::Log) => return Ok(Meaning::told(options)),
-        None if has_axes && has_time => return Ok(Meaning::told(options)),
+        Some(Format::Log) => return Ok(Meaning::of_user(options)),
+        None if has_axes && has_time => return Ok(Meaning::of_user(options)),
         _ => {}
     }
     if table.is_unnamed {
@@ -160,20 +160,20 @@ fn by_names(path: &Path, table: &Table, map: &ColumnMap, has_axes: bool, has_tim
         perhaps.extend(sure.iter().map(entry));
         return Meaning { map: map.clone(), perhaps, ..Meaning::default() };
     }
-    let said = sure.iter().map(|(target, column, unit, others)| {
+    let descriptions = sure.iter().map(|(target, column, unit, others)| {
         let others = match others.is_empty() {
             true => String::new(),
             false => format!(" (also possible, if the column map has it: {})", others.join(", ")),
         };
         format!("{column} is {target} in {unit}{others}")
     });
-    let said: Vec<String> = said.collect();
+    let descriptions: Vec<String> = descriptions.collect();
     let frame = if sure.iter().any(|(target, ..)| is_axis(target)) {
         "; with gravity, if nothing else is known"
     } else {
         ""
     };
-    let assumed = format!("{}{frame}", said.join(", "));
+    let assumed = format!("{}{frame}", descriptions.join(", "));
     let read_as = ReadAs { format: Format::Named, assumed, provenance: Some(Provenance::default()) };
     let entries = sure.into_iter().map(|(target, column, unit, _)| (target, column, unit)).collect();
     Meaning { map: filled(map, table, entries), read_as: Some(read_as), perhaps, ..Meaning::default() }

@@ -202,7 +202,7 @@ impl Topics {
         });
         // a damaged file may have any number of frames
         let at = known.unwrap_or(self.topics.len());
-        if at == MOST_DEVICES {
+        if at == MAX_DEVICES {
             of.unreadable += 1;
             return;
         }
@@ -235,7 +235,7 @@ impl Topics {
         strict: bool,
     ) -> Result<Opened, RecordingError> {
         self.join_restarts();
-        let few = self.leave_out_few();
+        let few = self.exclude_sparse_devices();
         let devices: Vec<(String, &Topic)> = self
             .topics
             .iter()
@@ -331,7 +331,7 @@ impl Topics {
     }
 
     /// Excludes devices with so few messages that they result from damage, and counts their messages by topic.
-    fn leave_out_few(&mut self) -> BTreeMap<String, usize> {
+    fn exclude_sparse_devices(&mut self) -> BTreeMap<String, usize> {
         let mut most: BTreeMap<(String, u8), usize> = BTreeMap::new();
         for topic in &self.topics {
             let most = most.entry((topic.name.clone(), topic.kind as u8)).or_default();
@@ -396,7 +396,7 @@ impl Topics {
 }
 
 /// Maximum number of devices on all topics together; a log has a few.
-const MOST_DEVICES: usize = 1000;
+const MAX_DEVICES: usize = 1000;
 
 /// Share of the messages of the fullest topic from which a topic has every sample; a recorder subscribes to one slightly
 /// later than to another.

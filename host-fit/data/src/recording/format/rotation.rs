@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mounting_is_the_rotation_that_its_name_says() {
+    fn mountings_are_the_rotations_in_their_names() {
         for (number, name) in NAMES.iter().chain(&NAMES_OF_ARDUPILOT).enumerate() {
             assert!(off(&of_ardupilot(number as f64).unwrap(), name) < 1e-14, "{number}: {name}");
         }
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_rotation_is_noticed() {
+    fn detects_a_wrong_rotation() {
         // pitch after yaw after roll, another convention, is another rotation where two angles meet
         let swapped = of_angles([90.0, 0.0, 90.0]);
         assert!(off(&swapped, "ROLL_90_PITCH_90") > 0.1);

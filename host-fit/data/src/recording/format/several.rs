@@ -336,7 +336,7 @@ impl Chosen {
         options: &LoadOptions,
     ) -> Result<Opened, RecordingError> {
         let mut streams = Vec::new();
-        let mut said = Vec::new();
+        let mut descriptions = Vec::new();
         let mut provenance = Provenance::default();
         for (sensor, name) in &self.files {
             let read = |member: &Path, input: &mut dyn BufRead| {
@@ -346,7 +346,7 @@ impl Chosen {
             refuse_unusable(&member_path(path, name), &table, options.strict)?;
             let (unusable, rows) = (table.quality.rows_unusable, table.quality.rows_in_file);
             if table.n_rows() < 2 {
-                said.push(format!("{name} is empty"));
+                descriptions.push(format!("{name} is empty"));
                 continue;
             }
             let n_rows = table.n_rows();
@@ -361,7 +361,7 @@ impl Chosen {
                 0 => String::new(),
                 n => format!(" ({n} of {rows} rows cannot be used)"),
             };
-            said.push(format!("{name} in {unit}{lost}"));
+            descriptions.push(format!("{name} in {unit}{lost}"));
             streams.push(stream);
         }
         let gravity = match &self.without_gravity {
@@ -370,7 +370,7 @@ impl Chosen {
             ),
             None => "with gravity".to_owned(),
         };
-        let assumed = format!("{}; {gravity}; each sensor by its own stamps", said.join(", "));
+        let assumed = format!("{}; {gravity}; each sensor by its own stamps", descriptions.join(", "));
         Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed, provenance: Some(provenance) }))
     }
 
@@ -524,7 +524,8 @@ fn platform(input: &mut dyn BufRead) -> Platform {
     let row = rows.records().next().and_then(Result::ok).unwrap_or_default();
     let cell = |wanted: &str| names.iter().position(|name| name == wanted).and_then(|at| row.get(at));
     let is_apple = cell("platform").is_some_and(|platform| platform.eq_ignore_ascii_case("ios"));
-    let is_standardised = cell("standardisation").is_some_and(|said| said.eq_ignore_ascii_case("true"));
+    let is_standardised =
+        cell("standardisation").is_some_and(|descriptions| descriptions.eq_ignore_ascii_case("true"));
     match (read.is_ok() && cell("platform").is_some(), is_apple && !is_standardised) {
         (false, _) => Platform::Unknown,
         (true, true) => Platform::Ios,

@@ -23,7 +23,7 @@ const GRAVITY_WITHIN: f64 = 0.1;
 const AT_REST_WITHIN: f64 = 0.3;
 
 /// Relative scatter below which a norm is synthetic: that of a unit vector or a quaternion.
-const LEAST_SCATTER: f64 = 1e-5;
+const MIN_SCATTER: f64 = 1e-5;
 
 /// Maximum number of sensors of a kind offered in an error.
 const MAX_CHOICES: usize = 3;
@@ -179,7 +179,7 @@ fn at_rest(triad: [&[f64]; 3]) -> Option<&'static str> {
     let far: Vec<f64> = (0..rows).map(far).filter(|far| far.is_finite()).collect();
     let near = far.iter().filter(|far| **far < AT_REST_WITHIN).count();
     let scatter = median_of(far.iter().copied())?;
-    ((median / one - 1.0).abs() <= GRAVITY_WITHIN && 2 * near > far.len() && scatter > LEAST_SCATTER)
+    ((median / one - 1.0).abs() <= GRAVITY_WITHIN && 2 * near > far.len() && scatter > MIN_SCATTER)
         .then_some(unit)
 }
 
@@ -215,7 +215,7 @@ fn shows(table: &Table) -> String {
 mod tests {
     use std::fmt::Write as _;
 
-    use super::super::super::{ColumnMap, LoadOptions, Oddity, Recording, load};
+    use super::super::super::{ColumnMap, LoadOptions, LogWarning, Recording, load};
     use crate::recording::RecordingError;
 
     fn read(text: &str, options: &LoadOptions) -> Result<Recording, RecordingError> {
@@ -259,7 +259,8 @@ mod tests {
                 .unwrap_or_else(|error| panic!("{separator:?}: {error}"));
             assert_eq!((log.n_rows(), log.rate.true_hz.round()), (600, 200.0), "{separator:?}");
             let odd = log.oddities(&[true; 600]);
-            let Some(Oddity::AssumedMap(map)) = odd.iter().find(|odd| matches!(odd, Oddity::AssumedMap(_)))
+            let Some(LogWarning::AssumedMap(map)) =
+                odd.iter().find(|odd| matches!(odd, LogWarning::AssumedMap(_)))
             else {
                 panic!("{odd:?}")
             };
@@ -274,7 +275,7 @@ mod tests {
                 LoadOptions { columns: ColumnMap::from_specs(map).unwrap(), ..LoadOptions::default() };
             let again = read(&text(separator, six), &options).unwrap();
             assert_eq!(again.channel("gz_rads").unwrap().values, log.channel("gz_rads").unwrap().values);
-            assert!(!again.oddities(&[true; 600]).iter().any(|odd| matches!(odd, Oddity::AssumedMap(_))));
+            assert!(!again.oddities(&[true; 600]).iter().any(|odd| matches!(odd, LogWarning::AssumedMap(_))));
         }
     }
 
@@ -290,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_may_be_several_things_with_maps_to_choose_from() {
+    fn rejects_ambiguous_tables_with_maps_to_choose_from() {
         let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };
         let gyro = text(" ", |row| vec![noise(row, 0.002), 1.0 + noise(row, 0.002), noise(row, 0.002) - 3.4]);
         let two =

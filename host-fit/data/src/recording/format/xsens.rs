@@ -55,7 +55,7 @@ pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, Reco
         });
     }
     let mut entries = vec![("t_s", time.name.clone(), stamps.to_owned())];
-    let mut said = Vec::new();
+    let mut units = Vec::new();
     for (triad, targets, default) in
         [(force, ACCELEROMETERS, "m/s2"), (rate, GYROS, rates), (triad("Mag"), MAGNETOMETERS, "")]
     {
@@ -65,11 +65,11 @@ pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, Reco
             // a magnetic field without a unit, as these programs write it, is ignored
             if !unit.is_empty() {
                 entries.push((target, column.name.clone(), unit.to_owned()));
-                said.push(unit);
+                units.push(unit);
             }
         }
     }
-    said.dedup();
+    units.dedup();
     if let Some(column) = of("Temperature") {
         let unit = header::unit_of(path, &column.name, "temp_c", "degC")?;
         entries.push(("temp_c", column.name.clone(), unit.to_owned()));
@@ -79,7 +79,7 @@ pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, Reco
         "s" => "Time in s",
         _ => "SampleTimeFine in 100 µs, as of an MTi",
     };
-    let assumed = format!("{clock}; {}, with gravity", said.join(" and "));
+    let assumed = format!("{clock}; {}, with gravity", units.join(" and "));
     let values = Values::Corrected("the factory calibration of the sensor".into());
     let provenance = Provenance::of_both(values, super::super::provenance::Frame::Sensor);
     let counter = (names[0] == "Acc").then(|| (time.name.clone(), MODULUS));
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn names_what_to_record_where_an_export_holds_orientations_alone() {
+    fn export_with_orientations_only_names_the_data_to_record() {
         let error = read(&dot("Euler_X,Euler_Y,Euler_Z,FreeAcc_X", |_| "1,2,3,0".to_owned())).unwrap_err();
         assert!(error.contains("Euler_X") && error.contains("Rate quantities"), "{error}");
     }

@@ -61,11 +61,11 @@ pub(super) struct Triad<'a> {
 }
 
 /// Largest offset searched, s: a larger one is no jitter of a hub but another clock, which a reader corrects.
-const MOST_OFFSET_S: f64 = 0.5;
+const MAX_OFFSET_S: f64 = 0.5;
 
 /// Largest drift searched: a crystal is within 100 ppm of its frequency over temperature and age; a ceramic resonator is
 /// within some thousand, but is not used for timestamps.
-const MOST_DRIFT: f64 = 500e-6;
+const MAX_DRIFT: f64 = 500e-6;
 
 /// Step of the grid for the comparison, s; and half the width of the triangular smoothing window, in steps: hands turn at a
 /// few hertz, and faster components are noise or vibration.
@@ -80,24 +80,24 @@ const LAGS: usize = 150;
 
 /// Rate above which a window counts as rotation, rad/s (RMS about the median of the log): no gyro at rest shows 3 °/s of
 /// noise.
-const TURNS: f64 = 0.05;
+const MIN_RATE_RADS: f64 = 0.05;
 
 /// Maximum number of windows used, evenly spread over those with rotation.
-const MOST_WINDOWS: usize = 600;
+const MAX_WINDOWS: usize = 600;
 
 /// Minimum number of windows for a standard error.
-const FEWEST_WINDOWS: usize = 4;
+const MIN_WINDOWS: usize = 4;
 
 /// Largest deviation of the specific force from gravity, m/s², for gravity to dominate.
-const NOT_GRAVITY: f64 = 2.0;
+const MAX_OFF_GRAVITY_MPS2: f64 = 2.0;
 const GRAVITY: f64 = 9.806_65;
 
 /// Allowed gain of p over ω⊥, and minimum explained share of p.
 const GAIN: std::ops::RangeInclusive<f64> = 0.75..=1.25;
-const SHARE: f64 = 0.6;
+const MIN_SHARE: f64 = 0.6;
 
 /// Number of standard errors from which an offset or drift is significant.
-const SIGNIFICANT: f64 = 5.0;
+const MIN_SIGMAS: f64 = 5.0;
 
 /// Two minima of S count as one if S between them rises by less than this share of its range above the higher of them.
 const BARRIER: f64 = 0.1;
@@ -110,14 +110,14 @@ const EQUAL_SHARE: f64 = 0.1;
 const EXACT_SHARE: f64 = 0.01;
 
 /// Minimum offset or accumulated drift that is corrected, as a share of the stream's period.
-const WORTH: f64 = 0.1;
+const MIN_SHARE_OF_PERIOD: f64 = 0.1;
 
 /// Offset to be added to the timestamps of the accelerometer to match those of the gyro; `period_ns` is that of the stream
 /// to be shifted.
 pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, period_ns: i64) -> Clocks {
     let bias = gyro.values.map(|values| finite_median(values).unwrap_or(0.0));
     let turning = turning(gyro, bias);
-    let stride = turning.len().div_ceil(MOST_WINDOWS).max(1);
+    let stride = turning.len().div_ceil(MAX_WINDOWS).max(1);
     let (mut windows, mut p_power) = (Vec::new(), 0.0);
     for start_ns in turning.into_iter().step_by(stride) {
         crate::interrupt::check();
@@ -129,7 +129,7 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     let (Some(first), Some(last)) = (gyro.stamps_ns.first(), gyro.stamps_ns.last()) else {
         return Clocks::NoMotion;
     };
-    if windows.len() < FEWEST_WINDOWS {
+    if windows.len() < MIN_WINDOWS {
         return Clocks::NoMotion;
     }
     let middle_ns = first.midpoint(*last);
@@ -145,13 +145,13 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     let rate_power: f64 = windows.iter().map(|window| at(&window.rate_power, window)).sum();
     // S = Σp² − 2 Σpω + Σω²
     let gain = 0.5 * (p_power + rate_power - left) / rate_power;
-    if !(GAIN.contains(&gain) && left < (1.0 - SHARE) * p_power) {
+    if !(GAIN.contains(&gain) && left < (1.0 - MIN_SHARE) * p_power) {
         return Clocks::Unlike;
     }
-    let worth_s = WORTH * period_ns as f64 * 1e-9;
+    let worth_s = MIN_SHARE_OF_PERIOD * period_ns as f64 * 1e-9;
     let Some(line) = found.refined(&windows, worth_s / half_s) else { return Clocks::Unlike };
     let most_s = line.offset_s.abs() + line.drift.abs() * half_s;
-    let significant = line.offset_s.abs() > SIGNIFICANT * line.offset_error_s || line.drift != 0.0;
+    let significant = line.offset_s.abs() > MIN_SIGMAS * line.offset_error_s || line.drift != 0.0;
     let applied = significant && most_s > worth_s;
     let Line { offset_s, offset_error_s, drift, drift_error } = line;
     Clocks::Apart(Apart { offset_s, offset_error_s, drift, drift_error, repeats_s, applied, middle_ns })
@@ -169,7 +169,7 @@ fn turning(gyro: &Triad<'_>, bias: [f64; 3]) -> Vec<i64> {
         let square =
             |row: usize| (0..3).map(|axis| (gyro.values[axis][row] - bias[axis]).powi(2)).sum::<f64>();
         let mean = (row..end).map(square).sum::<f64>() / (end - row) as f64;
-        if mean > TURNS * TURNS {
+        if mean > MIN_RATE_RADS * MIN_RATE_RADS {
             starts.push(start);
         }
         row = end;
@@ -208,7 +208,7 @@ impl Window {
         for k in 0..WINDOW {
             let f = force[k + 1];
             let square = dot(f, f);
-            if (square.sqrt() - GRAVITY).abs() > NOT_GRAVITY {
+            if (square.sqrt() - GRAVITY).abs() > MAX_OFF_GRAVITY_MPS2 {
                 continue;
             }
             used += 1;
@@ -274,10 +274,10 @@ impl Line {
     /// Best line on a grid, without drift unless a drift explains more. Steady swings at two times of a log are explained
     /// equally well by a drift of a period between them.
     fn best(windows: &[Window], half_s: f64, p_power: f64) -> Option<Self> {
-        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        let offsets = (MAX_OFFSET_S / STEP_S) as i32;
         // a step of the grid at the ends of the log
-        let drift_step = (STEP_S / half_s.max(STEP_S)).max(MOST_DRIFT / 200.0);
-        let drifts = (MOST_DRIFT / drift_step) as i32;
+        let drift_step = (STEP_S / half_s.max(STEP_S)).max(MAX_DRIFT / 200.0);
+        let drifts = (MAX_DRIFT / drift_step) as i32;
         let mut best: Option<(f64, Self)> = None;
         let mut steady: Option<(f64, Self)> = None;
         for drift in (-drifts..=drifts).map(|n| f64::from(n) * drift_step) {
@@ -304,7 +304,7 @@ impl Line {
     /// Among lines of the same drift that explain the motion as well, the one nearest to zero, and the distance to its
     /// nearest alternative, s; for a motion that is not periodic, the line itself.
     fn nearest_to_zero(self, windows: &[Window]) -> (Self, Option<f64>) {
-        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        let offsets = (MAX_OFFSET_S / STEP_S) as i32;
         let curve: Vec<(Self, f64)> = (-offsets..=offsets)
             .map(|step| Self { offset_s: f64::from(step) * STEP_S, ..self })
             .filter_map(|line| {
@@ -383,7 +383,7 @@ impl Line {
         for _ in 0..3 {
             line = line.fitted(windows)?;
         }
-        if line.drift.abs() <= least_drift.max(SIGNIFICANT * line.drift_error) {
+        if line.drift.abs() <= least_drift.max(MIN_SIGMAS * line.drift_error) {
             let constant = Self { drift: 0.0, drift_error: f64::INFINITY, ..line };
             line = Self { drift_error: line.drift_error, ..constant.fitted(windows)? };
         }
@@ -413,7 +413,7 @@ impl Line {
         let spread = sum(&|(at, _, w)| w * (at - t).powi(2));
         let slope = sum(&|(at, offset, w)| w * (at - t) * (offset - x)) / spread;
         let drift = if constant || !slope.is_finite() { 0.0 } else { slope };
-        if points.len() < FEWEST_WINDOWS {
+        if points.len() < MIN_WINDOWS {
             return None;
         }
         // with few points the scatter is underestimated
@@ -433,12 +433,12 @@ impl Line {
 
 impl Clocks {
     /// Returns true if the timestamps are corrected.
-    pub(super) fn are_set(&self) -> bool {
+    pub(super) fn is_applied(&self) -> bool {
         matches!(self, Self::Apart(apart) if apart.applied)
     }
 
     /// The same with the sign for the other stream.
-    pub(super) fn of_the_other(self) -> Self {
+    pub(super) fn negated(self) -> Self {
         match self {
             Self::Apart(apart) => {
                 Self::Apart(Apart { offset_s: -apart.offset_s, drift: -apart.drift, ..apart })

@@ -9,7 +9,7 @@ use crate::column::{AXES, GYROS};
 const SAME_RATE: f64 = 0.05;
 
 /// Maximum number of intervals examined, evenly spread over the stream.
-const MOST_WAITS: usize = 1 << 16;
+const MAX_WAITS: usize = 1 << 16;
 
 /// Streams with equal timestamps.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl Group {
 
     /// Usual time between two samples, ns; `None` if there is only one timestamp.
     pub(super) fn period_ns(&self) -> Option<i64> {
-        let stride = self.stamps_ns.len().div_ceil(MOST_WAITS).max(1);
+        let stride = self.stamps_ns.len().div_ceil(MAX_WAITS).max(1);
         let waits = self.stamps_ns.windows(2).step_by(stride).map(|pair| pair[1].saturating_sub(pair[0]));
         let mut waits: Vec<f64> = waits.filter(|wait| *wait > 0).map(|wait| wait as f64).collect();
         (!waits.is_empty()).then(|| median(&mut waits) as i64)

@@ -95,12 +95,12 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
         crate::interrupt::check();
         let (period_ns, rate_hz) = (group.period_ns(), group.rate_hz());
         let clocks = apart(&group, &lead, period_ns.unwrap_or(0));
-        if let Some(Clocks::Apart(apart)) = clocks.filter(|clocks| clocks.are_set()) {
+        if let Some(Clocks::Apart(apart)) = clocks.filter(|clocks| clocks.is_applied()) {
             apart.add_to(&mut group.stamps_ns);
         }
         let (followed, held): (Vec<_>, Vec<_>) =
             group.columns.into_iter().partition(|(name, _)| is_followed(name));
-        let mut told = |how, rows_missing| {
+        let mut note = |how, rows_missing| {
             alignment.others.push(JoinedStream {
                 name: group.name.clone(),
                 rate_hz,
@@ -114,12 +114,12 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
         if !followed.is_empty() {
             let done = follow::onto(beside, followed);
             columns.extend(done.columns);
-            told(HowJoined::Interpolated { noise_kept: done.noise_kept, clocks }, done.rows_missing);
+            note(HowJoined::Interpolated { noise_kept: done.noise_kept, clocks }, done.rows_missing);
         }
         if !held.is_empty() {
             let done = hold::onto(beside, held);
             columns.extend(done.columns);
-            told(HowJoined::Held { mean_age_s: done.mean_age_s }, done.rows_missing);
+            note(HowJoined::Held { mean_age_s: done.mean_age_s }, done.rows_missing);
         }
     }
     let Group { stamps_ns, columns: of_lead, .. } = lead;
@@ -132,9 +132,7 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
 fn apart(group: &Group, lead: &Group, period_ns: i64) -> Option<Clocks> {
     match (group.triad(ACCELEROMETERS), lead.triad(GYROS), group.triad(GYROS), lead.triad(ACCELEROMETERS)) {
         (Some(force), Some(rate), ..) => Some(clocks::of_accelerometer(&force, &rate, period_ns)),
-        (_, _, Some(rate), Some(force)) => {
-            Some(clocks::of_accelerometer(&force, &rate, period_ns).of_the_other())
-        }
+        (_, _, Some(rate), Some(force)) => Some(clocks::of_accelerometer(&force, &rate, period_ns).negated()),
         _ => None,
     }
 }

@@ -15,7 +15,7 @@ impl RamFlash {
     }
 
     /// Clears bits everywhere, unlike any write.
-    pub(crate) fn wreck(&mut self, bytes: Range<usize>) {
+    pub(crate) fn corrupt(&mut self, bytes: Range<usize>) {
         for byte in &mut self.0[bytes] {
             *byte &= 0x55;
         }

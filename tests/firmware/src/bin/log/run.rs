@@ -140,7 +140,7 @@ fn flash(image: &[u8], damaged: &[u8]) {
     info!("stored: {}", poll_once(store.store(image)));
     let slots = 0..4 * PAGE as u32;
     let mut flash = store.release().0;
-    flash.wreck(2 * PAGE..4 * PAGE);
+    flash.corrupt(2 * PAGE..4 * PAGE);
     let Ok(mut store) = ModelStore::<_, 256>::new(Blocking(flash), slots) else {
         fail(format_args!("whole pages"))
     };

@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_in_the_wrong_order_is_noticed() {
+    fn detects_a_correction_step_in_the_wrong_order() {
         // the offset subtracted after the scale instead of before it
         let mut axes = logged(|vector| vector);
         for values in &mut axes[..1] {

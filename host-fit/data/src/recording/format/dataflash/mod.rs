@@ -88,7 +88,7 @@ pub(super) fn read(
     let correction = Correction::of(&parameters, wanted);
     let mut streams = Vec::new();
     let mut done = Vec::new();
-    let said = if is_raw {
+    let described = if is_raw {
         for (name, triad, samples) in [("ACC", Triad::Accelerometers, acc), ("GYR", Triad::Gyros, gyr)] {
             let Samples { stamps_ns, mut values } = samples;
             done.push(correction.undo(triad, &stamps_ns, &mut values, warmth));
@@ -127,7 +127,7 @@ pub(super) fn read(
     } else {
         in_words(&done)
     };
-    let assumed = format!("{said}{others}; m/s² with gravity, rad/s; {corrections}{damaged}{cut}");
+    let assumed = format!("{described}{others}; m/s² with gravity, rad/s; {corrections}{damaged}{cut}");
     let provenance = provenance(&parameters, wanted, &done);
     Ok(Opened::Streams(streams, ReadAs { format: Format::Dataflash, assumed, provenance: Some(provenance) }))
 }

@@ -58,14 +58,14 @@ impl<R: BufRead> Messages<R> {
 }
 
 /// Maximum nesting of formats; PX4's are nested at most twice.
-const DEEPEST: usize = 16;
+const MAX_DEPTH: usize = 16;
 
 /// Maximum memory of all laid out formats and subscriptions, bytes; those of PX4 take a few million.
-const MOST_BYTES: usize = 1 << 26;
+const MAX_BYTES: usize = 1 << 26;
 
 /// Approximate memory of a field without its name, bytes, and number of copies of its name.
-const OF_FIELD: usize = 200;
-const COPIES: usize = 3;
+const FIELD_BYTES: usize = 200;
+const NAME_COPIES: usize = 3;
 
 /// Formats by name. The library lays out all of them when the data begin, and one for every subscription: nested fields,
 /// each with its full name. A few lines of nested arrays could exhaust time, memory and stack.
@@ -94,7 +94,7 @@ impl Formats {
                 for name in self.formats.keys() {
                     sum += self
                         .bytes(name, 0, 0)
-                        .filter(|bytes| sum + bytes <= MOST_BYTES)
+                        .filter(|bytes| sum + bytes <= MAX_BYTES)
                         .ok_or_else(refused)?;
                 }
             }
@@ -103,7 +103,7 @@ impl Formats {
         if frame[2] == b'A' {
             let name = String::from_utf8_lossy(payload.get(3..).unwrap_or_default());
             self.subscribed += self.bytes(&name, 0, 0).ok_or_else(refused)?;
-            if self.subscribed > MOST_BYTES {
+            if self.subscribed > MAX_BYTES {
                 return Err(refused());
             }
         }
@@ -125,14 +125,14 @@ impl Formats {
     /// Memory of a type as a field with a name of this length, bytes; `None` if it is too deep or too large.
     fn bytes(&self, kind: &str, name: usize, deep: usize) -> Option<usize> {
         // at least as much for an empty type: it takes time
-        let mut sum = OF_FIELD + COPIES * name;
+        let mut sum = FIELD_BYTES + NAME_COPIES * name;
         let fields = self.formats.get(kind).map_or(&[][..], Vec::as_slice);
         for (kind, count, length) in fields.iter().filter(|(_, count, _)| *count > 0) {
-            if deep == DEEPEST {
+            if deep == MAX_DEPTH {
                 return None;
             }
             sum += count * self.bytes(kind, name + length + ".[0]".len(), deep + 1)?;
-            if sum > MOST_BYTES {
+            if sum > MAX_BYTES {
                 return None;
             }
         }
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sound_is_laid_out_and_what_would_never_end_is_not() {
+    fn lays_out_valid_formats_and_rejects_endless_ones() {
         let text =
             |formats: &[&str]| -> Vec<String> { formats.iter().map(|text| (*text).to_owned()).collect() };
         let fifo = "a:uint64_t timestamp;float dt;int16_t[32] x;int16_t[32] y;int16_t[32] z;";
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_come_one_by_one_and_a_cut_shows() {
+    fn reads_messages_and_detects_truncation() {
         let file = [vec![7; 16], message(b'I', "one"), message(b'B', "")].concat();
         for (length, whole, is_cut) in
             [(file.len(), 3, false), (file.len() - 1, 2, true), (16, 1, false), (9, 0, true)]

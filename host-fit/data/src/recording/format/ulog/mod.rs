@@ -152,7 +152,7 @@ struct Device {
 }
 
 /// Maximum number of devices on one topic: a damaged file may have any number.
-const MOST_DEVICES: usize = 64;
+const MAX_DEVICES: usize = 64;
 
 impl Device {
     fn name(&self) -> String {
@@ -315,7 +315,7 @@ impl Gathered {
         let id = id.ok_or(message.msg_id);
         let devices = &mut self.devices[at];
         let place = devices.iter().position(|device| device.id == id).unwrap_or(devices.len());
-        if place == MOST_DEVICES {
+        if place == MAX_DEVICES {
             return;
         }
         if place == devices.len() {
@@ -462,7 +462,7 @@ impl Gathered {
         asked: &[&str],
     ) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
         let mut streams = Vec::new();
-        let mut said = Vec::new();
+        let mut descriptions = Vec::new();
         let mut provenance = Provenance::default();
         let mut chosen = Vec::new();
         for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
@@ -475,7 +475,7 @@ impl Gathered {
             let device = self.device[at].map_or_else(String::new, |id| format!(", device_id {id},"));
             let (frame, turned) = self.frame(at);
             let rate_hz = self.triads[at][0].rate_hz();
-            said.push(format!("{name}{device} at {rate_hz:.1} Hz{}, {turned}", self.others(at)));
+            descriptions.push(format!("{name}{device} at {rate_hz:.1} Hz{}, {turned}", self.others(at)));
             let of_sensor = SensorProvenance {
                 instance: Some(wanted),
                 device_id: self.device[at],
@@ -498,7 +498,7 @@ impl Gathered {
                     let rate_hz = triad.rate_hz();
                     let name =
                         format!("sensor_combined {}", if names == GYROS { "gyro" } else { "accelerometer" });
-                    said.push(format!("{name} at {rate_hz:.1} Hz"));
+                    descriptions.push(format!("{name} at {rate_hz:.1} Hz"));
                     streams.push(triad.stream(name, names));
                 }
             }
@@ -518,7 +518,7 @@ impl Gathered {
         let (own, strange): (Vec<usize>, Vec<usize>) =
             [ACCEL, GYRO].into_iter().filter(|at| self.slow[*at].values.len() > 1).partition(is_taken);
         if let ([], [at, ..]) = (&own[..], &strange[..]) {
-            said.push(format!("temperature of {} excluded: it is another device", TOPICS[*at].name));
+            descriptions.push(format!("temperature of {} excluded: it is another device", TOPICS[*at].name));
         }
         let temperature = own.first().copied();
         for at in temperature.into_iter().chain([POWER, LOAD]) {
@@ -538,8 +538,10 @@ impl Gathered {
             streams.push(field.stream("sensor_mag 0".to_owned(), MAGNETOMETERS));
         }
         let chips = self.one_chip(path, &chosen, asked)?;
-        let assumed =
-            format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}{chips}", said.join(", "));
+        let assumed = format!(
+            "{}; m/s² with gravity, rad/s; {taken} in µs; {correction}{chips}",
+            descriptions.join(", ")
+        );
         Ok((streams, ReadAs { format: Format::Ulog, assumed, provenance: Some(provenance) }))
     }
 
@@ -548,8 +550,8 @@ impl Gathered {
         let rotations = &self.rotations[at];
         match rotations.iter().find(|number| rotation::of_px4(**number).is_none()) {
             Some(number) => {
-                let said = format!("in the sensor's axes: its rotation {number} is not known");
-                (Frame::Sensor, said)
+                let descriptions = format!("in the sensor's axes: its rotation {number} is not known");
+                (Frame::Sensor, descriptions)
             }
             None if rotations.iter().any(|number| *number != 0) => {
                 let numbers: Vec<String> = rotations.iter().map(u8::to_string).collect();
