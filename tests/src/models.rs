@@ -239,7 +239,7 @@ pub fn axis_of(
 
 /// Parameters of every random axis: a range of −`reach` … `reach`, and a full scale that samples rarely exceed.
 pub fn drawn_axis(reach: f64) -> AxisParameters<f64> {
-    // p sometimes exceeds its range: its own range is three times as wide
+    // p sometimes exceeds its range, by up to three times its half width
     let physical_range = Range::new(-0.25 * reach, 0.5 * reach);
     AxisParameters { range: Range::new(-reach, reach), physical_range, full_scale: 14.0, ..plain() }
 }

@@ -7,8 +7,8 @@
 //! | `data/` | `FOS_REAL_LOGS` | `shared/data` |
 //! | `cases/` | `FOS_CASES` | `shared/cases` |
 //!
-//! All required files are in `tests/fixtures`; these files verify it against others. `tests/fixtures/README.md` states when
-//! a missing one fails.
+//! All required files are in `tests/fixtures`; these files verify it against others. `tests/fixtures/README.md` states
+//! when a missing one fails.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

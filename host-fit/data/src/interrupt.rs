@@ -111,8 +111,8 @@ mod counting {
         static STEPS_LEFT: Cell<Option<u64>> = const { Cell::new(None) };
     }
 
-    /// Number of calls of [`check`] by a computation on this thread; `None` if it exceeds `most`, at which the computation is
-    /// ended. Lets a test state without a clock that a search ends.
+    /// Number of calls of [`check`] by a computation on this thread; `None` if it exceeds `most`, at which the
+    /// computation is ended. Lets a test state without a clock that a search ends.
     pub fn counted(most: u64, work: impl FnOnce()) -> Option<u64> {
         STEPS_LEFT.set(Some(most));
         let result = panic::catch_unwind(AssertUnwindSafe(work));

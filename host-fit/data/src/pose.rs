@@ -376,7 +376,8 @@ mod tests {
         assert!(columns_of(&log(turned), "gx_rads").is_empty());
     }
 
-    /// Two minutes at 50 Hz with a pause in the middle: noise of 0.012 m/s², specific force and temperature (°C) of each half.
+    /// Two minutes at 50 Hz with a pause in the middle: noise of 0.012 m/s², specific force and temperature (°C) of
+    /// each half.
     fn with_pause(pause_s: f64, force: [[f64; 3]; 2], celsius: [f64; 2]) -> Recording {
         let half = |row: usize| usize::from(row >= 3000);
         let time_s: Vec<f64> = (0..6000).map(|k| k as f64 * 0.02 + pause_s * half(k) as f64).collect();

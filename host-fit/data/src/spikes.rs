@@ -9,16 +9,16 @@ use crate::statistics::{MAD_TO_SD, median};
 /// Number of values on either side that a value is compared with, and maximum number of consecutive outliers.
 const REACH: usize = 5;
 
-/// Minimum distance of an outlier in standard deviations, and as a multiple of that of all but a thousandth of the values:
-/// normal noise never reaches it, and noise with tails as wide as Laplace's in one sample in 10⁷.
+/// Minimum distance of an outlier in standard deviations, and as a multiple of that of all but a thousandth of the
+/// values: normal noise never reaches it, and noise with tails as wide as Laplace's in one sample in 10⁷.
 const MIN_SIGMAS: f64 = 8.0;
 const MIN_TAIL_RATIO: f64 = 2.5;
 
 /// Minimum distance near the ends of a stretch, in standard deviations: the device may have begun to move there.
 const MIN_SIGMAS_AT_END: f64 = 30.0;
 
-/// Minimum ratio to the distances of all but [`REACH`] of the values in `ISOLATION_ROWS` rows before and after, which the onset of
-/// shaking does not reach.
+/// Minimum ratio to the distances of all but [`REACH`] of the values in `ISOLATION_ROWS` rows before and after, which
+/// the onset of shaking does not reach.
 const MIN_ISOLATION: f64 = 5.0;
 const ISOLATION_ROWS: usize = 25;
 
@@ -33,9 +33,9 @@ pub struct Spikes {
     pub worst: (usize, f64, f64),
 }
 
-/// Finds the outliers in gap-free `stretches` of rows: values further than 8 standard deviations from the median of their
-/// neighbourhood, far beyond the tail of all, and five times as far as their neighbours. `None` if they exceed a thousandth
-/// of the rows, or for too few values.
+/// Finds the outliers in gap-free `stretches` of rows: values further than 8 standard deviations from the median of
+/// their neighbourhood, far beyond the tail of all, and five times as far as their neighbours. `None` if they exceed a
+/// thousandth of the rows, or for too few values.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut off: Vec<(usize, f64)> = Vec::new();
     let mut is_inside: Vec<bool> = Vec::new();
@@ -126,8 +126,8 @@ const LANES: usize = 8;
 const WINDOW: usize = 2 * REACH + 1;
 
 /// Medians of the windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
-/// smallest nor the largest is the median: both are dropped, the next value is added, and so on until one remains (Paeth,
-/// Median finding on a 3 × 3 grid, Graphics Gems, 1990).
+/// smallest nor the largest is the median: both are dropped, the next value is added, and so on until one remains
+/// (Paeth, Median finding on a 3 × 3 grid, Graphics Gems, 1990).
 #[inline(always)]
 fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     let mut window: [[f64; LANES]; WINDOW] =

@@ -14,8 +14,8 @@ use crate::statistics::{mean, median_of, variance};
 /// Length of a window, s.
 const WINDOW_S: f64 = 0.5;
 
-/// Limit of the ratio of a window's variance to that of the quietest tenth of all windows: three times the noise. A window
-/// of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
+/// Limit of the ratio of a window's variance to that of the quietest tenth of all windows: three times the noise. A
+/// window of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
 const VARIANCE_RATIO: f64 = 9.0;
 
 /// Rows at rest, and the source of this knowledge.
@@ -137,8 +137,8 @@ fn detect(recording: &Recording, limits: StillnessLimits<f64>, parts: &[Range<us
     Some(still)
 }
 
-/// Moves the transitions back in time: the detector reports stillness after two quiet windows, the second of which is known
-/// to have been still (the first is excluded as a margin), and motion up to a window after its begin.
+/// Moves the transitions back in time: the detector reports stillness after two quiet windows, the second of which is
+/// known to have been still (the first is excluded as a margin), and motion up to a window after its begin.
 fn back_date(still: &mut [bool], window: usize) {
     let turns = |still: &[bool], from: bool| -> Vec<usize> {
         (1..still.len()).filter(|&row| still[row - 1] == from && still[row] != from).collect()

@@ -41,8 +41,8 @@ pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
     runs.into_iter().filter(|run| run.len() >= least).collect()
 }
 
-/// Upper bound of the probability that the next value is the same, from the changes of two steps or more; `None` if there
-/// are too few of them.
+/// Upper bound of the probability that the next value is the same, from the changes of two steps or more; `None` if
+/// there are too few of them.
 fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     let (two_steps, pairs) = two_step_changes(values, stretches)?;
     // minus three standard errors: fewer two-step changes mean a larger bound on repeats
@@ -108,7 +108,7 @@ fn tenth(sizes: &mut [f64]) -> Option<f64> {
     (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(low, f64::total_cmp).1)
 }
 
-/// Number of repeats that nearly every value of a sample-and-hold sensor reaches; 0 if most values occur once.
+/// Number of repeats that nearly no value of a sample-and-hold sensor exceeds; 0 if most values occur once.
 fn usual(runs: &[Range<usize>], known: usize) -> usize {
     let in_runs: usize = runs.iter().map(|run| run.len() + 1).sum();
     if runs.len() < known.saturating_sub(in_runs) {
@@ -214,8 +214,8 @@ mod tests {
         assert!(wrong.is_empty(), "{} of {logs}: {:?}", wrong.len(), &wrong[..3.min(wrong.len())]);
     }
 
-    /// Number of stuck rows found among 20,000, divided by the true number, for a value held for `share` of them by a sensor
-    /// with steps of `step` standard deviations.
+    /// Number of stuck rows found among 20,000, divided by the true number, for a value held for `share` of them by a
+    /// sensor with steps of `step` standard deviations.
     fn share_found(rule: impl Fn(&[f64]) -> usize, share: f64, step: f64) -> f64 {
         let mut values: Vec<f64> = white_noise(7, 20_000).iter().map(|v| (v / step).round() * step).collect();
         let rows = (share * 20_000.0) as usize;
@@ -224,7 +224,8 @@ mod tests {
         rule(&values) as f64 / rows as f64
     }
 
-    /// Shares of a log from 0.001 to 0.5, at steps of 0.01 to 2 standard deviations, for which `rule` misses the held value.
+    /// Shares of a log from 0.001 to 0.5, at steps of 0.01 to 2 standard deviations, for which `rule` misses the held
+    /// value.
     fn misses(rule: impl Fn(&[f64]) -> usize) -> Vec<(f64, f64)> {
         let shares = [0.001, 0.005, 0.015, 0.025, 0.05, 0.09, 0.11, 0.2, 0.35, 0.5];
         let steps = [0.01, 0.3, 1.0, 2.0];

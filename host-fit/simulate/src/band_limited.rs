@@ -7,10 +7,10 @@
 //!   x(n) = (1 − γ) x(n−1) + γ (1 − a x(n−10)²) + e(n),    γ = 0.4, a = 1.7
 //! ```
 //!
-//! It neither decays nor diverges: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression with a
-//! lag within the paper's ten, so that a linear predictor cannot model it and a quadratic one can. 99 % of its power lies
-//! below 30 Hz at 200 Hz sampling. Real sensor noise is nothing like it: it demonstrates the methods on data with a
-//! nonlinear part.
+//! It neither decays nor diverges: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression
+//! with a lag within the paper's ten, so that a linear predictor cannot model it and a quadratic one can. 99 % of its
+//! power lies below 30 Hz at 200 Hz sampling. Real sensor noise is nothing like it: it demonstrates the methods on data
+//! with a nonlinear part.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -27,9 +27,9 @@ pub enum CaseFolderError {
 }
 
 impl SimulatedCase {
-    /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device does
-    /// not have: `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and the
-    /// regressors). The case is named after the folder.
+    /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device
+    /// does not have: `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and
+    /// the regressors). The case is named after the folder.
     ///
     /// # Errors
     /// Errors of the system.

@@ -162,8 +162,8 @@ impl AxisNoise {
         out
     }
 
-    /// Cheaper approximation with the same levels: white, and slow parts that change every 40 samples. For axes that are not
-    /// examined closely.
+    /// Cheaper approximation with the same levels: white, and slow parts that change every 40 samples. For axes that
+    /// are not examined closely.
     pub(super) fn plain_series(&self, n: usize, random: &mut Random) -> Vec<f64> {
         const HOLD: usize = 40;
         let slow: Vec<&GaussMarkov> = self.flicker.iter().skip(3).collect();

@@ -1,4 +1,5 @@
-//! A case before its noise is drawn: device, surroundings, logged columns, log to explain, and shapes of planted effects.
+//! A case before its noise is drawn: device, surroundings, logged columns, log to explain, and shapes of planted
+//! effects.
 
 use super::axis::Axis;
 use super::disturbance::Character;

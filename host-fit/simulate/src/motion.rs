@@ -117,8 +117,8 @@ pub(super) fn add_magnets(world: &mut World, random: &mut Random) {
     }
 }
 
-/// One orientation, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis; the level changes
-/// every 30 to 90 s. The mean of the vibration is zero over any second.
+/// One orientation, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis; the level
+/// changes every 30 to 90 s. The mean of the vibration is zero over any second.
 pub(super) fn shake(world: &mut World, pose: &Attitude, n: usize, random: &mut Random) {
     hold(world, pose, n);
     let period_s = world.period_s;

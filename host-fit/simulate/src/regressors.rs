@@ -1,5 +1,5 @@
-//! Formulas of the effects, on the true covariates: the simulator's own, in plain loops and independent of the code under
-//! test.
+//! Formulas of the effects, on the true covariates: the simulator's own, in plain loops and independent of the code
+//! under test.
 
 use super::axis::Axis;
 use super::effect::Effect;

@@ -54,8 +54,8 @@ impl Rivals {
         Self(all)
     }
 
-    /// Best rival of `effect`, whose whitened error is `error`, after `known` is projected out. More general effects that
-    /// contain it do not count.
+    /// Best rival of `effect`, whose whitened error is `error`, after `known` is projected out. More general effects
+    /// that contain it do not count.
     pub(super) fn best(
         &self,
         effect: Effect,
@@ -79,8 +79,8 @@ impl Rivals {
     }
 }
 
-/// Returns true if `general`, with its parameter, can produce every error of `special`. A lag that is short compared with
-/// ramps of minutes is temp_linear with a redundant parameter.
+/// Returns true if `general`, with its parameter, can produce every error of `special`. A lag that is short compared
+/// with ramps of minutes is temp_linear with a redundant parameter.
 fn contains((general, parameter): (Effect, f64), special: Effect) -> bool {
     match (general, special) {
         (Effect::TempPoly, Effect::TempLinear) | (Effect::SfTemp, Effect::SfError) => true,

@@ -1,9 +1,9 @@
 //! A log as sensors with separate clocks: the accelerometer at half of the gyro's rate and on another clock, the
 //! thermometer once a second, and jitter on all timestamps.
 //!
-//! A sample of the accelerometer is the mean of two, stamped in their middle: a part that runs at half of the rate filters
-//! to half of the band, and the density of its noise is unchanged. The true specific force, if known, comes with it,
-//! everything else with the gyro.
+//! A sample of the accelerometer is the mean of two, stamped in their middle: a part that runs at half of the rate
+//! filters to half of the band, and the density of its noise is unchanged. The true specific force, if known, comes
+//! with it, everything else with the gyro.
 
 use super::random::{Stream as Purpose, normal, random};
 use super::regressors::NamedSeries;

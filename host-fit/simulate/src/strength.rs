@@ -14,10 +14,10 @@
 //! for a coarser step, the same sample by sample with r = added variance over the white variance: d² = Σ (r − ln(1 +
 //! r)).
 //!
-//! **Two levels.** Only a matched filter knows the moments of the transitions of telegraph noise; a Gauss-Markov process of
-//! the same spectrum explains much of it. d² is the expected 2 log likelihood ratio of the course against that process,
-//! C₁ = C + a² G, less −2 ln P of the transitions, block by block: a² sᵀ C₁⁻¹ s + tr(C₁⁻¹ C) − N + ln det(C₁ C⁻¹) +
-//! 2 ln P.
+//! **Two levels.** Only a matched filter knows the moments of the transitions of telegraph noise; a Gauss-Markov
+//! process of the same spectrum explains much of it. d² is the expected 2 log likelihood ratio of the course against
+//! that process, C₁ = C + a² G, less −2 ln P of the transitions, block by block: a² sᵀ C₁⁻¹ s + tr(C₁⁻¹ C) − N + ln
+//! det(C₁ C⁻¹) + 2 ln P.
 //!
 //! **Lost and clipped samples.** d² is their number.
 
@@ -197,8 +197,8 @@ pub(super) fn noise_amplitude(c: &DMatrix<f64>, g: &DMatrix<f64>, wanted: f64) -
     Some(a.exp())
 }
 
-/// Amplitude of a course of two levels of size `wanted`, `s` at amplitude one: `g` is the covariance of a process with its
-/// spectrum, `code` the description length of its transitions; see the module.
+/// Amplitude of a course of two levels of size `wanted`, `s` at amplitude one: `g` is the covariance of a process with
+/// its spectrum, `code` the description length of its transitions; see the module.
 pub(super) fn telegraph_amplitude(
     c: &DMatrix<f64>,
     g: &DMatrix<f64>,

@@ -15,10 +15,11 @@ use super::setup::{Path, Setup};
 /// Maximum number of redraws; the best draw is then taken.
 const ATTEMPTS: usize = 60;
 
-/// Plans of a suite: a third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with two
-/// effects; a fifteenth with two indistinguishable effects; the remaining 13 % with something outside the library. Slow
-/// effects are redrawn until the best other effect leaves at least this size of them: 5 of a single one, 8 of each of
-/// two, 0.6 of all and 12 of one outside. The same arguments give the same plans; plans of 450 take about half a minute.
+/// Plans of a suite: a third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with
+/// two effects; a fifteenth with two indistinguishable effects; the remaining 13 % with something outside the library.
+/// Slow effects are redrawn until the best other effect leaves at least this size of them: 5 of a single one, 8 of each
+/// of two, 0.6 of all and 12 of one outside. The same arguments give the same plans; plans of 450 take about half a
+/// minute.
 pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
     let share = |of: usize| (count * of + 7) / 15;
     let (nothing, singles, pairs, inseparable) = (share(5), share(6), share(1), share(1));
@@ -63,7 +64,8 @@ fn pick<T: Copy>(random: &mut Random, choices: &[T]) -> T {
 
 /// A part, a set-up and axis that show all of `effects`, and a seed; nothing planted.
 fn place(random: &mut Random, effects: &[Effect], setup: Option<Setup>) -> Option<CasePlan> {
-    // vibration measured by an accelerometer is no error, but the log does not state it: its lines would count as findings
+    // vibration measured by an accelerometer is no error, but the log does not state it: its lines would count as
+    // findings
     let about_vibration =
         effects.iter().any(|effect| matches!(effect, Effect::VibrationRectification | Effect::Saturation));
     let places: Vec<(Setup, Axis)> = Setup::ALL

@@ -1,8 +1,8 @@
 //! Text of foreign origin stays text: in a terminal, in C, in Rust, in a page, in Markdown, in a picture.
 //!
-//! Every control character and every special character of these formats is sent through every text: the strings of a study,
-//! of an image, of an effect, of a case, the names of files and columns, cells, labels of segments. The output is compared
-//! with that of a harmless text; and each check must detect the unescaped text.
+//! Every control character and every special character of these formats is sent through every text: the strings of a
+//! study, of an image, of an effect, of a case, the names of files and columns, cells, labels of segments. The output
+//! is compared with that of a harmless text; and each check must detect the unescaped text.
 
 pub(crate) mod checks;
 

@@ -1,5 +1,5 @@
-//! A study finds its logs from any working folder, and after study and logs were moved together; logs can also be read from
-//! pipes.
+//! A study finds its logs from any working folder, and after study and logs were moved together; logs can also be read
+//! from pipes.
 
 use std::fs;
 use std::path::Path;

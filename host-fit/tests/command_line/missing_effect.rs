@@ -162,7 +162,8 @@ fn rejected_additions_state_the_reason() {
     assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
-/// One orientation does not determine an effect of gravity; the bias of the gyro used to change from 2e-4 to -2.6e-3 rad/s.
+/// One orientation does not determine an effect of gravity; the bias of the gyro used to change from 2e-4 to -2.6e-3
+/// rad/s.
 #[test]
 fn undetermined_effect_leaves_the_study_unchanged() {
     let folder = with_hidden("thermal_lag", "desk", "5");

@@ -15,8 +15,8 @@ use crate::turned_log::turned_log;
 use host_fit::cli::files::{Role, role_of};
 use host_fit::cli::subcommands;
 
-/// A command line that writes to `at` for its argument `output`. Words in braces are input arguments, with a file for each;
-/// inputs without an argument have an empty name.
+/// A command line that writes to `at` for its argument `output`. Words in braces are input arguments, with a file for
+/// each; inputs without an argument have an empty name.
 struct Line {
     output: &'static str,
     at: &'static str,
@@ -272,8 +272,8 @@ impl Line {
 /// Ways in which an output path can lead to an input.
 const SPELLINGS: [&str; 4] = ["as it is", "by another way", "by a symbolic link", "by a hard link"];
 
-/// Makes `output` lead to the file `input` in `folder`; returns the new name of the input. `None` if no argument names the
-/// file, so that it cannot have another name.
+/// Makes `output` lead to the file `input` in `folder`; returns the new name of the input. `None` if no argument names
+/// the file, so that it cannot have another name.
 fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool) -> Option<String> {
     let (from, to) = (folder.join(input), folder.join(output));
     fs::create_dir_all(to.parent()?).expect("made");

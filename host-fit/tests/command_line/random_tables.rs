@@ -1,7 +1,7 @@
 //! Every command on random tables: an answer or a clear refusal, never a panic, within bounded processor time and memory.
 //!
-//! `FOS_RANDOM_TABLES=5000 cargo test --workspace --test command_line random_tables::` runs that many tables, starting at
-//! seed `FOS_RANDOM_SEED`. A failure reports its seed.
+//! `FOS_RANDOM_TABLES=5000 cargo test --workspace --test command_line random_tables::` runs that many tables, starting
+//! at seed `FOS_RANDOM_SEED`. A failure reports its seed.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -19,8 +19,8 @@ use fos_testkit::is_thorough;
 const TABLES: u64 = 3;
 const THOROUGH: u64 = 12;
 
-/// Limit of the processor time of a command, s; the slowest takes a tenth of it, and the time does not depend on other load
-/// of the machine.
+/// Limit of the processor time of a command, s; the slowest takes a tenth of it, and the time does not depend on other
+/// load of the machine.
 const CPU_S: u32 = 60;
 
 /// Limit of the address space of a command, kilobytes.

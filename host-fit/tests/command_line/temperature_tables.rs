@@ -74,8 +74,8 @@ fn left(rows: &[[f64; 8]], column: usize, correction: impl Fn(f64) -> f64) -> f6
 }
 
 /// Formula of `src/modules/temperature_compensation/TemperatureCompensation.cpp` of PX4-Autopilot,
-/// `calc_thermal_offsets_3D`: the difference from TREF is clipped, X0 to X3 are coefficients of its powers; the result is
-/// subtracted from the measurement.
+/// `calc_thermal_offsets_3D`: the difference from TREF is clipped, X0 to X3 are coefficients of its powers; the result
+/// is subtracted from the measurement.
 fn px4(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
     let (sensor, axis) = (["A0", "G0"][column / 3], column % 3);
     let of = |name: &str| parameters[&format!("TC_{sensor}_{name}")];
@@ -189,8 +189,8 @@ fn rejects_a_log_without_temperature_change_with_a_remedy() {
     assert!(blind.contains("blind.csv: it has no temperature") && blind.contains("help: log"), "{blind}");
 }
 
-/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, with opposite
-/// sign.
+/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, with
+/// opposite sign.
 fn two_imus() -> Vec<u8> {
     let mut log = Vec::new();
     let padded = |text: &str, length: usize| {

@@ -43,8 +43,8 @@ fn page(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name)).expect("there")
 }
 
-/// Runs the commands of a tutorial and finds every line of its sample output in what they print. A line that ends in … is
-/// compared up to there.
+/// Runs the commands of a tutorial and finds every line of its sample output in what they print. A line that ends in …
+/// is compared up to there.
 fn runs_as_it_stands(name: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

@@ -1,5 +1,5 @@
-//! The user's whole path for every effect of the library: a reference log is fitted, the effect is hidden in the next log,
-//! identified, added and exported, and the output of the device on a third log is closer to the truth.
+//! The user's whole path for every effect of the library: a reference log is fitted, the effect is hidden in the next
+//! log, identified, added and exported, and the output of the device on a third log is closer to the truth.
 
 use fos_core::{AxisParameters, Image, Input, Range, Sample, Validity};
 use fos_data::column::Column;
@@ -118,8 +118,8 @@ impl Logs {
     }
 }
 
-/// Checks that an effect alone is limited only by the ranges of its inputs: f32, for arbitrary quantities, with p limited
-/// as stored and unlimited. Returns by how much p exceeds its stored range, in widths of the range.
+/// Checks that an effect alone is limited only by the ranges of its inputs: f32, for arbitrary quantities, with p
+/// limited as stored and unlimited. Returns by how much p exceeds its stored range, in widths of the range.
 fn widths_outside(model: &UnitModel) -> f64 {
     let bits = |model: &UnitModel| -> Vec<(f32, u32, Validity)> {
         let mut predictor = model.predictor::<f32>().expect("it runs");

@@ -164,8 +164,8 @@ fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     (study.expect("a study"), fit)
 }
 
-/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models used to coast
-/// worse than the mean, "valid 100.0 %".
+/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models used to
+/// coast worse than the mean, "valid 100.0 %".
 #[test]
 fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
     const ROWS: usize = 60_000;

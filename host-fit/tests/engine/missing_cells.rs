@@ -72,8 +72,9 @@ fn alike(one: &Diagnosis, other: &Diagnosis) -> bool {
     one.len() == other.len() && one.iter().zip(&other).all(|(a, b)| a.0 == b.0 && sizes(&a.1, &b.1))
 }
 
-/// A log merged from fast and slow channels begins with empty cells. A lag and a backlash used to start at 0 °C there, and
-/// effects without a memory were dropped silently: a thermal hysteresis was reported for a plain temperature coefficient.
+/// A log merged from fast and slow channels begins with empty cells. A lag and a backlash used to start at 0 °C there,
+/// and effects without a memory were dropped silently: a thermal hysteresis was reported for a plain temperature
+/// coefficient.
 #[test]
 fn empty_cells_at_the_edges_change_no_diagnosis() {
     let mut cases = vec![("thermal_lag", Setup::Desk, 3)];

@@ -1,5 +1,5 @@
-//! Diagnosis of logs with known temperature in two orientations: found in one, evaluated on the other. One log is synthetic;
-//! the other was recorded by other people, and is used if available.
+//! Diagnosis of logs with known temperature in two orientations: found in one, evaluated on the other. One log is
+//! synthetic; the other was recorded by other people, and is used if available.
 
 use std::sync::LazyLock;
 
@@ -132,9 +132,9 @@ fn gyro_y_of_the_tag_drifts_with_temperature() {
     assert_linear("gy_rads", 0.020..0.030, "dps/K");
 }
 
-/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and returns; in the first it does not: no law in
-/// temperature holds in both. Gyro z dips there too; its noise falls from 2.4 to 1.8 mrad/s while it warms, and its means
-/// follow the temperature by 0.12 to 0.14 mrad/s/K.
+/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and returns; in the first it does not: no
+/// law in temperature holds in both. Gyro z dips there too; its noise falls from 2.4 to 1.8 mrad/s while it warms, and
+/// its means follow the temperature by 0.12 to 0.14 mrad/s/K.
 #[test]
 fn gyro_x_of_the_tag_stays_unexplained_and_gyro_z_follows_temperature() {
     let Some([field, judged]) = orientations() else { return };

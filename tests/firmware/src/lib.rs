@@ -1,7 +1,7 @@
 //! Common interface of the programs in `bin/` to their machine: an emulated board, or the host.
 //!
-//! Each program has the same source on both, and starts in its `run`, given to [`firmware!`]. Programs that are tested by
-//! linking, or by their size, do not use this.
+//! Each program has the same source on both, and starts in its `run`, given to [`firmware!`]. Programs that are tested
+//! by linking, or by their size, do not use this.
 #![cfg_attr(target_os = "none", no_std)]
 
 #[cfg(target_os = "none")]

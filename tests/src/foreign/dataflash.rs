@@ -13,8 +13,8 @@ fn padded<const N: usize>(text: &str) -> [u8; N] {
     bytes
 }
 
-/// DataFlash log of a flight with these parameters, in messages IMU (all six axes and the temperature) or, with `raw`, ACC
-/// and GYR, and an IMU for every tenth sample.
+/// DataFlash log of a flight with these parameters, in messages IMU (all six axes and the temperature) or, with `raw`,
+/// ACC and GYR, and an IMU for every tenth sample.
 pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<u8> {
     let mut log = Vec::new();
     let formats: [(u8, u8, &str, &str, &str); 6] = [

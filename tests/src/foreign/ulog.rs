@@ -11,8 +11,8 @@ pub enum Rate {
     Decimated,
     /// Every sample, in batches of ten.
     Fifo,
-    /// In batches, from a version of PX4 that logs samples in the sensor's axes, with the sensor rotated by 90° about z: a
-    /// field `rotation` is 2.
+    /// In batches, from a version of PX4 that logs samples in the sensor's axes, with the sensor rotated by 90° about
+    /// z: a field `rotation` is 2.
     FifoOfTurned,
 }
 

@@ -83,8 +83,8 @@ fn with_mean() -> Vec<f64> {
     autoregression(20, 300, &[1.4, -0.7], 1.0).iter().map(|x| 50.0 + 10.0 * x).collect()
 }
 
-/// Four lags, two products that are difficult for a search (each resembles others), and noise: the subject of the fixtures
-/// `selection`, `gaps` and `prediction`.
+/// Four lags, two products that are difficult for a search (each resembles others), and noise: the subject of the
+/// fixtures `selection`, `gaps` and `prediction`.
 fn quadratic(seed: u64, length: usize) -> Vec<f64> {
     let run_in = 500;
     let mut y = white_noise(seed, run_in + length);

@@ -1,5 +1,5 @@
-//! Motion by absolute size: scatter beyond that of any MEMS sensor at rest, however usual it is in a log. A vehicle moves
-//! all along, and nothing in its log stands out.
+//! Motion by absolute size: scatter beyond that of any MEMS sensor at rest, however usual it is in a log. A vehicle
+//! moves all along, and nothing in its log stands out.
 
 use std::ops::Range;
 
@@ -15,9 +15,9 @@ const BLOCK_S: f64 = 1.0;
 /// Blocks of a window. The median of its second differences does not follow one or two steps of a bias.
 const WINDOW_BLOCKS: usize = 10;
 
-/// Upper limit of the scatter of 1-s means of a gyro at rest, as the square root of a Hadamard variance, rad/s: 0.57 °/s.
-/// The bias instability of the worst consumer parts is some 0.05 °/s, their white noise over 1 s too, and the noisiest
-/// of the recorded logs at rest has 0.1 °/s (docs/decisions/motion.md); a driving car has several °/s.
+/// Upper limit of the scatter of 1-s means of a gyro at rest, as the square root of a Hadamard variance, rad/s: 0.57
+/// °/s. The bias instability of the worst consumer parts is some 0.05 °/s, their white noise over 1 s too, and the
+/// noisiest of the recorded logs at rest has 0.1 °/s (docs/decisions/motion.md); a driving car has several °/s.
 const GYRO_RADS: f64 = 0.01;
 
 /// The same for accelerometers, m/s²: 10 mg. Data sheets state up to 0.3 mg/√Hz and instabilities below 1 mg; the

@@ -27,8 +27,8 @@ impl Disturbance {
         Self { rows, kind, turned_rad: None, is_tilted: false, channel: None }
     }
 
-    /// Returns true if its rows are excluded: neither those of lasting vibration, a state of the surroundings that may cause
-    /// an effect, nor those that a logged channel explains.
+    /// Returns true if its rows are excluded: neither those of lasting vibration, a state of the surroundings that may
+    /// cause an effect, nor those that a logged channel explains.
     pub fn is_excluded(&self) -> bool {
         !matches!(self.kind, Kind::Vibration | Kind::Explained)
     }
@@ -74,8 +74,8 @@ const KNOCK_S: f64 = 2.0;
 /// Longest shaking by steps or a motor, s.
 const SHAKING_S: f64 = 25.0;
 
-/// Minimum rotation by a hand that picks up a device, rad: 10°. A blow that a gyro cannot follow seems to turn the device
-/// by some degrees.
+/// Minimum rotation by a hand that picks up a device, rad: 10°. A blow that a gyro cannot follow seems to turn the
+/// device by some degrees.
 const TURNED_RAD: f64 = 0.17;
 
 /// Minimum rotation if the orientation differs afterwards, rad: 2°.

@@ -134,8 +134,8 @@ pub fn check(recording: &Recording) -> Result<(), RecordingError> {
     check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))
 }
 
-/// The same log with the rows of detected motion marked as not at rest, and the detected motion. Without a column `still`
-/// all other rows count as at rest.
+/// The same log with the rows of detected motion marked as not at rest, and the detected motion. Without a column
+/// `still` all other rows count as at rest.
 pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
     let marks = recording.cached(Marks::of);
     let found = marks.found.clone();

@@ -15,8 +15,8 @@ const WINDOW_BLOCKS: usize = 8;
 /// Minimum length of a window, s: about the ringing of a knock.
 const SHORTEST_WINDOW_S: f64 = 0.25;
 
-/// Limit of the sum of the squared excess of all axes but the largest: chance reaches 30 less often than once in a million
-/// windows. With this overlap some four times as many windows are independent: 2 ln 4 more.
+/// Limit of the sum of the squared excess of all axes but the largest: chance reaches 30 less often than once in a
+/// million windows. With this overlap some four times as many windows are independent: 2 ln 4 more.
 pub(super) const FAR: f64 = 33.0;
 
 /// Score from which the windows before and after one above [`FAR`] belong to it.
@@ -112,8 +112,8 @@ pub(super) fn log_mean(sum: f64, count: usize, of: usize) -> f64 {
     if 2 * count >= of && sum > 0.0 { (sum / count as f64).ln() } else { f64::NAN }
 }
 
-/// Usual level around each window: medians of pieces of `piece` windows, and the running median of five of them. An event
-/// shorter than two and a half pieces does not change it; a longer one is followed to its edge.
+/// Usual level around each window: medians of pieces of `piece` windows, and the running median of five of them. An
+/// event shorter than two and a half pieces does not change it; a longer one is followed to its edge.
 pub(super) fn local_level(log_energy: &[f64], piece: usize) -> Vec<f64> {
     let medians: Vec<f64> = log_energy.chunks(piece.max(1)).map(median_of_known).collect();
     let around = |at: usize| median_of_known(&medians[at.saturating_sub(2)..(at + 3).min(medians.len())]);

@@ -43,8 +43,8 @@ pub(super) struct Shared {
     pub(super) explained: Vec<Explained>,
 }
 
-/// Searches all axes on all time scales. With a reference for the motion, slow motion is not searched: its remaining part
-/// is the error.
+/// Searches all axes on all time scales. With a reference for the motion, slow motion is not searched: its remaining
+/// part is the error.
 pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_reference: bool) -> Shared {
     let period_s = recording.rate.period_s;
     let n = recording.n_rows();

@@ -1,5 +1,6 @@
 //! Classes of logs and the properties that hold for all of them: a step explained by a logged channel is no motion,
-//! leading rows have no influence, and a vehicle has no rest. Each check has a control that breaks the property on purpose.
+//! leading rows have no influence, and a vehicle has no rest. Each check has a control that breaks the property on
+//! purpose.
 
 use super::*;
 use crate::recording::{LoadOptions, Source};

@@ -1,5 +1,5 @@
-//! Atomic writes: files are written to a temporary sibling and renamed, so that a reader sees the complete old or new file
-//! even if the writer is killed or the power fails. Inputs are never replaced.
+//! Atomic writes: files are written to a temporary sibling and renamed, so that a reader sees the complete old or new
+//! file even if the writer is killed or the power fails. Inputs are never replaced.
 
 mod error;
 mod paths;

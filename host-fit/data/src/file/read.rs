@@ -48,8 +48,8 @@ pub fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize>
     Ok(filled)
 }
 
-/// Opens `path` as [`open`] does; the content of a pipe, which is readable only once and in order, is copied to an unnamed
-/// file.
+/// Opens `path` as [`open`] does; the content of a pipe, which is readable only once and in order, is copied to an
+/// unnamed file.
 ///
 /// # Errors
 ///

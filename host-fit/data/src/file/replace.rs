@@ -102,8 +102,8 @@ impl TemporarySibling {
         Err(ErrorKind::AlreadyExists.into())
     }
 
-    /// Syncs it to the disk, renames it and syncs the folder. An input of this process is not replaced, unless the content
-    /// is identical.
+    /// Syncs it to the disk, renames it and syncs the folder. An input of this process is not replaced, unless the
+    /// content is identical.
     pub fn put(self) -> io::Result<()> {
         if let Err(refused) = refuse_to_replace(&self.path) {
             // the example of the workbench, once its logs have been opened as logs

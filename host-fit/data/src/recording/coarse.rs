@@ -31,9 +31,9 @@ impl Recording {
         (COARSE_K.contains(&step) && gaps().all(on_grid)).then_some(step)
     }
 
-    /// `values` of such a thermometer (one per row, missing only at the begin) with the staircase smoothed: halfway between
-    /// two steps at each crossing, on a smooth curve from one crossing to the next, and never further than half a step from
-    /// a value.
+    /// `values` of such a thermometer (one per row, missing only at the begin) with the staircase smoothed: halfway
+    /// between two steps at each crossing, on a smooth curve from one crossing to the next, and never further than half
+    /// a step from a value.
     pub fn between_steps(&self, values: &[f64], step: f64) -> Vec<f64> {
         let ticks: Vec<f64> = self
             .segments

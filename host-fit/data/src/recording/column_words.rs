@@ -20,8 +20,8 @@ pub(super) enum Quantity {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Named {
     pub(super) quantity: Quantity,
-    /// Distance from the bare measurement: 0 for the sensor's word with its axis and nothing else; larger with other words.
-    /// See [`BARE`], [`PLAIN`], [`UNKNOWN`], [`PROCESSED`].
+    /// Distance from the bare measurement: 0 for the sensor's word with its axis and nothing else; larger with other
+    /// words. See [`BARE`], [`PLAIN`], [`UNKNOWN`], [`PROCESSED`].
     pub(super) rank: u8,
     /// Name without axis and unit, common to the columns of one sensor.
     pub(super) sensor: String,

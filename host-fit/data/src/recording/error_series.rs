@@ -57,8 +57,8 @@ impl Recording {
         })
     }
 
-    /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel `ref_<name>` if
-    /// the log has it, else a constant.
+    /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel
+    /// `ref_<name>` if the log has it, else a constant.
     ///
     /// # Errors
     /// No such channel, or a channel without a single number.

@@ -56,8 +56,8 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 fn jitter_beyond_a_period_hides_no_lost_sample_and_adds_none() {
     const HZ: f64 = 397.344;
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is lost
-    // permanently
+    // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is
+    // lost permanently
     let lost = [795, 8653, 10_224, 12_581, 16_510, 20_439, 24_368, 40_086, 44_014, 55_802];
     let mut stamps = Vec::new();
     let mut tick = 0;

@@ -269,8 +269,8 @@ impl Recording {
         stuck(self.values(axis), &self.stretches_where(|row| rows.contains(&row) && still[row]))
     }
 
-    /// The same recording with the outliers and stuck values of an axis among `rows` at rest replaced by empty cells, and
-    /// their number.
+    /// The same recording with the outliers and stuck values of an axis among `rows` at rest replaced by empty cells,
+    /// and their number.
     pub fn without_outliers(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
         let spikes = self.spikes(axis, rows.clone(), still).map_or_else(Vec::new, |spikes| spikes.rows);
         let stuck = self.stuck_rows(axis, rows, still);
@@ -290,8 +290,9 @@ impl Recording {
         self.channel(column).map_or(&[], |channel| &channel.values)
     }
 
-    /// Value at which an axis is stuck, with the stuck duration and the total time at rest, s: it has one value throughout,
-    /// or repeats one improbably for so long that the log is rejected. Steps coarser than the noise do not count.
+    /// Value at which an axis is stuck, with the stuck duration and the total time at rest, s: it has one value
+    /// throughout, or repeats one improbably for so long that the log is rejected. Steps coarser than the noise do not
+    /// count.
     pub fn stuck_axis(&self, axis: &str, still: &[bool]) -> Option<(f64, [f64; 2])> {
         let values = self.values(axis);
         let first = values.iter().copied().find(|value| !value.is_nan())?;
@@ -309,9 +310,9 @@ impl Recording {
         is_refused.then(|| (values[longest.start], [seconds(rows), seconds(known)]))
     }
 
-    /// Step of an axis, in its unit, if it is so coarse that it hides the noise. For an axis with a single code at each rest
-    /// it is the step of its motion; for one with a single value, that of another axis of its triad, whose steps are as
-    /// coarse.
+    /// Step of an axis, in its unit, if it is so coarse that it hides the noise. For an axis with a single code at each
+    /// rest it is the step of its motion; for one with a single value, that of another axis of its triad, whose steps
+    /// are as coarse.
     pub fn hidden_step(&self, axis: &str, still: &[bool]) -> Option<f64> {
         let stretches = self.stretches_where(|row| still[row]);
         let rest: usize = stretches.iter().map(Range::len).sum();

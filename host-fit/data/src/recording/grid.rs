@@ -9,8 +9,8 @@ use crate::statistics::median;
 /// Shortest pause of a recorder, s: a shorter wait is a buffer that was not read in time or a busy bus.
 const SHORTEST_PAUSE_S: f64 = 1.0;
 
-/// Minimum number of pauses that establish a rule. Losses at random moments have exponential intervals, of which 28 % lie
-/// within [`SIMILAR`] of their median: that nearly all of eight do happens once in ten thousand logs.
+/// Minimum number of pauses that establish a rule. Losses at random moments have exponential intervals, of which 28 %
+/// lie within [`SIMILAR`] of their median: that nearly all of eight do happens once in ten thousand logs.
 const MIN_PAUSES: usize = 8;
 
 /// Largest ratio of two similar lengths.
@@ -68,8 +68,8 @@ pub enum Boundary {
     /// The recording starts.
     Start,
     Gap,
-    /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds or more. No sample was lost;
-    /// `missing_before` is the number that would have been taken.
+    /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds or more. No sample was
+    /// lost; `missing_before` is the number that would have been taken.
     Pause,
     /// The `segment` column changes.
     SegmentColumn,

@@ -4,8 +4,8 @@ use super::channel::Channel;
 use super::{Boundary, Recording};
 
 impl Recording {
-    /// Values of a channel as a device has them, one per row: a missing value is replaced by the last one before it, across
-    /// gaps too. NaN before the first value after power-on, that is, after the start of each joined recording.
+    /// Values of a channel as a device has them, one per row: a missing value is replaced by the last one before it,
+    /// across gaps too. NaN before the first value after power-on, that is, after the start of each joined recording.
     pub fn held(&self, channel: &Channel) -> Vec<f64> {
         let mut values = channel.values.to_vec();
         for rows in self.power_ons() {
@@ -20,8 +20,8 @@ impl Recording {
         values
     }
 
-    /// The same with a value in every row: rows before the first value get that value. NaN only if the channel has no value
-    /// at all.
+    /// The same with a value in every row: rows before the first value get that value. NaN only if the channel has no
+    /// value at all.
     pub fn held_from_first(&self, channel: &Channel) -> Vec<f64> {
         let mut values = self.held(channel);
         back_filled(&mut values);

@@ -9,8 +9,8 @@ use super::{Boundary, Quality, Recording, RecordingError};
 const SAME_RATE: f64 = 0.02;
 
 impl Recording {
-    /// Concatenates recordings: the channels that all of them have, with a segment boundary between any two. Times continue
-    /// from one to the next.
+    /// Concatenates recordings: the channels that all of them have, with a segment boundary between any two. Times
+    /// continue from one to the next.
     ///
     /// # Errors
     /// The list is empty, or the recordings have different rates, sensors or corrections, or no channel in common.

@@ -25,8 +25,8 @@ pub struct LoadOptions {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "page-types", ts(optional))]
     pub topic: Option<String>,
-    /// Reject the first unusable row instead of skipping up to [`MAX_UNUSABLE`](super::MAX_UNUSABLE) of them. Not stored in
-    /// a study: a log that was read once can be read again, however strictly.
+    /// Reject the first unusable row instead of skipping up to [`MAX_UNUSABLE`](super::MAX_UNUSABLE) of them. Not
+    /// stored in a study: a log that was read once can be read again, however strictly.
     #[serde(skip)]
     pub strict: bool,
     /// Include rows with detected motion although the device should be at rest.

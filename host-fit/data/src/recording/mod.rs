@@ -270,7 +270,8 @@ impl Recording {
         lossy.map(|segment| segment.missing_before).sum()
     }
 
-    /// Same recording with monotonic time: a segment stamped as if it began before the end of the previous one is shifted.
+    /// Same recording with monotonic time: a segment stamped as if it began before the end of the previous one is
+    /// shifted.
     pub fn with_monotonic_time(mut self) -> Self {
         let period_s = self.rate.period_s;
         let mut shift_s = 0.0;

@@ -9,16 +9,16 @@ use super::streams::is_followed;
 /// Minimum number of values that show a rate.
 const MIN_VALUES: usize = 16;
 
-/// Share of the intervals between values that lie within half of the median about it. Cells missing at random, one in ten
-/// or more, give a smaller share.
+/// Share of the intervals between values that lie within half of the median about it. Cells missing at random, one in
+/// ten or more, give a smaller share.
 const REGULAR: f64 = 0.95;
 
-/// Longest mean run of rows that all have a value. Longer runs indicate lost samples; such an axis is fitted over the rows
-/// that it has.
+/// Longest mean run of rows that all have a value. Longer runs indicate lost samples; such an axis is fitted over the
+/// rows that it has.
 const LONGEST_RUN: f64 = 10.0;
 
-/// Splits the channels of a table with timestamps (s) into streams if an axis has a separate rate; `None` if every axis has
-/// a value in most rows, or only at irregular ones.
+/// Splits the channels of a table with timestamps (s) into streams if an axis has a separate rate; `None` if every axis
+/// has a value in most rows, or only at irregular ones.
 pub(super) fn streams(time_s: &[f64], channels: &[&Channel]) -> Option<Vec<Stream>> {
     let has_own_rate = |channel: &Channel| is_followed(&channel.name) && is_regular(time_s, &channel.values);
     if !channels.iter().copied().any(has_own_rate) {

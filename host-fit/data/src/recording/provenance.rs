@@ -99,8 +99,8 @@ impl SensorProvenance {
         }
     }
 
-    /// First contradiction between two provenances, in words: the statement of this one, then of the other. `None` if one of
-    /// them states nothing.
+    /// First contradiction between two provenances, in words: the statement of this one, then of the other. `None` if
+    /// one of them states nothing.
     pub fn contradiction(&self, other: &Self) -> Option<[String; 2]> {
         let differ =
             |one: &dyn fmt::Display, other: &dyn fmt::Display| Some([one.to_string(), other.to_string()]);

@@ -46,10 +46,11 @@ pub struct Rate {
     /// Measured rate, 1/`period_s`, Hz.
     pub true_hz: f64,
     /// Slope of timestamp against sample count, missing samples included: median over pairs of rows half the longest
-    /// unbroken stretch apart (after Theil 1950, Sen 1968), s. Of a duty-cycled log the mean of the slopes within a tenth
-    /// of it.
+    /// unbroken stretch apart (after Theil 1950, Sen 1968), s. Of a duty-cycled log the mean of the slopes within a
+    /// tenth of it.
     pub period_s: f64,
-    /// Scatter of the timestamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64 rows, s.
+    /// Scatter of the timestamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64
+    /// rows, s.
     pub jitter_s: f64,
     /// Arrangement of the timestamps on the grid.
     pub stamps: Stamps,
@@ -203,7 +204,8 @@ pub(super) fn slope(time_s: &[f64], grid: &Grid) -> Option<f64> {
     }
     let mut slope = median(&mut slopes);
     if grid.segments.iter().any(|segment| segment.boundary == Boundary::Pause) {
-        // in a burst, timestamps in ticks or from polls give only a few distinct slopes: take their mean, not the most usual
+        // in a burst, timestamps in ticks or from polls give only a few distinct slopes: take their mean, not the most
+        // usual
         slopes.retain(|other| (other / slope - 1.0).abs() < USUAL_SLOPE);
         slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
     }

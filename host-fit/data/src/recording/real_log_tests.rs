@@ -46,7 +46,8 @@ fn arrival_times_in_bursts_show_the_mean_rate_and_no_gap() {
     let Some(log) = load_shared("data/mpu6050_static_10min_100hz.csv.gz") else { return };
     assert_eq!(log.rate.stamps, Stamps::Bursts);
     assert!((log.rate.true_hz - 99.317).abs() < 0.1, "{}", log.rate.true_hz);
-    // ten intervals are of 0.1 to 0.5 s; after each the timestamps return to where they were, within the scatter of the host
+    // ten intervals are of 0.1 to 0.5 s; after each the timestamps return to where they were, within the scatter of the
+    // host
     assert_eq!(gaps(&log), []);
 }
 

@@ -7,7 +7,8 @@ pub struct Stream {
     pub name: String,
     /// Timestamp of every sample, ns since an epoch common to all streams of a log.
     pub stamps_ns: Vec<i64>,
-    /// Channels named as in the log format and in its units (`gx_rads`, `temp_c`), one value per timestamp; NaN if missing.
+    /// Channels named as in the log format and in its units (`gx_rads`, `temp_c`), one value per timestamp; NaN if
+    /// missing.
     pub columns: Vec<(String, Vec<f64>)>,
 }
 

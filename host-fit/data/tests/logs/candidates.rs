@@ -1,5 +1,5 @@
-//! Ambiguous logs: with several candidates the choice is reported, or the log rejected. Two devices are never mixed, and no
-//! choice of the user is ignored.
+//! Ambiguous logs: with several candidates the choice is reported, or the log rejected. Two devices are never mixed,
+//! and no choice of the user is ignored.
 
 use std::fs;
 

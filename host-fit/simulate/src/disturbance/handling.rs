@@ -1,5 +1,5 @@
-//! Handling: the device is picked up, rotated in the hand, and put down, in the old orientation within a degree or in a new
-//! one.
+//! Handling: the device is picked up, rotated in the hand, and put down, in the old orientation within a degree or in a
+//! new one.
 
 use std::f64::consts::TAU;
 

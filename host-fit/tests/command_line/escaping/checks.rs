@@ -1,4 +1,5 @@
-//! Checks of a text in its target format, by comparison with the output for harmless text; each returns the problem found.
+//! Checks of a text in its target format, by comparison with the output for harmless text; each returns the problem
+//! found.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -16,8 +17,8 @@ fn hidden_in(text: &str) -> Option<String> {
     text.chars().find(|&letter| letter != '\n' && is_hidden(letter)).map(|letter| format!("holds {letter:?}"))
 }
 
-/// Finds text that a terminal would execute. With `colours` those of the program are allowed: bold, red, green, yellow, and
-/// their end.
+/// Finds text that a terminal would execute. With `colours` those of the program are allowed: bold, red, green, yellow,
+/// and their end.
 pub(crate) fn reaches_a_terminal(bytes: &[u8], colours: bool) -> Option<String> {
     let mut text = String::from_utf8(bytes.to_vec()).map_err(|_| "not UTF-8".to_owned()).ok()?;
     if colours {

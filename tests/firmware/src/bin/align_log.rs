@@ -1,8 +1,8 @@
 //! Aligns a simulated pair of streams: the same source on the board and on the host, to the same bits.
 //!
-//! A gyro of 208 Hz leads, an accelerometer of 104 Hz on a clock 200 ppm faster follows, a thermometer is held; timestamps
-//! have a jitter of up to a millisecond, samples come in batches of 0.2 s, and some are lost, wrong or not finite. Prints
-//! the number of rows, a digest of them (FNV-1a), and the cost of a sample of the lead (board only).
+//! A gyro of 208 Hz leads, an accelerometer of 104 Hz on a clock 200 ppm faster follows, a thermometer is held;
+//! timestamps have a jitter of up to a millisecond, samples come in batches of 0.2 s, and some are lost, wrong or not
+//! finite. Prints the number of rows, a digest of them (FNV-1a), and the cost of a sample of the lead (board only).
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_core::align::{Aligner, Stream};

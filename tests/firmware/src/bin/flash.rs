@@ -1,5 +1,5 @@
-//! The smallest firmware, to measure its size: without a hub, or with one of the features below. The difference in size is
-//! the flash used by the code; a stored model comes on top.
+//! The smallest firmware, to measure its size: without a hub, or with one of the features below. The difference in size
+//! is the flash used by the code; a stored model comes on top.
 //!
 //! - `flash-hub`: decodes a stored model, then corrects, sample by sample.
 //! - `flash-fixed`: the same in fixed point.

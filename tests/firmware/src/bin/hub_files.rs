@@ -1,5 +1,5 @@
-//! Writes the inputs of the checks of the C programs, on the host: a model image, the same as a C array, and a log of raw
-//! codes that sets every flag of a hub. Prints the outputs of the hub for the log, in Rust.
+//! Writes the inputs of the checks of the C programs, on the host: a model image, the same as a C array, and a log of
+//! raw codes that sets every flag of a hub. Prints the outputs of the hub for the log, in Rust.
 //!
 //! ```text
 //! hub_files FOLDER        # model.fosm, model.h, log.fosh, and linear.fosm

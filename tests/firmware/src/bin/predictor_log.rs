@@ -5,8 +5,8 @@
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints the number of
-//! samples, a digest of all corrections and one of the innovations, the cost of a step (board only) and the memory of the
-//! model.
+//! samples, a digest of all corrections and one of the innovations, the cost of a step (board only) and the memory of
+//! the model.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_core::{Image, Predictor};

@@ -1,4 +1,5 @@
-//! Replays the measurements of a telemetry stream in a hub on the host, and compares innovations and validity bit by bit.
+//! Replays the measurements of a telemetry stream in a hub on the host, and compares innovations and validity bit by
+//! bit.
 //!
 //! ```text
 //! telemetry_again IMAGE TELEMETRY FULL-SCALE-ACCEL FULL-SCALE-GYRO PERIOD-S

@@ -66,8 +66,8 @@ pub fn stack_of(work: impl FnOnce()) -> usize {
     STACK - untouched
 }
 
-/// Counts instructions by a timer: with `-icount shift=5` an instruction takes 32 ns in the emulator; 2000 instructions at
-/// the start calibrate the number of instructions per tick.
+/// Counts instructions by a timer: with `-icount shift=5` an instruction takes 32 ns in the emulator; 2000 instructions
+/// at the start calibrate the number of instructions per tick.
 pub struct Instructions {
     timer: Timer,
     a_tick: f64,

@@ -88,7 +88,8 @@ pub(crate) const FORMATS: &[Format] = &[
         title: "store of images in flash",
         name: "flash",
         extension: "bin",
-        // without its own version: sequential-storage's layout, four bytes before the image, and the version of the image
+        // without its own version: sequential-storage's layout, four bytes before the image, and the version of the
+        // image
         version: fos_core::image::VERSION as u32,
         outputs: of_flash,
         as_version: None,

@@ -41,8 +41,8 @@ pub(super) fn others_too(names: &[String]) -> String {
     if names.is_empty() { String::new() } else { format!(" (there are {} too)", names.join(", ")) }
 }
 
-/// A device with fewer messages than one over this many of the fullest's is ignored: a damaged message may name any device,
-/// and so few are no log of one. They are excluded, never mixed in.
+/// A device with fewer messages than one over this many of the fullest's is ignored: a damaged message may name any
+/// device, and so few are no log of one. They are excluded, never mixed in.
 #[cfg(any(feature = "bag", feature = "mcap", feature = "ulog"))]
 pub(super) const SELDOM: u64 = 100;
 

@@ -16,8 +16,8 @@ pub(super) struct Dialect {
     pub(super) format: Format,
     /// Columns that must all exist.
     marks: &'static [&'static str],
-    /// Channel, column, and the part after the column in an entry of a column map: arithmetic, and the unit if the header
-    /// states none.
+    /// Channel, column, and the part after the column in an entry of a column map: arithmetic, and the unit if the
+    /// header states none.
     columns: &'static [(&'static str, &'static str, &'static str)],
     /// Column of separate timestamps of the gyros.
     pub(super) gyro_clock: Option<&'static str>,
@@ -365,8 +365,8 @@ mod tests {
         }
     }
 
-    /// A file of a dialect in which columns of `kind` state `spelling` and hold the truth in `per_unit`; the others are as
-    /// the program writes them.
+    /// A file of a dialect in which columns of `kind` state `spelling` and hold the truth in `per_unit`; the others are
+    /// as the program writes them.
     fn file(dialect: &Dialect, kind: Unit, spelling: &str, per_unit: f64, brackets: [char; 2]) -> String {
         const ROWS: usize = 200;
         let clock = dialect.gyro_clock.map(|clock| ("t_s", clock, "s"));

@@ -1,8 +1,8 @@
 //! Formats of logs: the documentation of each, and the rules for recognising it.
 //!
-//! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is searched, a table of
-//! text or Parquet is interpreted by the names of its columns (`recognise`, `meaning`), and any other file is recognised
-//! by its first bytes. Formats with separate timestamps for every sensor give [`Stream`](super::Stream)s.
+//! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is searched, a table
+//! of text or Parquet is interpreted by the names of its columns (`recognise`, `meaning`), and any other file is
+//! recognised by its first bytes. Formats with separate timestamps for every sensor give [`Stream`](super::Stream)s.
 
 mod archive;
 mod axivity;

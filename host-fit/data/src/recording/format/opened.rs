@@ -31,8 +31,8 @@ pub(in super::super) enum Opened {
     Streams(Vec<Stream>, ReadAs),
 }
 
-/// Converts a failure to decompress a container to an error of damage, or of an unsupported compression, such as Deflate64,
-/// which Windows uses for large files; other errors of the system are kept.
+/// Converts a failure to decompress a container to an error of damage, or of an unsupported compression, such as
+/// Deflate64, which Windows uses for large files; other errors of the system are kept.
 #[cfg(any(feature = "gzip", feature = "zip"))]
 pub(super) fn damage(error: RecordingError, format: &'static str) -> RecordingError {
     match error {

@@ -402,8 +402,8 @@ const MAX_DEVICES: usize = 1000;
 /// later than to another.
 const FULL: f64 = 0.9;
 
-/// Topic with the most messages. Of several with about as many, the one whose name contains "raw", not "filtered", then by
-/// the alphabet: the order in the file has no influence.
+/// Topic with the most messages. Of several with about as many, the one whose name contains "raw", not "filtered", then
+/// by the alphabet: the order in the file has no influence.
 fn best_topic<'a>(topics: impl Iterator<Item = &'a Topic>) -> Option<&'a str> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for topic in topics {

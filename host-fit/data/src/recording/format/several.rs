@@ -73,9 +73,9 @@ impl Sensor {
     }
 }
 
-/// Returns true if the accelerometers have the sign of Core Motion, in which gravity is negative. Sensor Logger uses g only
-/// for unchanged values of an iPhone (its UNITS.md, CROSSPLATFORM.md), so that the unit is sufficient without metadata;
-/// for values in m/s² the metadata decide.
+/// Returns true if the accelerometers have the sign of Core Motion, in which gravity is negative. Sensor Logger uses g
+/// only for unchanged values of an iPhone (its UNITS.md, CROSSPLATFORM.md), so that the unit is sufficient without
+/// metadata; for values in m/s² the metadata decide.
 fn has_sign_of_ios(unit: &str, platform: Platform) -> bool {
     unit == "g" || platform == Platform::Ios
 }
@@ -232,8 +232,8 @@ fn is_log_by_name(name: &str) -> bool {
     [".ulg", ".mcap", ".bag"].iter().any(|ending| name.ends_with(ending))
 }
 
-/// Lower-case name of a table without folder, ending, spaces and dashes; `None` if it is no table. A prefix before the name
-/// of a sensor, as in `run1_Gyroscope.csv`, is removed.
+/// Lower-case name of a table without folder, ending, spaces and dashes; `None` if it is no table. A prefix before the
+/// name of a sensor, as in `run1_Gyroscope.csv`, is removed.
 fn stem(name: &str) -> Option<String> {
     let file = name.rsplit_once('/').map_or(name, |(_, file)| file).to_ascii_lowercase();
     let file = file.strip_suffix(".csv")?;

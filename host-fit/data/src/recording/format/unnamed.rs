@@ -1,8 +1,8 @@
 //! Tables without a header: recognises the columns by their values.
 //!
-//! Gravity is reliable: three adjacent columns whose norm is 1 g or 9.8 m/s² most of the time are the accelerometers, and
-//! the only other three next to them, with the noise of a gyro, are the gyro. A column of rising numbers with even steps
-//! is the time. Everything else is rejected, with column maps to choose from.
+//! Gravity is reliable: three adjacent columns whose norm is 1 g or 9.8 m/s² most of the time are the accelerometers,
+//! and the only other three next to them, with the noise of a gyro, are the gyro. A column of rising numbers with even
+//! steps is the time. Everything else is rejected, with column maps to choose from.
 
 use std::path::Path;
 

@@ -13,8 +13,8 @@ use crate::statistics::median_of;
 /// Modulus of `SampleTimeFine`, which has 32 bits and wraps every 72 minutes on a DOT.
 const MODULUS: f64 = 4_294_967_296.0;
 
-/// Number of ticks between two samples from which a tick is 1 µs, as on a DOT, which samples at 120 Hz or less; an MTi has
-/// ticks of 100 µs, samples at 100 Hz or more, and has fewer.
+/// Number of ticks between two samples from which a tick is 1 µs, as on a DOT, which samples at 120 Hz or less; an MTi
+/// has ticks of 100 µs, samples at 100 Hz or more, and has fewer.
 const LONG_STEP: f64 = 5000.0;
 
 /// Columns of an export, if the table is one.

@@ -12,8 +12,8 @@ pub(super) struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// Visits the timestamps of the lead. Before each, `push` feeds the aligner the samples selected by `is_due` (by index
-    /// and timestamp of the lead); `row` gets the output. Rows with equal timestamps get the same output.
+    /// Visits the timestamps of the lead. Before each, `push` feeds the aligner the samples selected by `is_due` (by
+    /// index and timestamp of the lead); `row` gets the output. Rows with equal timestamps get the same output.
     pub(super) fn rows<const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize>(
         self,
         mut aligner: Aligner<f64, FOLLOWERS, SLOW, DEPTH>,

@@ -7,13 +7,13 @@
 //! p = (df/dt × f) / |f|²  =  ω − f (f · ω) / |f|²  =  ω⊥
 //! ```
 //!
-//! The offset x of a window minimises S(x) = Σ |p(t) − ω⊥(t + x)|²; over the windows with rotation, a line
-//! x = offset + drift (t − middle) is fitted, weighted by the curvature of S, which is the information of a window. Its
-//! standard errors come from the scatter of the windows about it. A drift is used only if it is significant and large
-//! enough to matter; else the offset is assumed to be constant. Periodic motion, such as a steady swing, has one minimum
-//! of S per period: of minima that the scatter of the windows leaves indistinguishable, the one nearest to zero is taken,
-//! and the period is reported. Rotation in gravity is distinguished from vibration, which appears on both sensors with
-//! any phase, by requiring that p has the size of ω⊥ and explains most of it.
+//! The offset x of a window minimises S(x) = Σ |p(t) − ω⊥(t + x)|²; over the windows with rotation, a line x = offset +
+//! drift (t − middle) is fitted, weighted by the curvature of S, which is the information of a window. Its standard
+//! errors come from the scatter of the windows about it. A drift is used only if it is significant and large enough to
+//! matter; else the offset is assumed to be constant. Periodic motion, such as a steady swing, has one minimum of S per
+//! period: of minima that the scatter of the windows leaves indistinguishable, the one nearest to zero is taken, and
+//! the period is reported. Rotation in gravity is distinguished from vibration, which appears on both sensors with any
+//! phase, by requiring that p has the size of ω⊥ and explains most of it.
 
 use std::fmt;
 use std::ops::Range;
@@ -44,8 +44,8 @@ pub struct Apart {
     pub drift: f64,
     /// Standard error of the drift, s/s.
     pub drift_error: f64,
-    /// Distance to the nearest other offset that explains the motion as well, s; `None` if the offset is unique. Of several,
-    /// the one nearest to zero is chosen: delays within one device are shorter than the period of most swings.
+    /// Distance to the nearest other offset that explains the motion as well, s; `None` if the offset is unique. Of
+    /// several, the one nearest to zero is chosen: delays within one device are shorter than the period of most swings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeats_s: Option<f64>,
     /// True if it was added to the timestamps: it is significant, and exceeds a tenth of the stream's period somewhere.
@@ -67,8 +67,8 @@ const MAX_OFFSET_S: f64 = 0.5;
 /// within some thousand, but is not used for timestamps.
 const MAX_DRIFT: f64 = 500e-6;
 
-/// Step of the grid for the comparison, s; and half the width of the triangular smoothing window, in steps: hands turn at a
-/// few hertz, and faster components are noise or vibration.
+/// Step of the grid for the comparison, s; and half the width of the triangular smoothing window, in steps: hands turn
+/// at a few hertz, and faster components are noise or vibration.
 const STEP_S: f64 = 0.01;
 const SMOOTH: usize = 5;
 
@@ -112,8 +112,8 @@ const EXACT_SHARE: f64 = 0.01;
 /// Minimum offset or accumulated drift that is corrected, as a share of the stream's period.
 const MIN_SHARE_OF_PERIOD: f64 = 0.1;
 
-/// Offset to be added to the timestamps of the accelerometer to match those of the gyro; `period_ns` is that of the stream
-/// to be shifted.
+/// Offset to be added to the timestamps of the accelerometer to match those of the gyro; `period_ns` is that of the
+/// stream to be shifted.
 pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, period_ns: i64) -> Clocks {
     let bias = gyro.values.map(|values| finite_median(values).unwrap_or(0.0));
     let turning = turning(gyro, bias);
@@ -271,8 +271,8 @@ struct Line {
 }
 
 impl Line {
-    /// Best line on a grid, without drift unless a drift explains more. Steady swings at two times of a log are explained
-    /// equally well by a drift of a period between them.
+    /// Best line on a grid, without drift unless a drift explains more. Steady swings at two times of a log are
+    /// explained equally well by a drift of a period between them.
     fn best(windows: &[Window], half_s: f64, p_power: f64) -> Option<Self> {
         let offsets = (MAX_OFFSET_S / STEP_S) as i32;
         // a step of the grid at the ends of the log
@@ -390,8 +390,8 @@ impl Line {
         Some(line)
     }
 
-    /// Least-squares line through the minima of the parabolas through S about it, weighted by their curvature. An infinite
-    /// error of the drift fixes it at 0.
+    /// Least-squares line through the minima of the parabolas through S about it, weighted by their curvature. An
+    /// infinite error of the drift fixes it at 0.
     fn fitted(&self, windows: &[Window]) -> Option<Self> {
         let constant = self.drift_error.is_infinite();
         let mut points = Vec::new();

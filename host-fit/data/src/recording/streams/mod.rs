@@ -1,5 +1,5 @@
-//! Streams with separate timestamps, resampled to a common time base: a lead whose timestamps are the rows, and the values
-//! of the other streams there.
+//! Streams with separate timestamps, resampled to a common time base: a lead whose timestamps are the rows, and the
+//! values of the other streams there.
 //!
 //! | stream | treatment |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | everything else | held, missing when older than three of its periods |
 //! | a single stream | unchanged |
 //!
-//! The clocks of an accelerometer and a gyro are aligned if the motion of the device determines their offset (`clocks.rs`),
-//! and treated as one otherwise.
+//! The clocks of an accelerometer and a gyro are aligned if the motion of the device determines their offset
+//! (`clocks.rs`), and treated as one otherwise.
 //!
 //! Timestamps out of order are sorted if they are at most a second back; duplicates and samples with an isolated wrong
 //! timestamp are excluded; a clock that was set back is rejected.

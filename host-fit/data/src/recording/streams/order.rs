@@ -5,7 +5,8 @@ use std::path::Path;
 use super::super::error::RecordingError;
 use super::lead::Group;
 
-/// Largest delay of a sample that is sorted: the disorder of a bus, a queue or a batch. Beyond it the clock was set back.
+/// Largest delay of a sample that is sorted: the disorder of a bus, a queue or a batch. Beyond it the clock was set
+/// back.
 const STRAY_NS: i64 = 1_000_000_000;
 
 /// Sorts by timestamp, those of one timestamp in the order of the file, and excludes duplicates and samples with an

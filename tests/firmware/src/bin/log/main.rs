@@ -1,7 +1,7 @@
 //! Covers all log messages: models accepted and refused, samples with faults, a late sensor, an image in flash.
 //!
-//! Runs on the target, with the feature `defmt`; the messages are sent by semihosting. `.ci/device defmt` builds it, runs
-//! it in the emulator and compares the output of `defmt-print` with log.out.
+//! Runs on the target, with the feature `defmt`; the messages are sent by semihosting. `.ci/device defmt` builds it,
+//! runs it in the emulator and compares the output of `defmt-print` with log.out.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

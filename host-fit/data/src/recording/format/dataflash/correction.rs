@@ -1,8 +1,8 @@
 //! Corrections that ArduPilot applies to a sample before logging, undone by the parameters in the log.
 //!
-//! It subtracts a polynomial of the temperature (INS_TCALn), then an offset, multiplies by a scale, and rotates the result
-//! into the vehicle's frame (`AP_InertialSensor_Backend.cpp`, `AP_InertialSensor_tempcal.cpp`). They are undone in reverse
-//! order up to the first step whose parameters the log lacks: earlier steps remain in the values.
+//! It subtracts a polynomial of the temperature (INS_TCALn), then an offset, multiplies by a scale, and rotates the
+//! result into the vehicle's frame (`AP_InertialSensor_Backend.cpp`, `AP_InertialSensor_tempcal.cpp`). They are undone
+//! in reverse order up to the first step whose parameters the log lacks: earlier steps remain in the values.
 
 use std::collections::HashMap;
 
@@ -123,8 +123,8 @@ impl Correction {
         Self { mounting: Mounting::of(parameters), sensors, tcal }
     }
 
-    /// Undoes the corrections of the three axes of a sensor, as far as the log has the parameters. `warmth` holds timestamps
-    /// and temperatures, °C.
+    /// Undoes the corrections of the three axes of a sensor, as far as the log has the parameters. `warmth` holds
+    /// timestamps and temperatures, °C.
     pub(super) fn undo(
         &self,
         triad: Triad,

@@ -1,7 +1,7 @@
 //! ArduPilot's DataFlash logs: a stream of messages whose layouts are in the log itself, in messages named FMT.
 //!
-//! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; the corrections of a sample
-//! before logging, undone here, are those of `AP_InertialSensor_Backend.cpp` (`correction`).
+//! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; the corrections of a
+//! sample before logging, undone here, are those of `AP_InertialSensor_Backend.cpp` (`correction`).
 
 mod correction;
 mod messages;

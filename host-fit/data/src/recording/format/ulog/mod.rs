@@ -599,7 +599,8 @@ impl Triad {
         self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
 
-    /// Adds the samples of a batch: the last one has the message's timestamp, the others precede it at intervals of `dt`.
+    /// Adds the samples of a batch: the last one has the message's timestamp, the others precede it at intervals of
+    /// `dt`.
     fn take_batch(&mut self, fifo: &Fifo, stamp_ns: i64, data: &[u8], mounting: Option<&Matrix>) {
         let (Some(dt_us), Some(scale)) = (float(data, fifo.dt), float(data, fifo.scale)) else { return };
         let samples = data.get(fifo.samples).map_or(0, |n| usize::from(*n)).min(fifo.room);
