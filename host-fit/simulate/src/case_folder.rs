@@ -19,7 +19,6 @@ pub enum CaseFolderError {
     /// A value that JSON cannot represent.
     #[error("{}: {source}", path.display())]
     Json {
-        /// Path of the file.
         path: PathBuf,
         /// Error of the serialiser.
         source: serde_json::Error,

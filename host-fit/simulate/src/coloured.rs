@@ -72,7 +72,6 @@ impl Colour {
     }
 }
 
-/// Noise of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisNoise {
     /// Sampling period, s.

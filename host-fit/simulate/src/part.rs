@@ -74,7 +74,6 @@ const SPREAD: [f64; 3] = [0.2, 0.35, 0.7];
 const WALK_OF_FLICKER: f64 = 1.0 / 60.0;
 
 impl Part {
-    /// Part of this name.
     pub fn named(name: &str) -> Option<Self> {
         PARTS.iter().copied().find(|part| part.name == name)
     }

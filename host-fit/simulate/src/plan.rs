@@ -84,7 +84,6 @@ pub struct CasePlan {
     pub seed: u64,
     /// Name of the part, as in [`PARTS`].
     pub part: String,
-    /// Use of the device.
     pub setup: Setup,
     /// Course of the covariates.
     pub path: Path,
@@ -134,7 +133,6 @@ pub enum PlanError {
     /// The set-up cannot show the effect on this axis.
     #[error("{effect} does not show on {} in the set-up {}{}", .setup.name(), .target.column(), places(*.effect))]
     Unsuited {
-        /// Effect to be planted.
         effect: Effect,
         setup: Setup,
         /// Axis that should show it.
@@ -142,11 +140,7 @@ pub enum PlanError {
     },
     /// The effect makes no error in this log: a parameter out of reach, or a log too short.
     #[error("{effect} with parameter {parameter} makes no error in a field of this length")]
-    Nothing {
-        /// Effect to be planted.
-        effect: Effect,
-        parameter: f64,
-    },
+    Nothing { effect: Effect, parameter: f64 },
     #[error("a log must last 60 s or more")]
     Short,
     /// A size that is not positive, or a parameter that is no number.

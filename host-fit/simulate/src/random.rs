@@ -14,7 +14,6 @@ pub(super) enum Stream {
     Unit,
     /// Choice of the optional columns.
     Columns,
-    /// Covariates of a log.
     World(u64),
     /// Errors of sensors and recorder in a log.
     Recorder(u64),

@@ -16,7 +16,6 @@ pub const HIDDEN_IN: &str = "gx_rads";
 /// Hidden effects with their sizes as matched filters in the noise: clear, and easily overlooked.
 const HIDDEN: [(Effect, f64); 2] = [(Effect::ThermalLag, 120.0), (Effect::SupplySensitivity, 40.0)];
 
-/// Error of the example.
 #[derive(Debug, thiserror::Error)]
 pub enum StoryError {
     /// It cannot be simulated.

@@ -36,7 +36,6 @@ pub(super) struct Axes<'a> {
 #[derive(Debug)]
 pub(super) struct Explained {
     pub(super) channel: String,
-    /// The rows.
     pub(super) rows: Range<usize>,
 }
 

@@ -34,7 +34,6 @@ impl Disturbance {
     }
 }
 
-/// Kind of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {

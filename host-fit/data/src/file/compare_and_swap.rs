@@ -49,7 +49,6 @@ impl FileVersion {
         Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }

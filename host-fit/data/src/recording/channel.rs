@@ -16,7 +16,6 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Column of this name.
     pub fn column(&self) -> Column<'_> {
         Column::named(&self.name)
     }

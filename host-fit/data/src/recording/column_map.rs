@@ -73,7 +73,6 @@ pub enum MapError {
         /// Entry as written, `target=column…`.
         spec: String,
     },
-    /// Unknown unit.
     #[error(
         "column map \"{spec}\": unknown unit \"{unit}\"\nhelp: known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
         known_units()
@@ -304,7 +303,6 @@ impl ColumnMap {
         self.mappings.iter().any(|mapping| mapping.column == column)
     }
 
-    /// Ignored columns.
     pub(super) fn ignored(&self) -> &[String] {
         &self.ignored
     }

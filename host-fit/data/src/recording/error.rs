@@ -262,7 +262,6 @@ pub enum RecordingError {
         path: PathBuf,
         /// Name in the file or the column map.
         column: String,
-        /// Most similar column.
         closest: Option<String>,
         /// Columns of the log.
         available: Vec<String>,
@@ -323,13 +322,8 @@ pub enum RecordingError {
         /// Time between two samples, s.
         period_s: f64,
     },
-    /// An invalid rate.
     #[error("a sample rate of {rate_hz:?} Hz is out of range\nhelp: give the samples per second, from {} to {}", RATES_HZ.start(), RATES_HZ.end())]
-    BadRate {
-        /// The rate, Hz.
-        rate_hz: f64,
-    },
-    /// Too few rows.
+    BadRate { rate_hz: f64 },
     #[error("{}: {rows} usable rows\nhelp: a log has at least 2; was it cut short?", path.display())]
     TooFewRows {
         path: PathBuf,
@@ -364,7 +358,6 @@ pub enum RecordingError {
     NoChannel {
         /// Channel in the log format, such as `gx_rads`.
         name: String,
-        /// Most similar channel.
         closest: Option<String>,
         /// Channels of the recording.
         available: Vec<String>,

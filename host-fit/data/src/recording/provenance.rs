@@ -40,7 +40,7 @@ pub struct SensorProvenance {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Values {
-    /// The log does not say.
+    /// Not stated by the log.
     #[default]
     Unstated,
     /// Delivered by the sensor or its driver.
@@ -54,7 +54,7 @@ pub enum Values {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// The log does not say.
+    /// Not stated by the log.
     #[default]
     Unstated,
     /// Axes of the sensor's die.

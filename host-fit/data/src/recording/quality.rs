@@ -69,7 +69,6 @@ pub struct MissingCells {
     pub not_finite: u64,
 }
 
-/// An unusable row.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BadRow {
     /// Line of a text, row of a table.

@@ -71,7 +71,6 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
     }))
 }
 
-/// Counts per g.
 fn counts_per_g(triad: [&Column; 3]) -> Option<f64> {
     let gravity = gravity(triad.map(|column| column.values.as_slice()))?;
     let is_near = |counts: &&f64| (1.0 / WITHIN..WITHIN).contains(&(gravity / **counts));

@@ -10,7 +10,6 @@ use super::super::provenance::Provenance;
 use super::known::{FormatKnowledge, KNOWN_FORMATS};
 use super::names::Format;
 
-/// An unknown format.
 #[derive(Debug, Error)]
 #[error("\"{name}\": not a format that is known\nhelp: known are {known}")]
 pub struct UnknownFormat {

@@ -22,7 +22,6 @@ use super::opened::{Extent, Opened};
 use super::{Format, ReadAs, choice, header};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 
-/// Sensor of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum Sensor {
     Accelerometer,

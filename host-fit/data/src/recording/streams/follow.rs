@@ -17,7 +17,6 @@ pub(in super::super) fn is_followed(name: &str) -> bool {
     is_axis(name) || AXES.iter().any(|axis| Column::named(axis).reference() == name)
 }
 
-/// Interpolated columns.
 pub(super) struct Followed {
     pub(super) columns: Vec<(String, Vec<f64>)>,
     /// Mean of (1 − w)² + w², the remaining share of the variance of white noise.

@@ -129,7 +129,6 @@ pub(super) fn read(
     Ok(Opened::Streams(read.0, read.1))
 }
 
-/// Samples of one triad.
 #[derive(Default)]
 struct Triad {
     stamps_ns: Vec<i64>,
