@@ -55,7 +55,7 @@ pub enum Outside {
     TempDip,
     /// White noise whose level follows supply or load.
     NoiseLevel,
-    /// An oscillation of 60 to 200 s that nothing logged follows.
+    /// An oscillation of 60 to 200 s, unrelated to any logged channel.
     Oscillation,
     /// A jump when supply or temperature crosses a level.
     Threshold,

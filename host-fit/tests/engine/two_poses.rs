@@ -171,7 +171,7 @@ fn each_orientation_has_a_constant_and_mixed_models_are_flagged() {
         let AxisError::TwoPoses { train_s, .. } = error else { panic!("{degrees}°: {error}") };
         assert!((HELD_S as u64 - 1..=HELD_S as u64).contains(&train_s), "{degrees}°: {train_s}");
         assert!(error.to_string().contains(&format!("`train` {train_s}s")), "{error}");
-        // and that is a way out
+        // a shorter training range is the remedy
         let first = FitOptions { train: Train::Seconds(train_s as f64), ..options() };
         fit_axis(&alone, &rest_of(&alone, &first), "ax", &first).unwrap();
         refused += 1;
