@@ -1,4 +1,4 @@
-//! Fits one log again and again in one process: memory stays where it was.
+//! Fits one log repeatedly in one process: memory does not grow.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
@@ -7,11 +7,11 @@ use fos_fit::fit::{AxisFit, FitOptions, fit_axis};
 use fos_fit::playback::Playback;
 use fos_simulate::{Simulation, simulate};
 
-/// From here on nothing is new: threads run, the allocator has what it needs at once.
+/// Number of fits until memory is steady: threads run, and the allocator has its working set.
 const WARM: usize = 20;
 const FITS: usize = 200;
 
-/// Half a minute at 200 Hz: 6,000 rows.
+/// Duration of the log, s: 6,000 rows at 200 Hz.
 const DURATION_S: f64 = 30.0;
 
 fn log() -> Recording {
@@ -26,10 +26,10 @@ fn log() -> Recording {
     Recording::from_columns(source, log.columns, &LoadOptions::default()).expect("a log")
 }
 
-/// Rows that a fit is judged on: a few, since coasts over all of them would take most of the time.
+/// Number of rows for the evaluation: few, since coasts over all of them would take most of the time.
 const JUDGED: usize = 1200;
 
-/// A model of one axis, and what it leaves of the error.
+/// Model of one axis, and its residual.
 fn fit(recording: &Recording) -> (AxisFit, Trace) {
     let stillness = stillness::find(recording);
     let fitted = fit_axis(recording, &stillness, "gx", &FitOptions::default()).expect("it can be fitted");
@@ -40,14 +40,14 @@ fn fit(recording: &Recording) -> (AxisFit, Trace) {
     (fitted, left)
 }
 
-/// Memory of this process that is in RAM, bytes.
+/// Resident memory of this process, bytes.
 fn resident() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     Some(line.trim().strip_suffix(" kB")?.parse::<usize>().ok()? * 1024)
 }
 
-/// By how much memory grows from fit [`WARM`] to fit [`FITS`], bytes.
+/// Growth of memory from fit [`WARM`] to fit [`FITS`], bytes.
 fn growth(mut fit: impl FnMut()) -> usize {
     (0..WARM).for_each(|_| fit());
     let warm = resident().expect("it was there before");
@@ -56,17 +56,17 @@ fn growth(mut fit: impl FnMut()) -> usize {
 }
 
 #[test]
-fn two_hundred_fits_take_no_more_memory_than_twenty() {
+fn memory_stays_flat_over_two_hundred_fits() {
     if resident().is_none() {
         println!("skipped: this system has no /proc/self/status");
         return;
     }
     let recording = log();
-    // what would leak is a series: a quarter of one column a fit is less than what a fit makes of it, and more than the
-    // allocator scatters
+    // a leak would be a series: a quarter of one column per fit is less than a fit allocates, and more than the
+    // scatter of the allocator
     let bound = (FITS - WARM) * recording.n_rows() * size_of::<f64>() / 4;
     let flat = growth(|| drop(fit(&recording)));
-    // the same with every result kept: a check that does not see this sees nothing
+    // negative control: with every result kept, memory must grow
     let mut kept = Vec::new();
     let kept_growth = growth(|| kept.push(fit(&recording)));
     println!(

@@ -147,7 +147,7 @@ impl Recording {
         let log = Arc::clone(&self.log);
         let (still, known_by, moved) = work::run(py, move || {
             let stillness = stillness::find(&log);
-            let moved = disturbance::told(&log, &stillness.disturbances);
+            let moved = disturbance::describe_disturbances(&log, &stillness.disturbances);
             (stillness.still, stillness.known_by.describe(), moved)
         })?;
         Ok((PyArray1::from_vec(py, still), known_by.to_owned(), moved))

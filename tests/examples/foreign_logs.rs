@@ -1,4 +1,4 @@
-//! Writes one flight in the formats of others into a folder: what programs elsewhere are to read too.
+//! Writes one flight in foreign formats into a folder, for checks with foreign programs.
 
 use std::path::PathBuf;
 use std::{env, fs};

@@ -1,4 +1,4 @@
-//! Programs for a device are linked by the script of cortex-m-rt or riscv-rt, which includes memory.x.
+//! Links programs for a device by the script of cortex-m-rt or riscv-rt, which includes memory.x.
 
 fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none") {

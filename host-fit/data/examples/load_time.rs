@@ -1,7 +1,8 @@
-//! How long logs of one flight take to load, and how much memory, beside the same as CSV.
+//! Loading time and peak memory of the logs of one flight in several formats, compared with CSV.
 //!
-//! `cargo run --release -p fos-data --example load_time -- FOLDER HZ [MINUTES]` writes a flight in several formats into a folder
-//! (an hour at 200 Hz: 1.2 GB), loads each five times in a process of its own, in turn, and prints the medians.
+//! `cargo run --release -p fos-data --example load_time -- FOLDER HZ [MINUTES]` writes a flight in several formats into
+//! a folder (an hour at 200 Hz: 1.2 GB), loads each five times, alternately and in separate processes, and prints the
+//! medians.
 
 use std::path::Path;
 use std::process::Command;
@@ -74,7 +75,7 @@ fn compare(folder: &Path, rate_hz: &str, minutes: &str) {
     }
 }
 
-/// Prints seconds, bytes of memory at most, and bytes of the columns.
+/// Prints seconds, peak memory in bytes, and bytes of the columns.
 fn load_once(path: &Path) {
     let begun = Instant::now();
     let recording = load(path, &LoadOptions::default()).unwrap();

@@ -1,4 +1,4 @@
-//! A log from columns in memory, written and read back: `cargo run -p fos-data --example read_a_log [LOG]`.
+//! Writes a log from columns in memory and reads it back: `cargo run -p fos-data --example read_a_log [LOG]`.
 
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source, load, write_columns};
 use fos_data::stillness;

@@ -1,4 +1,4 @@
-//! A case: a folder with up to three logs of one unit and what is known of it.
+//! A case: a folder with up to three logs of one device and their metadata.
 
 use crate::column::Column;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub const SCHEMA: &str = "fos-case/1";
 /// `meta.json` of a case folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseMeta {
-    /// [`SCHEMA`]; a description that somebody wrote by hand may leave it out.
+    /// [`SCHEMA`]; optional in a description written by hand.
     #[serde(default = "this_schema")]
     pub schema: String,
     pub case: String,
@@ -23,7 +23,7 @@ pub struct CaseMeta {
     pub target: String,
     #[serde(default)]
     pub device: String,
-    /// How it was used, in words.
+    /// Description of how the device was used.
     #[serde(default)]
     pub setup: String,
     /// Nominal sample rate, Hz.
@@ -40,17 +40,17 @@ pub struct CaseMeta {
     /// Least significant bit of the gyros, rad/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gyro_lsb_rads: Option<f64>,
-    /// What the data sheet says.
+    /// Figures of the data sheet.
     #[serde(default)]
     pub datasheet: DataSheetFigures,
     /// Names of the logs, without ending.
     pub files: CaseFiles,
-    /// What the logs are, in words.
+    /// Description of the logs.
     #[serde(default)]
     pub note: String,
 }
 
-/// What a data sheet says of an axis, in the axis' unit.
+/// Noise of an axis on its data sheet, in the axis' unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DataSheet {
     /// Noise density, one-sided, unit/√Hz.
@@ -85,13 +85,13 @@ pub struct DataSheetFigures {
 /// Names of the logs of a case, without ending; up to three.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct CaseFiles {
-    /// Name of the reference log; absent where there is none.
+    /// Name of the reference log, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<String>,
-    /// The log to be explained.
+    /// Name of the log to explain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
-    /// The log to be corrected.
+    /// Name of the evaluation log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub eval: Option<String>,
 }
@@ -99,10 +99,10 @@ pub struct CaseFiles {
 /// A case that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// A file cannot be read, as the system says.
+    /// A file cannot be read; holds the error of the system.
     #[error(transparent)]
     File(#[from] FileError),
-    /// `meta.json` is not what it should be.
+    /// `meta.json` is not a valid description.
     #[error("{}:{line}:{column}: not the description of a case: {reason}\nhelp: it needs \"case\", \"target\", \"nominal_rate_hz\" and \"files\"", path.display())]
     Meta {
         /// Path of the description.
@@ -111,7 +111,7 @@ pub enum CaseError {
         line: usize,
         /// Column of the error, from 1.
         column: usize,
-        /// What the reader said.
+        /// Message of the JSON parser.
         reason: String,
     },
     #[error(
@@ -120,16 +120,16 @@ pub enum CaseError {
     Schema {
         /// Path of the description.
         path: PathBuf,
-        /// The schema that it names.
+        /// Schema named in the file.
         found: String,
     },
-    /// There is no log to explain.
+    /// No log to explain is named.
     #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"log\" }}", path.display())]
     NoField {
         /// Path of the description.
         path: PathBuf,
     },
-    /// A log of that name is there in no format.
+    /// No file of that name exists in any known format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or remove it from \"files\"", folder.display())]
     NoLog { folder: PathBuf, name: String },
     /// A log cannot be read.
@@ -141,7 +141,7 @@ pub enum CaseError {
 #[derive(Debug, Clone)]
 pub struct Case {
     pub meta: CaseMeta,
-    /// A log in which nothing is missing; absent where the case has none.
+    /// Log without the missing effect, if any.
     pub baseline: Option<Recording>,
     pub field: Recording,
     pub eval: Option<Recording>,
@@ -162,7 +162,7 @@ impl CaseMeta {
     ///
     /// # Errors
     ///
-    /// It is not there, not the description of a case, or one of another schema.
+    /// The file does not exist, does not describe a case, or follows another schema.
     pub fn read(folder: &Path) -> Result<Self, CaseError> {
         let path = folder.join("meta.json");
         let bytes = file::read(&path)?;
@@ -176,13 +176,13 @@ impl CaseMeta {
     ///
     /// # Errors
     ///
-    /// A log that is named is there in no format.
+    /// A named log exists in no known format.
     pub fn paths(&self, folder: &Path) -> Result<Vec<PathBuf>, CaseError> {
         let CaseFiles { baseline, field, eval } = &self.files;
         [baseline, field, eval].into_iter().flatten().map(|name| path_of(folder, name)).collect()
     }
 
-    /// The target is a gyro.
+    /// Returns true if the target is a gyro.
     fn is_gyro(&self) -> bool {
         Column::named(&self.target).is_angular_rate()
     }
@@ -197,7 +197,7 @@ impl CaseMeta {
         if self.is_gyro() { self.gyro_lsb_rads } else { self.accel_lsb_mps2 }
     }
 
-    /// The noise of the target on the data sheet, if it states both numbers.
+    /// Noise of the target on the data sheet, if it states both numbers.
     pub fn data_sheet(&self) -> Option<DataSheet> {
         const DPS: f64 = std::f64::consts::PI / 180.0;
         const MICRO_G: f64 = 9.80665e-6;

@@ -1,4 +1,4 @@
-//! Libraries that panic on what they are given, and should say an error.
+//! Turns panics of libraries on faulty input into errors.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -7,16 +7,17 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Calls into a library. What the call changes is not to be used again if it fails. A computation that is to stop stops: that is no panic.
+/// Calls into a library. State changed by a failed call must not be used again. A requested stop is no panic and unwinds
+/// further.
 ///
 /// # Errors
 ///
-/// What the library said when it panicked.
+/// Message of the library's panic.
 pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
     INSIDE.set(outer);
-    result.map_err(|payload| match crate::interrupt::not_a_stop(payload).downcast::<String>() {
+    result.map_err(|payload| match crate::interrupt::rethrow_stop(payload).downcast::<String>() {
         Ok(text) => *text,
         Err(payload) => {
             payload.downcast_ref::<&str>().copied().unwrap_or("an error without a text").to_owned()
@@ -24,7 +25,7 @@ pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// From now on a panic that is caught is not announced: the error that comes of it says what it said.
+/// Suppresses the announcement of caught panics from now on: the resulting error carries their message.
 pub fn announce_no_caught_panic() {
     let announce = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
@@ -39,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_becomes_what_it_said() {
+    fn panic_becomes_its_message() {
         assert_eq!(catch_panic(|| 7), Ok(7));
         assert_eq!(catch_panic(|| -> u8 { panic!("too {}", "long") }), Err("too long".to_owned()));
         assert_eq!(catch_panic(|| -> u8 { panic!("short") }), Err("short".to_owned()));

@@ -1,4 +1,4 @@
-//! The name nearest to one that was not found, for messages.
+//! Suggests the name nearest to one that was not found, for messages.
 
 /// Everyday names of channels, each with its column.
 const OTHER_WORDS: [(&str, &str); 10] = [
@@ -14,8 +14,8 @@ const OTHER_WORDS: [(&str, &str); 10] = [
     ("timestamp", "t_s"),
 ];
 
-/// The column that people call `wanted`, if it is among `names`; otherwise the name that differs from `wanted` in the fewest letters (Levenshtein 1966), unless more than half
-/// would differ.
+/// Column with the everyday name `wanted`, if it is among `names`; otherwise the name that differs from `wanted` in the
+/// fewest letters (Levenshtein 1966), unless more than half would differ.
 pub fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = wanted.to_lowercase();
     let edits = |name: &str| strsim::levenshtein(&lower, &name.to_lowercase());

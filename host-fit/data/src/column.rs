@@ -1,13 +1,13 @@
-//! What a column of a log is, by its name: axis, unit, quantity, reference, label. The one place that knows.
+//! Meaning of a column, by its name: axis, unit, quantity, reference, label. Defined only here.
 //!
-//! | name | is |
+//! | name | meaning |
 //! |---|---|
 //! | `t_s` | time, s |
-//! | `ax_mps2` … `az_mps2`, `gx_rads` … `gz_rads` | what an axis measured ([`AXES`]) |
+//! | `ax_mps2` … `az_mps2`, `gx_rads` … `gz_rads` | measurement of an axis ([`AXES`]) |
 //! | `ref_gx_rads`, … | its true value, where it is known ([`Column::reference`]) |
 //! | `temp_c`, `supply_v`, `load_pct`, `mag_x_ut` … `mag_z_ut` | quantities that an error may depend on |
 //! | `still`, `segment` | flags of a row ([`crate::recording`]) |
-//! | `innovation_gx_rads`, `validity_gx_rads`, … | what a model on a device said ([`Column::is_of_model`]) |
+//! | `innovation_gx_rads`, `validity_gx_rads`, … | output of a model on a device ([`Column::is_of_model`]) |
 //!
 //! Any other column is a quantity of its own; the last part of its name states its unit ([`Unit::of_column`]).
 
@@ -23,16 +23,16 @@ pub const GYROS: [&str; 3] = ["gx_rads", "gy_rads", "gz_rads"];
 /// The magnetometers, x, y, z.
 pub const MAGNETOMETERS: [&str; 3] = ["mag_x_ut", "mag_y_ut", "mag_z_ut"];
 
-/// The inertial channels, in their order everywhere.
+/// The inertial channels, in the order used everywhere.
 pub const AXES: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
-/// Before the name of an axis: its true value.
+/// Prefix of the true value of an axis.
 const REFERENCE: &str = "ref_";
 
-/// Before the name of an axis: its innovation, from the telemetry of a device.
+/// Prefix of the innovation of an axis, from the telemetry of a device.
 const INNOVATION: &str = "innovation_";
 
-/// Before the name of an axis: what speaks against its corrected value (flags), from the telemetry of a device.
+/// Prefix of the validity of an axis (flags on its corrected value), from the telemetry of a device.
 const VALIDITY: &str = "validity_";
 
 /// Three axes of one kind.
@@ -43,7 +43,7 @@ pub enum Triad {
 }
 
 impl Triad {
-    /// Its columns, x, y, z.
+    /// Column names, x, y, z.
     pub fn columns(self) -> [&'static str; 3] {
         match self {
             Self::Accelerometers => ACCELEROMETERS,
@@ -61,7 +61,7 @@ impl<'a> Column<'a> {
         Self(name)
     }
 
-    /// The triad that it is an axis of, and which: 0, 1, 2 for x, y, z.
+    /// Triad of the axis, and its index: 0, 1, 2 for x, y, z. `None` for other columns.
     pub fn place(self) -> Option<(Triad, usize)> {
         [Triad::Accelerometers, Triad::Gyros].into_iter().find_map(|triad| {
             let index = triad.columns().iter().position(|column| *column == self.0)?;
@@ -69,7 +69,7 @@ impl<'a> Column<'a> {
         })
     }
 
-    /// Its axis as fos-core knows it.
+    /// Axis in fos-core.
     pub fn axis(self) -> Axis {
         match self.place() {
             Some((Triad::Accelerometers, index)) => [Axis::Ax, Axis::Ay, Axis::Az][index],
@@ -78,7 +78,7 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// What fos-core knows it as where an input is computed from it.
+    /// Quantity in fos-core from which an input is computed.
     pub fn quantity(self) -> Quantity {
         match self.0 {
             "temp_c" => Quantity::Temperature,
@@ -95,17 +95,17 @@ impl<'a> Column<'a> {
         }
     }
 
-    /// The unit that its name says.
+    /// Unit stated by the name.
     pub fn unit(self) -> Unit {
         Unit::of_column(self.0)
     }
 
-    /// It is in m/s²: an accelerometer, its reference, or one under another name.
+    /// Returns true for m/s²: an accelerometer, its reference, or one under another name.
     pub fn is_specific_force(self) -> bool {
         self.unit() == Unit::MetrePerSecondSquared
     }
 
-    /// It is in rad/s.
+    /// Returns true for rad/s.
     pub fn is_angular_rate(self) -> bool {
         self.unit() == Unit::RadianPerSecond
     }
@@ -115,12 +115,12 @@ impl<'a> Column<'a> {
         format!("{REFERENCE}{}", self.0)
     }
 
-    /// The column that this one is the true value of.
+    /// Column whose true value this one holds.
     pub fn measured(self) -> Option<Self> {
         self.0.strip_prefix(REFERENCE).map(Self)
     }
 
-    /// It is what a model said, in the telemetry of a device: neither measured nor a cause of anything.
+    /// Returns true for the output of a model in the telemetry of a device: neither measured nor a possible cause.
     pub fn is_of_model(self) -> bool {
         self.0.starts_with(INNOVATION) || self.0.starts_with(VALIDITY)
     }
@@ -135,7 +135,7 @@ impl<'a> Column<'a> {
         format!("{VALIDITY}{}", self.0)
     }
 
-    /// As people call it: `gyro x`; of other columns the name.
+    /// Everyday name, such as `gyro x`; the column name of other columns.
     pub fn label(self) -> &'a str {
         match self.place() {
             Some((Triad::Accelerometers, index)) => {
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_says_what_a_column_is() {
+    fn classifies_columns_by_name() {
         let gyro = Column::named("gy_rads");
         assert_eq!(gyro.place(), Some((Triad::Gyros, 1)));
         assert_eq!((gyro.axis(), gyro.quantity()), (Axis::Gy, Quantity::Measured(Axis::Gy)));

@@ -1,9 +1,8 @@
-//! The end of a long computation before time.
+//! Early end of a long computation.
 //!
-//! A wish to stop stands beside the computation, not in it: the thread that computes calls [`check`] in its long loops,
-//! and the stack is unwound to [`interruptible`] if someone has [asked](StopRequest::ask). So the numerical code need
-//! not hand the wish through every argument and return value, and what it had begun to compute is dropped with the
-//! stack.
+//! Cooperative cancellation through a thread-local flag: the computing thread calls [`check`] in its long loops, and the
+//! stack unwinds to [`interruptible`] once someone has [requested it](StopRequest::ask). So the numerical code need not
+//! pass the request through every argument and return value, and partial results are dropped with the stack.
 
 use std::cell::RefCell;
 use std::panic::{self, AssertUnwindSafe};
@@ -12,15 +11,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-/// A wish to stop, asked from any thread.
+/// A request to stop, settable from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct StopRequest(Arc<AtomicBool>);
 
-/// How an interruptible computation ended, where it gave no result.
+/// Reason why an interruptible computation gave no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interrupted {
     Stopped,
-    /// By a defect of this program.
+    /// A defect of this program.
     Panicked,
 }
 
@@ -31,24 +30,24 @@ thread_local! {
 }
 
 impl StopRequest {
-    /// Asks the computation to stop where it next checks.
+    /// Requests a stop at the next check.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it has been asked to.
+    /// Returns true once a stop was requested.
     pub fn is_asked(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Stops here if the computation that this thread is in was asked to; outside of one nothing happens.
+/// Stops here if a stop of this thread's computation was requested; does nothing outside of one.
 #[inline]
 pub fn check() {
     counting::count();
     let asked = WISH.with_borrow(|wish| wish.as_ref().is_some_and(StopRequest::is_asked));
     if asked {
-        // no panic message: nothing is wrong
+        // no panic message: this is no error
         panic::resume_unwind(Box::new(Unwound));
     }
 }
@@ -57,8 +56,8 @@ pub fn check() {
 ///
 /// # Errors
 ///
-/// It was stopped, or panicked: whatever happens in it, the caller goes on. What it changes should be published only
-/// when it is whole.
+/// The computation was stopped or panicked; the caller continues either way. Changes should be published only when
+/// complete.
 pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<T, Interrupted> {
     let outer = WISH.replace(Some(stop.clone()));
     let result = panic::catch_unwind(AssertUnwindSafe(work));
@@ -69,13 +68,13 @@ pub fn interruptible<T>(stop: &StopRequest, work: impl FnOnce() -> T) -> Result<
     })
 }
 
-/// Payload of a caught panic. A computation that is to stop goes on unwinding.
-pub(crate) fn not_a_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
+/// Payload of a caught panic. Continues to unwind if it is a requested stop.
+pub(crate) fn rethrow_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std::any::Any + Send> {
     if cause.is::<Unwound>() { panic::resume_unwind(cause) } else { cause }
 }
 
-/// What `work` makes of each item, in their order; on all cores, and where the computation that this thread is in is to
-/// stop, these stop too.
+/// Results of `work` for each item, in their order, computed on all cores. A stop of the calling thread's computation
+/// stops these too.
 pub fn in_parallel<I, T, U>(items: I, work: impl Fn(T) -> U + Sync) -> Vec<U>
 where
     I: IntoParallelIterator<Item = T, Iter: IndexedParallelIterator>,
@@ -85,14 +84,14 @@ where
     let wish = WISH.with_borrow(Clone::clone);
     let work = |item| {
         let outer = WISH.replace(wish.clone());
-        // also where it unwinds: the thread goes on to other computations
+        // also when it unwinds: the thread goes on to other computations
         let _restored = Restored(outer);
         work(item)
     };
     items.into_par_iter().map(work).collect()
 }
 
-/// Puts back the wish of the computation that a thread was in before.
+/// Restores the stop request of the computation that the thread was in before.
 struct Restored(Option<StopRequest>);
 
 impl Drop for Restored {
@@ -112,8 +111,8 @@ mod counting {
         static STEPS_LEFT: Cell<Option<u64>> = const { Cell::new(None) };
     }
 
-    /// How often [`check`] is called in a computation on this thread; none if that is more than `most`, where it is
-    /// ended. So a test can say that a search ends, without a clock.
+    /// Number of calls of [`check`] by a computation on this thread; `None` if it exceeds `most`, at which the
+    /// computation is ended. Lets a test state without a clock that a search ends.
     pub fn counted(most: u64, work: impl FnOnce()) -> Option<u64> {
         STEPS_LEFT.set(Some(most));
         let result = panic::catch_unwind(AssertUnwindSafe(work));
@@ -141,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_computation_ends_where_it_checks_and_not_before() {
+    fn computation_stops_at_its_next_check() {
         let stop = StopRequest::default();
         let mut last = 0;
         let result = interruptible(&stop, || {
@@ -154,13 +153,13 @@ mod tests {
             }
         });
         assert_eq!((result, last), (Err(Interrupted::Stopped), 3));
-        // asked but outside: nothing happens
+        // requested, but outside a computation: nothing happens
         check();
         assert_eq!(interruptible(&StopRequest::default(), || 7), Ok(7));
     }
 
     #[test]
-    fn what_runs_beside_one_another_stops_too_and_its_threads_go_on() {
+    fn parallel_work_stops_and_its_threads_continue() {
         let stop = StopRequest::default();
         let squares = interruptible(&stop, || in_parallel(0..100, |n| n * n));
         assert_eq!(squares, Ok((0..100).map(|n| n * n).collect()));
@@ -170,7 +169,7 @@ mod tests {
                     stop.ask();
                 }
                 let is_late = n >= 50;
-                // ends only if it is told
+                // ends only on request
                 loop {
                     check();
                     if !is_late {
@@ -188,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_told_apart_from_a_stop() {
+    fn distinguishes_a_panic_from_a_stop() {
         let hook = panic::take_hook();
         panic::set_hook(Box::new(|_| {}));
         let result = interruptible(&StopRequest::default(), || panic!("on purpose"));

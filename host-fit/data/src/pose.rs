@@ -1,7 +1,7 @@
-//! In which poses a unit lies still, told by gravity.
+//! Orientations in which a device lies still, from the direction of gravity.
 //!
-//! Without a reference an accelerometer at rest is held against a constant: gravity in one pose. In two, the mean of
-//! both is the true value of neither, and what a model would call the error is the difference.
+//! Without a reference the error of an accelerometer at rest is measured against a constant: gravity in one orientation.
+//! In two orientations the mean of both is the true value of neither, and the difference would be modelled as an error.
 
 use crate::column::{ACCELEROMETERS, Column};
 use std::fmt;
@@ -12,45 +12,45 @@ use fos_core::GRAVITY_MPS2;
 use crate::recording::{Boundary, Recording, Reference};
 use crate::statistics::{MAD_TO_SD, finite_median, mean, median};
 
-/// Levels of specific force further apart than this are of two poses, m/s²: a tenth of gravity, a tilt of 6°. No bias
-/// moves so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt cannot be told
-/// from a bias.
-const OTHER_POSE_MPS2: f64 = 0.1 * GRAVITY_MPS2 as f64;
+/// Smallest difference of specific force between two orientations, m/s²: a tenth of gravity, a tilt of 6°. No bias moves
+/// so far: 100 K at 1 mg/K, the worst coefficient of a data sheet, are as much. A smaller tilt is indistinguishable from
+/// a change of the bias.
+const MIN_CHANGE_MPS2: f64 = 0.1 * GRAVITY_MPS2 as f64;
 
-/// Length of the windows whose levels are compared, s, and the fewest rows of one.
+/// Length of the windows whose levels are compared, s, and minimum number of rows of one.
 const WINDOW_S: f64 = 1.0;
-const FEWEST_ROWS: usize = 5;
+const MIN_ROWS: usize = 5;
 
-/// A pose is held for so many windows in a row: a knock or a hand is none.
+/// Minimum number of consecutive windows of one orientation, so that a knock or a hand is not taken for one.
 const HELD_WINDOWS: usize = 3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// From the first row in which it is held to the last, before another is.
+    /// First to last row of the orientation, before the next one begins.
     pub rows: Range<usize>,
-    /// Specific force, m/s², of the columns that were asked for.
+    /// Specific force, m/s², of the requested columns.
     pub force: Vec<f64>,
 }
 
-/// The columns that tell the pose of an accelerometer: all three, or where the log does not have them the axis alone.
-/// None for a gyro.
+/// Columns that determine the orientation for an accelerometer: all three, or the axis alone if the log lacks one.
+/// Empty for a gyro.
 pub fn columns_of(recording: &Recording, column: &str) -> Vec<&'static str> {
     let own = ACCELEROMETERS.into_iter().filter(|name| *name == column);
     let has_all = ACCELEROMETERS.iter().all(|name| recording.channel(name).is_ok());
     if has_all && ACCELEROMETERS.contains(&column) { ACCELEROMETERS.to_vec() } else { own.collect() }
 }
 
-/// The first pose that is held in the rows that `used` marks, and the first that is another; by levels of `columns`.
+/// First orientation held in the rows marked by `used`, and the first one that differs from it, by levels of `columns`.
 pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<Pose> {
     let values: Vec<&[f64]> =
         columns.iter().filter_map(|name| recording.channel(name).ok()).map(|c| &c.values[..]).collect();
     if values.is_empty() {
         return Vec::new();
     }
-    let rows = ((WINDOW_S / recording.rate.period_s).round() as usize).max(FEWEST_ROWS);
+    let rows = ((WINDOW_S / recording.rate.period_s).round() as usize).max(MIN_ROWS);
     let mut poses: Vec<Pose> = Vec::new();
     for stretch in recording.stretches_where(|row| used[row]) {
-        // where the level has been held since it last moved, and for how many windows
+        // rows with an unchanged level so far, and their number of windows
         let mut held: Option<(Pose, usize)> = None;
         for window in stretch.clone().step_by(rows).map(|start| start..start + rows) {
             if window.end > stretch.end {
@@ -80,42 +80,42 @@ pub fn first_two(recording: &Recording, columns: &[&str], used: &[bool]) -> Vec<
     poses
 }
 
-/// Levels on either side of a motion are taken over so long, s.
+/// Time over which the level on either side of a motion is computed, s.
 pub(crate) const LEVEL_S: f64 = 5.0;
 
-/// Who moves a unit does not put it down exactly as it lay: a level has moved if by so many standard errors, and by more
-/// than this, m/s²: 1 mg.
-const MOVED: f64 = 8.0;
-const LEAST_TILT_MPS2: f64 = 0.01;
+/// A device is never put down exactly as it lay: a level has changed if the change exceeds this many standard errors
+/// and the minimum below, m/s² (1 mg).
+const MIN_SIGMAS: f64 = 8.0;
+const MIN_TILT_MPS2: f64 = 0.01;
 
-/// Fewest accelerometers that a tilt changes: one alone may be a step of its bias.
-const FEWEST_TILTED: usize = 2;
+/// Minimum number of accelerometers that a tilt changes: a change of one alone may be a step of its bias.
+const MIN_TILTED: usize = 2;
 
-/// Without samples for so long, s, somebody may have picked the device up and put it down.
+/// Gap in the samples during which the device may have been picked up and put down, s.
 const PAUSE_S: f64 = 1.0;
 
-/// A bias follows the temperature by at most this, m/s²/K: 1 mg/K, the worst coefficient of a data sheet.
+/// Upper bound of the temperature coefficient of a bias, m/s²/K: 1 mg/K, the worst of a data sheet.
 const BIAS_PER_K: f64 = 0.01;
 
-/// Share of a change of the level that may be a change of |a| though only the orientation changed: biases of 0.05 g and
-/// scale errors turn with the device.
-const NOT_CONSERVED: f64 = 0.1;
+/// Share of a level change that may appear as a change of |a| in a pure rotation: biases of 0.05 g and scale errors turn
+/// with the device.
+const MAX_MAGNITUDE_SHARE: f64 = 0.1;
 
-/// The rows at rest from which on gravity may have another direction than before: after a motion that tilted the unit,
-/// after a pause in which it may have been turned, or where a new log begins in another pose. `tilted` are rows of
-/// motions that are known to have tilted it.
+/// Rows at rest from which gravity may have a different direction: after a motion that tilted the device, after a pause
+/// in which it may have been turned, or where a new log begins in another orientation. `tilted` are rows of motions
+/// known to have tilted it.
 pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> Vec<usize> {
     let mut turns = Vec::new();
     for (tail, head) in neighbouring_rests(recording, still) {
         let gap = tail.end..head.start;
         let has_turned = match gap.is_empty() {
-            // nobody moved it while it was recorded
+            // no motion was recorded in between
             true => is_far(recording, &tail, &head) || after_pause(recording, &tail, &head).is_some(),
             false => {
                 let is_told = tilted.iter().any(|rows| rows.start < gap.end && gap.start < rows.end);
-                // who moves a device may put it down otherwise: a step of the bias in between is not identifiable
+                // a device may be put down differently after handling: a step of the bias in between is not identifiable
                 let is_stated = recording.still.is_some() && has_paused(recording, &gap);
-                let fewest = if is_stated { 1 } else { FEWEST_TILTED };
+                let fewest = if is_stated { 1 } else { MIN_TILTED };
                 is_told || is_tilted_by(recording, &tail, &head, fewest)
             }
         };
@@ -126,31 +126,30 @@ pub fn turns(recording: &Recording, still: &[bool], tilted: &[Range<usize>]) -> 
     turns
 }
 
-/// True for rows that last as long as a pause in which the device may have been moved.
+/// Returns true for rows that last as long as a pause in which the device may have been moved.
 fn has_paused(recording: &Recording, rows: &Range<usize>) -> bool {
     rows.len() as f64 * recording.rate.period_s > PAUSE_S
 }
 
-/// The last rows of each rest and the first of the next.
+/// Last rows of each rest with the first rows of the next.
 fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize>, Range<usize>)> {
-    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(FEWEST_ROWS);
-    let rests =
-        recording.stretches_where(|row| still[row]).into_iter().filter(|rest| rest.len() >= FEWEST_ROWS);
+    let length = ((LEVEL_S / recording.rate.period_s) as usize).max(MIN_ROWS);
+    let rests = recording.stretches_where(|row| still[row]).into_iter().filter(|rest| rest.len() >= MIN_ROWS);
     let rests: Vec<Range<usize>> = rests.collect();
     let tail = |rest: &Range<usize>| rest.start.max(rest.end.saturating_sub(length))..rest.end;
     let head = |rest: &Range<usize>| rest.start..rest.end.min(rest.start + length);
     rests.windows(2).map(|pair| (tail(&pair[0]), head(&pair[1]))).collect()
 }
 
-/// Levels of the accelerometers that are others after a pause, by less than makes another pose for certain.
+/// Accelerometer levels that differ across pauses, by less than certainly makes another orientation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelsAfterPauses {
     pub count: usize,
-    /// End of the pause with the largest change, s as stamped.
+    /// Timestamp of the end of the pause with the largest change, s.
     pub time_s: f64,
     /// Its duration, s.
     pub pause_s: f64,
-    /// The change of the specific force, m/s².
+    /// Change of the specific force, m/s².
     pub change: f64,
 }
 
@@ -169,7 +168,7 @@ impl fmt::Display for LevelsAfterPauses {
     }
 }
 
-/// The level changes across pauses in which the device may have been tilted a little.
+/// Level changes across pauses in which the device may have been tilted slightly.
 pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<LevelsAfterPauses> {
     let changes: Vec<(f64, usize)> = neighbouring_rests(recording, still)
         .into_iter()
@@ -181,9 +180,9 @@ pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<Leve
     Some(LevelsAfterPauses { count: changes.len(), time_s: recording.time_s[row], pause_s, change })
 }
 
-/// By how much the accelerometers show another level after a pause than before, m/s², where gravity in another direction
-/// explains it: beyond the noise and what a bias may do with the temperature, and without a change of |a|. One or two
-/// axes do not show |a|. `None` where samples are missing for less than a second, or there is no such change.
+/// Change of the accelerometer levels across a pause, m/s², if a different direction of gravity explains it: beyond the
+/// noise and the temperature dependence of a bias, and without a change of |a|. One or two axes do not determine |a|.
+/// `None` for a gap shorter than a second, or without such a change.
 fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> Option<f64> {
     let at = recording.segments.binary_search_by_key(&after.start, |segment| segment.rows.start).ok()?;
     let segment = &recording.segments[at];
@@ -199,7 +198,7 @@ fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize
     let level = |axis: &[f64], rows: &Range<usize>| {
         let values: Vec<f64> = axis[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect();
         let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-        let pairs = values.len().checked_sub(1).filter(|pairs| *pairs + 1 >= FEWEST_ROWS)? as f64;
+        let pairs = values.len().checked_sub(1).filter(|pairs| *pairs + 1 >= MIN_ROWS)? as f64;
         Some((mean(&[&values]), squares / (2.0 * pairs) / values.len() as f64))
     };
     let (mut change, mut variance, mut squares) = (0.0, 0.0, [0.0; 2]);
@@ -215,27 +214,27 @@ fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize
         |rows: &Range<usize>| finite_median(&recording.channel("temp_c").ok()?.values[rows.clone()]);
     let warmer =
         temperature(before).zip(temperature(after)).map_or(0.0, |(before, after)| (after - before).abs());
-    let has_moved = change > MOVED * error && change > LEAST_TILT_MPS2 + BIAS_PER_K * warmer;
+    let has_moved = change > MIN_SIGMAS * error && change > MIN_TILT_MPS2 + BIAS_PER_K * warmer;
     let of_magnitude = (squares[1].sqrt() - squares[0].sqrt()).abs();
-    let is_conserved = axes.len() < 3 || of_magnitude < NOT_CONSERVED * change + MOVED * error;
+    let is_conserved = axes.len() < 3 || of_magnitude < MAX_MAGNITUDE_SHARE * change + MIN_SIGMAS * error;
     (has_moved && is_conserved).then_some(change)
 }
 
-/// Whether a column shows a level that is nobody's to say: that of an accelerometer without a reference holds gravity, in
-/// each pose another part of it.
+/// Returns true if the true level of a column is unknown: without a reference an accelerometer also measures gravity, a
+/// different component of it in each orientation.
 pub fn has_unknown_level(column: &str, reference: &Reference) -> bool {
     *reference == Reference::Constant && Column::named(column).is_specific_force()
 }
 
-/// The places `within` a range of each level: from the begin to the first turn, from that to the next, ….
+/// Ranges of one level each within `within`: from its begin to the first turn, from there to the next, and so on.
 pub fn levels_between(turns: &[usize], within: Range<usize>) -> Vec<Range<usize>> {
     let turns = || turns.iter().copied().filter(|turn| *turn > within.start && *turn < within.end);
     let starts = std::iter::once(within.start).chain(turns());
     starts.zip(turns().chain([within.end])).map(|(start, end)| start..end).collect()
 }
 
-/// `values` of an accelerometer with the level of each pose moved: the mean of what is left of it at rest without
-/// `explained` becomes what `wanted` makes of it. What is constant in a pose is not known to be an error.
+/// `values` of an accelerometer with a shifted level in each orientation: the mean of `values` − `explained` at rest
+/// becomes the result of `wanted`. A constant within one orientation cannot be attributed to an error.
 pub fn with_levels(
     values: &[f64],
     explained: &[f64],
@@ -257,7 +256,7 @@ pub fn with_levels(
     moved
 }
 
-/// What the accelerometers show in the two ranges of rows; `None` where one shows nothing.
+/// Accelerometer levels in the two ranges of rows; `None` if one has no value.
 fn levels(
     recording: &Recording,
     before: &Range<usize>,
@@ -270,12 +269,12 @@ fn levels(
     both.collect::<Option<Vec<_>>>().map(|both| both.into_iter().unzip())
 }
 
-/// Whether two accelerometers show another level after a motion than before, or one by far.
+/// Returns true if two accelerometers changed their level across a motion, or one by a large amount.
 pub(crate) fn is_tilted(recording: &Recording, before: &Range<usize>, after: &Range<usize>) -> bool {
-    is_tilted_by(recording, before, after, FEWEST_TILTED)
+    is_tilted_by(recording, before, after, MIN_TILTED)
 }
 
-/// The same where so many accelerometers are enough.
+/// Returns true if at least `fewest` accelerometers changed their level, or one by a large amount.
 fn is_tilted_by(recording: &Recording, before: &Range<usize>, after: &Range<usize>, fewest: usize) -> bool {
     let has_moved = |name: &&str| {
         let Ok(series) = recording.error_series(name) else { return false };
@@ -283,13 +282,13 @@ fn is_tilted_by(recording: &Recording, before: &Range<usize>, after: &Range<usiz
             series.values[rows.clone()].iter().copied().filter(|value| value.is_finite()).collect()
         };
         let (mut before, mut after) = (part(before), part(after));
-        if before.len() < FEWEST_ROWS || after.len() < FEWEST_ROWS {
+        if before.len() < MIN_ROWS || after.len() < MIN_ROWS {
             return false;
         }
-        // of a median of normal noise
+        // standard error of a median of normal noise
         let error = 1.25 * (noise(&before) / before.len() as f64 + noise(&after) / after.len() as f64).sqrt();
         let moved = (median(&mut after) - median(&mut before)).abs();
-        moved > MOVED * error && moved > LEAST_TILT_MPS2
+        moved > MIN_SIGMAS * error && moved > MIN_TILT_MPS2
     };
     ACCELEROMETERS.iter().filter(|name| has_moved(name)).count() >= fewest || is_far(recording, before, after)
 }
@@ -298,7 +297,7 @@ fn is_far(recording: &Recording, before: &Range<usize>, after: &Range<usize>) ->
     levels(recording, before, after).is_some_and(|(before, after)| is_other(&before, &after))
 }
 
-/// Variance of noise by the changes from one value to the next.
+/// Variance of the noise, from the differences of consecutive values.
 fn noise(values: &[f64]) -> f64 {
     let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     (MAD_TO_SD * median(&mut steps)).powi(2) / 2.0
@@ -306,7 +305,7 @@ fn noise(values: &[f64]) -> f64 {
 
 fn is_other(one: &[f64], other: &[f64]) -> bool {
     let squares = one.iter().zip(other).map(|(a, b)| (a - b).powi(2));
-    squares.sum::<f64>().sqrt() > OTHER_POSE_MPS2
+    squares.sum::<f64>().sqrt() > MIN_CHANGE_MPS2
 }
 
 #[cfg(test)]
@@ -317,7 +316,7 @@ mod tests {
 
     const G: f64 = GRAVITY_MPS2 as f64;
 
-    /// 60 s at 50 Hz, lying as `force` says at a time.
+    /// 60 s at 50 Hz with the specific force `force` of time.
     fn log(force: impl Fn(f64) -> [f64; 3]) -> Recording {
         let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
         let axis = |i: usize| time_s.iter().map(|t| force(*t)[i] + 0.05 * (311.0 * t).sin()).collect();
@@ -331,12 +330,12 @@ mod tests {
     }
 
     #[test]
-    fn what_a_bias_does_is_no_pose_and_neither_is_a_knock() {
+    fn bias_drift_and_knocks_are_no_orientation() {
         let warms_up = |t: f64| [0.4 * (1.0 - (-t / 10.0).exp()), 0.1, G];
         let steps = |t: f64| [if t > 20.0 { 0.5 } else { -0.3 }, 0.0, G];
         let knocked = |t: f64| if (30.0..31.5).contains(&t) { [6.0, 0.0, 3.0] } else { [0.0, 0.0, G] };
         let wild = |t: f64| if (10.0..10.3).contains(&t) { [1e9, f64::NAN, G] } else { [0.0, 0.0, G] };
-        // what is logged without gravity has no pose
+        // a channel logged without gravity has no orientation
         let free = |_: f64| [0.0; 3];
         let all: [&dyn Fn(f64) -> [f64; 3]; 5] = [&warms_up, &steps, &knocked, &wild, &free];
         for (i, force) in all.into_iter().enumerate() {
@@ -345,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn one_level_that_changes_over_a_stated_motion_is_another_orientation() {
+    fn level_change_across_stated_motion_is_another_orientation() {
         let time_s: Vec<f64> = (0..3000).map(|k| f64::from(k) * 0.02).collect();
         let axis = |(i, name): (usize, &str)| {
             let noise = white_noise(i as u64, 3000);
@@ -363,13 +362,13 @@ mod tests {
     }
 
     #[test]
-    fn two_poses_are_told_by_all_axes_and_by_one_that_changes() {
+    fn finds_two_orientations_by_all_axes_or_one() {
         let turned = |t: f64| if t < 25.0 { [0.0, 0.0, G] } else { [G * 0.5, 0.0, G * 0.75_f64.sqrt()] };
         let poses = found(turned, &ACCELEROMETERS);
         assert_eq!((poses[0].rows.clone(), poses[1].rows.start), (0..1250, 1250));
         assert_eq!(found(turned, &ACCELEROMETERS[..1]).len(), 2);
         assert_eq!(found(turned, &ACCELEROMETERS[1..2]).len(), 1, "it shows nothing along y");
-        // what is not at rest is not looked at
+        // rows that are not at rest are ignored
         let mut used = [true; 3000];
         used[1250..].fill(false);
         assert_eq!(first_two(&log(turned), &ACCELEROMETERS, &used).len(), 1);
@@ -377,7 +376,8 @@ mod tests {
         assert!(columns_of(&log(turned), "gx_rads").is_empty());
     }
 
-    /// Two minutes at 50 Hz with a pause in the middle, noise of 0.012 m/s², the specific force of each half, °C of each.
+    /// Two minutes at 50 Hz with a pause in the middle: noise of 0.012 m/s², specific force and temperature (°C) of
+    /// each half.
     fn with_pause(pause_s: f64, force: [[f64; 3]; 2], celsius: [f64; 2]) -> Recording {
         let half = |row: usize| usize::from(row >= 3000);
         let time_s: Vec<f64> = (0..6000).map(|k| k as f64 * 0.02 + pause_s * half(k) as f64).collect();
@@ -389,7 +389,7 @@ mod tests {
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
     }
 
-    /// Which pauses and tilts, °, a rule that says where levels begin overlooks.
+    /// Pauses (s) and tilts (°) after which a rule for level changes finds none.
     fn overlooked(rule: impl Fn(&Recording) -> Vec<usize>) -> Vec<(f64, f64)> {
         let lying = [0.1, 0.2, 9.79];
         let tilted = |degrees: f64| {
@@ -406,10 +406,10 @@ mod tests {
     }
 
     #[test]
-    fn each_side_of_a_pause_with_a_tilt_has_a_level_of_its_own() {
+    fn tilt_across_a_pause_starts_a_new_level() {
         let at_rest = |log: &Recording| turns(log, &[true; 6000], &[]);
         assert_eq!(overlooked(at_rest), []);
-        // negative control: another pose only where the levels are 6° apart
+        // negative control: another orientation only if the levels are 6° apart
         let far = |log: &Recording| {
             let rests = neighbouring_rests(log, &[true; 6000]);
             let far = rests.into_iter().filter(|(before, after)| is_far(log, before, after));
@@ -419,7 +419,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_change_that_no_tilt_explains_is_none() {
+    fn level_change_without_a_possible_tilt_is_ignored() {
         let lying = [0.1, 0.2, 9.79];
         let found = |pause_s: f64, after: [f64; 3], celsius: [f64; 2]| {
             turns(&with_pause(pause_s, [lying, after], celsius), &[true; 6000], &[]).len()
@@ -433,10 +433,10 @@ mod tests {
     }
 
     #[test]
-    fn says_that_a_tilt_and_a_step_are_indistinguishable_across_a_pause() {
+    fn warns_that_tilt_and_step_are_indistinguishable_across_a_pause() {
         let log = with_pause(60.0, [[0.1, 0.2, 9.79], [0.27, 0.2, 9.79]], [25.0; 2]);
-        let said = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
-        assert!(said.contains("after a pause of 60.0 s") && said.contains("tilt of 1.0°"), "{said}");
-        assert!(said.contains("orientation changed or bias step, indistinguishable"), "{said}");
+        let message = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
+        assert!(message.contains("after a pause of 60.0 s") && message.contains("tilt of 1.0°"), "{message}");
+        assert!(message.contains("orientation changed or bias step, indistinguishable"), "{message}");
     }
 }

@@ -1,20 +1,20 @@
-//! JSON that says which schema it follows.
+//! JSON that names its schema.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 #[derive(Debug)]
 pub enum Refused {
-    /// No JSON, or without a field that it must have.
+    /// No JSON, or JSON without a required field.
     NotJson {
-        /// Where, from 1.
+        /// Line of the error, from 1.
         line: usize,
-        /// Where in it, from 1.
+        /// Column of the error, from 1.
         column: usize,
-        /// What the reader says of it.
+        /// Message of the parser.
         reason: String,
     },
-    /// Another schema; which.
+    /// Another schema, with its name.
     Schema(String),
 }
 
@@ -24,13 +24,13 @@ impl From<serde_json::Error> for Refused {
     }
 }
 
-/// Reads what follows `schema`, or names none and is complete without.
+/// Parses JSON that names `schema`, or that names none and has all fields.
 pub fn from_json<T: DeserializeOwned>(bytes: &[u8], schema: &str) -> Result<T, Refused> {
     #[derive(Deserialize)]
     struct Named {
         schema: Option<String>,
     }
-    // the schema first: what follows another need not have the fields of this one
+    // the schema first: JSON of another schema need not have the fields of this one
     match serde_json::from_slice(bytes)? {
         Named { schema: Some(found) } if found != schema => Err(Refused::Schema(found)),
         _ => Ok(serde_json::from_slice(bytes)?),

@@ -1,4 +1,4 @@
-//! Samples that are no measurements: single values, or a few, far off those around them.
+//! Outliers: single samples, or a few in a row, far from their neighbours.
 
 use std::ops::Range;
 
@@ -6,37 +6,36 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::statistics::{MAD_TO_SD, median};
 
-/// Values on either side that a value is held against: so many in a row, at most, can be a spike.
+/// Number of values on either side that a value is compared with, and maximum number of consecutive outliers.
 const REACH: usize = 5;
 
-/// A spike is so many standard deviations off, and so many times as far as all but a thousandth of the values: normal
-/// noise never is, and of noise with tails as wide as Laplace's one sample in 10⁷.
-const FAR: f64 = 8.0;
-const BEYOND_TAIL: f64 = 2.5;
+/// Minimum distance of an outlier in standard deviations, and as a multiple of that of all but a thousandth of the
+/// values: normal noise never reaches it, and noise with tails as wide as Laplace's in one sample in 10⁷.
+const MIN_SIGMAS: f64 = 8.0;
+const MIN_TAIL_RATIO: f64 = 2.5;
 
-/// At the end of a stretch it is so many: there the unit may have begun to move.
-const FAR_AT_AN_END: f64 = 30.0;
+/// Minimum distance near the ends of a stretch, in standard deviations: the device may have begun to move there.
+const MIN_SIGMAS_AT_END: f64 = 30.0;
 
-/// And it stands alone: so many times as far off as all but [`REACH`] of the values as many rows before and after.
-/// Shaking that begins does not.
-const ALONE: f64 = 5.0;
-const AROUND: usize = 25;
+/// Minimum ratio to the distances of all but [`REACH`] of the values in `ISOLATION_ROWS` rows before and after, which
+/// the onset of shaking does not reach.
+const MIN_ISOLATION: f64 = 5.0;
+const ISOLATION_ROWS: usize = 25;
 
-/// More than this share of the rows are no spikes: the noise comes and goes.
-const MOST: f64 = 1e-3;
+/// Largest share of outliers among the rows; with more the noise is intermittent.
+const MAX_SHARE: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spikes {
-    /// Their rows, in order.
+    /// Rows of the outliers, in order.
     pub rows: Vec<usize>,
-    /// The one furthest off: its row, its value, and by how many standard deviations of the values about their
-    /// neighbours.
+    /// The largest one: row, value, and distance in standard deviations of the values about their neighbours.
     pub worst: (usize, f64, f64),
 }
 
-/// The spikes among `stretches` of rows without gaps: values further than 8 standard deviations from the median of those
-/// around them, far beyond the tail of all, and five times as far off as their neighbours. None where there are more of
-/// them than a thousandth, or too few values to tell.
+/// Finds the outliers in gap-free `stretches` of rows: values further than 8 standard deviations from the median of
+/// their neighbourhood, far beyond the tail of all, and five times as far as their neighbours. `None` if they exceed a
+/// thousandth of the rows, or for too few values.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut off: Vec<(usize, f64)> = Vec::new();
     let mut is_inside: Vec<bool> = Vec::new();
@@ -54,7 +53,7 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
     let mut deviation = MAD_TO_SD * median(&mut sizes);
     if deviation <= 0.0 {
-        // coarse steps: most values are their neighbours'
+        // coarse steps: most values equal their neighbours
         deviation = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
     }
     if deviation <= 0.0 {
@@ -62,30 +61,33 @@ pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
     }
     let stands_alone = |at: usize| {
         let (row, own) = off[at];
-        let near = &off[at.saturating_sub(AROUND)..(at + AROUND + 1).min(off.len())];
-        let mut others: Vec<f64> =
-            near.iter().filter(|(other, _)| other.abs_diff(row) <= AROUND).map(|(_, off)| *off).collect();
+        let near = &off[at.saturating_sub(ISOLATION_ROWS)..(at + ISOLATION_ROWS + 1).min(off.len())];
+        let mut others: Vec<f64> = near
+            .iter()
+            .filter(|(other, _)| other.abs_diff(row) <= ISOLATION_ROWS)
+            .map(|(_, off)| *off)
+            .collect();
         let place = others.len().saturating_sub(REACH + 1);
-        own > ALONE * *others.select_nth_unstable_by(place, f64::total_cmp).1
+        own > MIN_ISOLATION * *others.select_nth_unstable_by(place, f64::total_cmp).1
     };
     let tail = sizes.len() - 1 - sizes.len() / 1000;
     let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
-    // a thousandth may be spikes themselves, which then are the tail
-    let far = (FAR * deviation).max((BEYOND_TAIL * tail).min(FAR_AT_AN_END * deviation));
+    // a thousandth may be outliers themselves, which then are the tail
+    let far = (MIN_SIGMAS * deviation).max((MIN_TAIL_RATIO * tail).min(MIN_SIGMAS_AT_END * deviation));
     let is_far = |at: &usize| {
         let (_, own) = off[*at];
-        own > if is_inside[*at] { far } else { FAR_AT_AN_END * deviation } && stands_alone(*at)
+        own > if is_inside[*at] { far } else { MIN_SIGMAS_AT_END * deviation } && stands_alone(*at)
     };
     let far: Vec<(usize, f64)> = (0..off.len()).filter(is_far).map(|at| off[at]).collect();
     let worst = far.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let few = far.len() <= ((MOST * off.len() as f64) as usize).max(1);
+    let few = far.len() <= ((MAX_SHARE * off.len() as f64) as usize).max(1);
     few.then(|| Spikes {
         rows: far.iter().map(|(row, _)| *row).collect(),
         worst: (worst.0, values[worst.0], worst.1 / deviation),
     })
 }
 
-/// The median of each value and of up to [`REACH`] on either side; none of too few.
+/// Median of each value and of up to [`REACH`] values on either side; `None` for too few.
 fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
     let n = values.len();
     let mut medians = Vec::with_capacity(n);
@@ -99,7 +101,7 @@ fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
     medians
 }
 
-/// Medians of whole windows, as many at once as a processor takes in a few registers, each a value further on.
+/// Medians of complete windows, several at once in vector registers, each a value further on.
 struct Inside<'a> {
     values: &'a [f64],
     medians: &'a mut Vec<Option<f64>>,
@@ -118,14 +120,14 @@ impl WithSimd for Inside<'_> {
     }
 }
 
-/// Windows that are looked at at once.
+/// Number of windows processed at once.
 const LANES: usize = 8;
 
 const WINDOW: usize = 2 * REACH + 1;
 
-/// The medians of windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
-/// least nor the most is the median: both go, the next value comes, and so on until one is left (Paeth, Median finding
-/// on a 3 × 3 grid, Graphics Gems, 1990).
+/// Medians of the windows that begin at each of the first [`LANES`] values. Of seven values out of eleven neither the
+/// smallest nor the largest is the median: both are dropped, the next value is added, and so on until one remains
+/// (Paeth, Median finding on a 3 × 3 grid, Graphics Gems, 1990).
 #[inline(always)]
 fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     let mut window: [[f64; LANES]; WINDOW] =
@@ -147,7 +149,7 @@ fn medians_of(values: &[f64; LANES + WINDOW - 1]) -> [f64; LANES] {
     window[first]
 }
 
-/// The less of two to the place of the first, lane by lane.
+/// Moves the smaller of two to the first place, lane by lane.
 #[inline(always)]
 fn exchange(window: &mut [[f64; LANES]; WINDOW], first: usize, second: usize) {
     let (one, other) = (window[first], window[second]);
@@ -168,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wild_sample_is_found_wherever_it_is() {
+    fn finds_an_outlier_at_any_position() {
         for row in [0, 1, 500, 998, 999] {
             let mut values = white_noise(3, 1000);
             values[row] = -32_768.0;
@@ -189,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_walks_steps_and_bursts_have_none() {
+    fn noise_walks_steps_and_bursts_have_no_outliers() {
         let step: Vec<f64> = white_noise(1, 4000)
             .iter()
             .enumerate()

@@ -12,7 +12,7 @@ pub fn mean(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().sum::<f64>() / count as f64
 }
 
-/// The samples about their mean: products of large numbers (°C squared) keep their digits.
+/// Samples minus their mean: products of large numbers (°C squared) keep their digits.
 pub fn centred(mut samples: Vec<f64>) -> Vec<f64> {
     let mean = samples.iter().sum::<f64>() / samples.len() as f64;
     samples.iter_mut().for_each(|sample| *sample -= mean);
@@ -31,7 +31,7 @@ pub fn variance(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().map(|x| (x - mean).powi(2)).sum::<f64>() / count as f64
 }
 
-/// Median (the upper one of an even number), selected in linear time; reorders `values`. Zero of none.
+/// Median (the upper one of an even number), selected in linear time; reorders `values`. Zero if empty.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -40,25 +40,25 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Median absolute deviation of a normal distribution, in standard deviations: times it one becomes the other.
+/// Standard deviation of a normal distribution divided by its median absolute deviation.
 pub const MAD_TO_SD: f64 = 1.4826;
 
-/// Median of what is finite, which a few wild values do not move; `None` of nothing.
+/// Median of the finite values, robust to a few outliers; `None` if there are none.
 pub fn finite_median(values: &[f64]) -> Option<f64> {
     median_of(values.iter().copied().filter(|value| value.is_finite()))
 }
 
-/// The same of values that come one by one; `None` of none.
+/// Median of an iterator; `None` if empty.
 pub fn median_of(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let given = values.into_iter();
-    // a filter says no more than how many there are at most
+    // the upper bound of a filter's size hint avoids reallocation
     let mut values = Vec::with_capacity(given.size_hint().1.unwrap_or(0));
     values.extend(given);
     (!values.is_empty()).then(|| median(&mut values))
 }
 
-/// Median, of an even number the mean of the two in the middle, which [`median`] does not take: it names no value that
-/// occurs. Sorts `values`; zero of none.
+/// Median with the mean of the two middle values for an even number, unlike [`median`], so it need not be a value that
+/// occurs. Sorts `values`; zero if empty.
 pub fn midpoint_median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -68,7 +68,7 @@ pub fn midpoint_median(values: &mut [f64]) -> f64 {
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
 
-/// Whether all samples are equal, as they are where there are none.
+/// Returns true if all samples are equal, also for no samples.
 pub fn is_constant(stretches: &[&[f64]]) -> bool {
     let mut samples = stretches.iter().copied().flatten();
     let first = samples.next();
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_measured_has_mean_and_variance_zero() {
+    fn mean_and_variance_of_no_samples_are_zero() {
         assert_eq!((mean(&[]), variance(&[])), (0.0, 0.0));
     }
 
@@ -106,9 +106,9 @@ mod tests {
         assert_eq!((median(&mut []), median_of([]), midpoint_median(&mut [])), (0.0, None, 0.0));
     }
 
-    /// Selected or sorted, the value in the middle of the total order has the same bits.
+    /// Selection and sorting give the same bits for the middle value of the total order.
     #[test]
-    fn a_median_that_is_selected_is_the_one_that_sorting_finds() {
+    fn selection_and_sorting_give_the_same_median() {
         let values: Vec<f64> =
             (0..257_i32).map(|k| f64::from(k * 7919 % 101) * 0.1 - 5.0).chain([-0.0, 0.0]).collect();
         for count in 1..=values.len() {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_is_one_across_gaps_too() {
+    fn detects_a_constant_across_gaps() {
         assert!(is_constant(&[]) && is_constant(&[&[]]) && is_constant(&[&[1.0], &[1.0, 1.0]]));
         assert!(!is_constant(&[&[1.0], &[1.0, 2.0]]) && !is_constant(&[&[1.0], &[2.0]]));
     }

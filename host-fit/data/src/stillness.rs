@@ -1,4 +1,4 @@
-//! Where in a recording the unit is at rest, for logs that do not say.
+//! Detects stretches of a recording at rest, for logs that do not state them.
 
 use crate::column::ACCELEROMETERS;
 use crate::column::GYROS;
@@ -14,25 +14,25 @@ use crate::statistics::{mean, median_of, variance};
 /// Length of a window, s.
 const WINDOW_S: f64 = 0.5;
 
-/// The limit of a window's variance over that of the quietest tenth of all windows: three times the noise. A window
-/// of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
+/// Limit of the ratio of a window's variance to that of the quietest tenth of all windows: three times the noise. A
+/// window of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
 const VARIANCE_RATIO: f64 = 9.0;
 
-/// Where a recording is still, and how that is known.
+/// Rows at rest, and the source of this knowledge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stillness {
     pub still: Vec<bool>,
     pub known_by: KnownBy,
-    /// When the unit was moved though it was meant to be at rest; those rows are not still.
+    /// Detected motion in rows that should be at rest; those rows are not still.
     pub disturbances: Vec<Disturbance>,
-    /// Rows from which on gravity may have another direction than before.
+    /// Rows from which gravity may have a different direction.
     pub turns: Vec<usize>,
-    /// Limits for the detector on the device, learnt from the quietest windows; `None` without all six axes.
+    /// Limits for the detector on the device, from the quietest windows; `None` without all six axes.
     pub limits: Option<StillnessLimits<f64>>,
 }
 
 impl Stillness {
-    /// Refuses a log of which less than half a minute of `rows` is at rest because the device moves all along.
+    /// Rejects a log in which less than half a minute of `rows` is at rest because the device moves all along.
     ///
     /// # Errors
     ///
@@ -42,7 +42,7 @@ impl Stillness {
     }
 }
 
-/// How it is known where the unit is still.
+/// Source of the rows at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -51,12 +51,12 @@ pub enum KnownBy {
     Column,
     /// The detector of fos-core ran over accelerometers and gyros.
     Detector,
-    /// Neither; all of it is taken to be still.
+    /// Neither; the whole log is assumed to be still.
     Assumed,
 }
 
 impl KnownBy {
-    /// How a sentence goes on: `by its column …`.
+    /// Phrase for the middle of a sentence, such as `by its column …`.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Column => "by its column `still`",
@@ -66,22 +66,21 @@ impl KnownBy {
     }
 }
 
-/// Finds where `recording` is still: by its column, else by the detector, else all of it; without the rows in which it
-/// was moved all the same.
+/// Finds the rows at rest: by the column `still`, else by the detector, else all of them; without detected motion in any
+/// case.
 pub fn find(recording: &Recording) -> Stillness {
-    Stillness::clone(&recording.once(|recording| find_anew(recording, recording.n_rows())))
+    Stillness::clone(&recording.cached(|recording| find_uncached(recording, recording.n_rows())))
 }
 
-/// As [`find`], of a log whose first `learnt_rows` something is learnt from: what comes after them has no say in which
-/// of them are at rest.
+/// The same for fitting on the first `learnt_rows` rows: later rows have no influence on which of them are at rest.
 pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
     match learnt_rows < recording.n_rows() {
-        true => find_anew(recording, learnt_rows),
+        true => find_uncached(recording, learnt_rows),
         false => find(recording),
     }
 }
 
-fn find_anew(recording: &Recording, learnt_rows: usize) -> Stillness {
+fn find_uncached(recording: &Recording, learnt_rows: usize) -> Stillness {
     let learnt = 0..learnt_rows.min(recording.n_rows());
     let parts = [learnt.clone(), learnt.end..recording.n_rows()];
     let limits = limits(recording, &learnt);
@@ -103,7 +102,7 @@ fn find_anew(recording: &Recording, learnt_rows: usize) -> Stillness {
         rest[part.clone()].copy_from_slice(&still[part]);
         disturbances.extend(disturbance::find(recording, &rest));
     }
-    disturbance::leave_out(&mut still, &disturbances);
+    disturbance::exclude(&mut still, &disturbances);
     let turns = pose::turns(recording, &still, &disturbance::tilted(&disturbances));
     Stillness {
         still,
@@ -138,8 +137,8 @@ fn detect(recording: &Recording, limits: StillnessLimits<f64>, parts: &[Range<us
     Some(still)
 }
 
-/// The detector needs two quiet windows before it says so; in a log it is known afterwards that they were quiet. The
-/// first of them is left out as margin. And it knows of a motion up to a window after it has begun.
+/// Moves the transitions back in time: the detector reports stillness after two quiet windows, the second of which is
+/// known to have been still (the first is excluded as a margin), and motion up to a window after its begin.
 fn back_date(still: &mut [bool], window: usize) {
     let turns = |still: &[bool], from: bool| -> Vec<usize> {
         (1..still.len()).filter(|&row| still[row - 1] == from && still[row] != from).collect()
@@ -175,7 +174,7 @@ pub fn limits(recording: &Recording, rows: &Range<usize>) -> Option<StillnessLim
         [0, 1, 2].map(|axis| median_of(quiet.iter().map(|w| w.gyro_mean[axis])).unwrap_or(0.0));
     let distance =
         |w: &&Window| (0..3).map(|axis| (w.gyro_mean[axis] - gyro_at_rest[axis]).powi(2)).sum::<f64>().sqrt();
-    // half of the quiet windows are nearer than the median; a bias that drifts goes some times further
+    // half of the quiet windows are closer than the median; a drifting bias goes some times further
     let spread = median_of(quiet.iter().map(distance)).unwrap_or(0.0);
     let limits = StillnessLimits {
         window: window as u16,

@@ -1,64 +1,63 @@
-//! Stretches in which an axis holds its value although it measures noise: a register that was not renewed. One rule for
-//! any length; what it marks is excluded from fits and diagnoses.
+//! Stretches in which an axis repeats one value although it measures noise: a register that was not updated. One rule
+//! for any length; these rows are excluded from fits and diagnoses.
 
 use std::ops::Range;
 
-/// Shorter repeats are left to chance.
-const FEWEST: usize = 10;
+/// Shorter repeats are attributed to chance.
+const MIN_RUN: usize = 10;
 
-/// Chance makes one run of so many repeats in so many logs.
-const ODDS: f64 = 1e-4;
+/// Probability per log that chance makes a run of repeats as long as the limit.
+const CHANCE_PER_LOG: f64 = 1e-4;
 
-/// A value that is held so many times as long as nearly all others is none of a sensor that is read more often than it
-/// measures, or of a converter with coarse steps.
-const LONGER: usize = 3;
+/// A held value must last this many times as long as nearly all others: repeats of a sensor that is read more often than
+/// it measures, or of a converter with coarse steps, do not.
+const MIN_LENGTH_RATIO: usize = 3;
 
-/// Least share of changes by two steps and more that shows how large the noise is beside the step: that of steps of 4
-/// standard deviations. With coarser ones a value stays for as long as it likes.
-const LEAST_TWO_STEPS: f64 = 1e-3;
+/// Minimum share of changes by two steps or more that determines the ratio of noise to step: that of steps of 4 standard
+/// deviations. With coarser steps a value may repeat for any length.
+const MIN_TWO_STEPS: f64 = 1e-3;
 
-/// Share of the rows at rest from which on an axis that is stuck is refused: less than it hides is left.
+/// Share of stuck rows at rest from which an axis is rejected: most of it would be missing.
 pub(crate) const REFUSED_SHARE: f64 = 0.5;
 
-/// Changes of fewer rows than this say nothing of noise and step: the axis holds one value.
-pub(crate) const FEWEST_CHANGES: usize = 10;
+/// Minimum number of changes for an estimate of noise and step; with fewer the axis holds a single value.
+pub(crate) const MIN_CHANGES: usize = 10;
 
-/// The rows, within `stretches` without gaps, that repeat a value for longer than the noise and the step of the axis let
-/// expect; the first of each run is a measurement and not among them.
+/// Rows, within gap-free `stretches`, that repeat a value for longer than noise and step of the axis explain. The first
+/// row of each run is a measurement and is not included.
 ///
-/// Noise stays on a code most easily where the mean lies on it: with probability 1 − 2Q a row, Q the tail beyond half a
-/// step, and 2Q² of the changes are then of two steps. So the changes alone, which a stuck stretch has none of, bound how
+/// Noise stays on a code most easily if the mean lies on it: with probability 1 − 2Q per row, Q the tail beyond half a
+/// step, and 2Q² of the changes are then of two steps. So the changes alone, which a stuck stretch lacks, bound how
 /// often chance repeats a value.
 pub fn stuck(values: &[f64], stretches: &[Range<usize>]) -> Vec<Range<usize>> {
     let runs: Vec<Range<usize>> = stretches.iter().flat_map(|rows| repeats(values, rows.clone())).collect();
-    if runs.iter().all(|run| run.len() < FEWEST) {
+    if runs.iter().all(|run| run.len() < MIN_RUN) {
         return Vec::new();
     }
     let Some(equal) = chance_of_equal(values, stretches) else { return Vec::new() };
     let known: usize = stretches.iter().map(Range::len).sum();
-    let by_chance = ((ODDS / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
-    let least = by_chance.max(FEWEST).max(LONGER * usual(&runs, known));
+    let by_chance = ((CHANCE_PER_LOG / known.max(1) as f64).ln() / equal.ln()).ceil() as usize;
+    let least = by_chance.max(MIN_RUN).max(MIN_LENGTH_RATIO * usual(&runs, known));
     runs.into_iter().filter(|run| run.len() >= least).collect()
 }
 
-/// Largest probability that the next value is the same, by the changes of two steps and more; `None` where there are
-/// too few to say.
+/// Upper bound of the probability that the next value is the same, from the changes of two steps or more; `None` if
+/// there are too few of them.
 fn chance_of_equal(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
     let (two_steps, pairs) = two_step_changes(values, stretches)?;
-    // three standard errors fewer: too few make the bound on repeats larger
+    // minus three standard errors: fewer two-step changes mean a larger bound on repeats
     let share = (two_steps - 3.0 * two_steps.sqrt()) / pairs;
-    if share < LEAST_TWO_STEPS {
+    if share < MIN_TWO_STEPS {
         return None;
     }
     let tail = (share / 2.0).sqrt().min(1.0 / 3.0);
     Some(1.0 - 2.0 * tail)
 }
 
-/// How many changes from one value to the next are of more than one step and are taken back by the next change, and of
-/// how many neighbours.
+/// Number of changes of more than one step that the next change reverses, and number of pairs of neighbours.
 ///
-/// Noise goes to and fro. A sensor of coarse steps that turns from one rest to the next changes by many steps too, but
-/// in one direction; counted as noise, these changes would make each of its rests, a single code, a stuck value.
+/// Noise goes back and forth. A sensor with coarse steps that turns between rests also changes by many steps, but in one
+/// direction; counted as noise, these changes would make each of its rests, a single code, a stuck value.
 fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, f64)> {
     let changes = |rows: &Range<usize>| -> Vec<f64> {
         let changes = values[rows.clone()].windows(2).map(|pair| pair[1] - pair[0]);
@@ -66,7 +65,7 @@ fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, 
     };
     let changes: Vec<Vec<f64>> = stretches.iter().map(changes).collect();
     let mut sizes: Vec<f64> = changes.iter().flatten().map(|change| change.abs()).collect();
-    if sizes.len() < FEWEST_CHANGES {
+    if sizes.len() < MIN_CHANGES {
         return None;
     }
     let step = tenth(&mut sizes)?;
@@ -76,12 +75,12 @@ fn two_step_changes(values: &[f64], stretches: &[Range<usize>]) -> Option<(f64, 
     Some((two_steps as f64, pairs as f64))
 }
 
-/// The step of an axis that is coarser than about 2.5 standard deviations of its noise: values change, and nearly always
-/// by one step.
+/// Step of an axis if it is coarser than about 2.5 standard deviations of its noise: values change, and nearly always by
+/// one step.
 pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<f64> {
-    /// Of the neighbours, with steps of 2.5 standard deviations and the mean on a code.
+    /// Share of pairs of neighbours, with steps of 2.5 standard deviations and the mean on a code.
     const SHARE: f64 = 0.022;
-    /// With such steps half of the neighbours and more are equal, wherever the mean lies between two codes.
+    /// With such steps at least half of the neighbours are equal, wherever the mean lies between two codes.
     const EQUAL: f64 = 0.4;
     let neighbours = || stretches.iter().flat_map(|rows| values[rows.clone()].windows(2));
     let equal = neighbours().filter(|pair| pair[0] == pair[1]).count() as f64;
@@ -96,20 +95,20 @@ pub(crate) fn coarse_step(values: &[f64], stretches: &[Range<usize>]) -> Option<
     crate::statistics::median_of(changes)
 }
 
-/// The size that a tenth of the changes from one value to the next stay below: one step.
+/// Tenth percentile of the changes from one value to the next: one step.
 pub(crate) fn least_change(values: &[f64]) -> Option<f64> {
     let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut changes: Vec<f64> = changes.filter(|change| *change > 0.0).collect();
     tenth(&mut changes)
 }
 
-/// The value that a tenth of them stay below; `None` of none.
+/// Tenth percentile of `sizes`; `None` if there are none.
 fn tenth(sizes: &mut [f64]) -> Option<f64> {
     let low = sizes.len() / 10;
     (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(low, f64::total_cmp).1)
 }
 
-/// For how many repeats nearly every value of a sensor that holds its values stays; 0 where most values stand alone.
+/// Number of repeats that nearly no value of a sample-and-hold sensor exceeds; 0 if most values occur once.
 fn usual(runs: &[Range<usize>], known: usize) -> usize {
     let in_runs: usize = runs.iter().map(|run| run.len() + 1).sum();
     if runs.len() < known.saturating_sub(in_runs) {
@@ -118,10 +117,15 @@ fn usual(runs: &[Range<usize>], known: usize) -> usize {
     let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
     lengths.sort_unstable();
     let rare = 4 + lengths.len() / 1000;
-    lengths.len().checked_sub(rare).and_then(|at| lengths.get(at)).copied().unwrap_or(usize::MAX / LONGER)
+    lengths
+        .len()
+        .checked_sub(rare)
+        .and_then(|at| lengths.get(at))
+        .copied()
+        .unwrap_or(usize::MAX / MIN_LENGTH_RATIO)
 }
 
-/// Rows that have the value of the one before them, run by run.
+/// Rows equal to the row before them, run by run.
 fn repeats(values: &[f64], rows: Range<usize>) -> Vec<Range<usize>> {
     crate::recording::runs(rows.start + 1..rows.end.max(rows.start + 1), |row| values[row] == values[row - 1])
 }
@@ -136,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_that_stays_is_found_and_the_sample_that_it_is_of_kept() {
+    fn marks_repeats_but_keeps_the_first_sample() {
         for step in [0.0, 0.2, 1.0] {
             let mut values = white_noise(1, 50_000);
             if step > 0.0 {
@@ -176,8 +180,8 @@ mod tests {
         }
     }
 
-    /// Rests of `rest` rows at levels of their own and turns of `turn` rows between them, in noise of unit variance that
-    /// steps of `step` hide.
+    /// `rest` rows each at their own level and `turn` rows of rotation between them, in noise of unit variance hidden by
+    /// steps of `step`.
     fn coarse_rests(rests: usize, (rest, turn): (usize, usize), step: f64, seed: u64) -> Vec<f64> {
         let levels: Vec<f64> = white_noise(seed, rests + 1).iter().map(|level| 40.0 * step * level).collect();
         let course = levels.windows(2).flat_map(|pair| {
@@ -190,7 +194,7 @@ mod tests {
         course.iter().zip(&noise).map(|(level, noise)| ((level + noise) / step).round() * step).collect()
     }
 
-    /// Three rests of one code each, with turns between them in which the code moves: each rest was a stuck value.
+    /// Three rests of one code each, with turns between them in which the code moves: each rest used to count as stuck.
     #[test]
     fn a_coarse_sensor_that_turns_between_rests_is_not_stuck() {
         let (mut logs, mut wrong) = (0, Vec::new());
@@ -210,8 +214,8 @@ mod tests {
         assert!(wrong.is_empty(), "{} of {logs}: {:?}", wrong.len(), &wrong[..3.min(wrong.len())]);
     }
 
-    /// Rows of 20,000 that are found stuck, of a value held for `share` of them by a sensor of steps of `step` standard
-    /// deviations.
+    /// Number of stuck rows found among 20,000, divided by the true number, for a value held for `share` of them by a
+    /// sensor with steps of `step` standard deviations.
     fn share_found(rule: impl Fn(&[f64]) -> usize, share: f64, step: f64) -> f64 {
         let mut values: Vec<f64> = white_noise(7, 20_000).iter().map(|v| (v / step).round() * step).collect();
         let rows = (share * 20_000.0) as usize;
@@ -220,12 +224,13 @@ mod tests {
         rule(&values) as f64 / rows as f64
     }
 
-    /// Shares of a log from a thousandth to a half, at steps of 0.01 to 3 standard deviations.
+    /// Shares of a log from 0.001 to 0.5, at steps of 0.01 to 2 standard deviations, for which `rule` misses the held
+    /// value.
     fn misses(rule: impl Fn(&[f64]) -> usize) -> Vec<(f64, f64)> {
         let shares = [0.001, 0.005, 0.015, 0.025, 0.05, 0.09, 0.11, 0.2, 0.35, 0.5];
         let steps = [0.01, 0.3, 1.0, 2.0];
         let cases = shares.iter().flat_map(|share| steps.map(|step| (*share, step)));
-        // 20 rows are too few to be told from the repeats of coarse steps
+        // 20 rows are too few to distinguish from the repeats of coarse steps
         let cases = cases.filter(|(share, step)| *share > 0.001 || *step < 0.5);
         cases.filter(|(share, step)| !(0.99..1.1).contains(&share_found(&rule, *share, *step))).collect()
     }
@@ -234,7 +239,7 @@ mod tests {
     fn finds_a_held_value_at_any_share_of_the_log() {
         let rows = |values: &[f64]| found(values).iter().map(Range::len).sum();
         assert_eq!(misses(rows), []);
-        // negative control: a rule that gives up where more than a fiftieth is stuck
+        // negative control: a rule that gives up if more than a fiftieth is stuck
         let gives_up = |values: &[f64]| match rows(values) {
             rows if rows * 50 > values.len() => 0,
             rows => rows,

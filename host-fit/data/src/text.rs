@@ -1,6 +1,6 @@
-//! Numbers for people, digests as text, and types that are stored as they are written on the command line.
+//! Numbers for people, digests as text, and types stored in their command-line form.
 
-/// Bytes as text, two digits each: how digests are written everywhere.
+/// Bytes in hexadecimal, two digits each, as used for all digests.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -24,12 +24,12 @@ macro_rules! stored_as_text {
     };
 }
 
-/// A number in four significant digits.
+/// Formats a number with four significant digits.
 pub fn number(value: f64) -> String {
     rounded(value, 4)
 }
 
-/// A number in so many significant digits.
+/// Formats a number with `digits` significant digits.
 pub fn rounded(value: f64, digits: usize) -> String {
     let (magnitude, decimals) = (value.abs(), digits.saturating_sub(1));
     if !value.is_finite() {

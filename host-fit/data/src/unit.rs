@@ -26,10 +26,10 @@ pub enum Unit {
     /// Pressure, Pa.
     #[serde(rename = "Pa")]
     Pascal,
-    /// Per cent.
+    /// Percentage.
     #[serde(rename = "%")]
     Percent,
-    /// Not stated by the column's name: the numbers are kept as they were.
+    /// Not stated by the column's name: the numbers are kept unchanged.
     #[serde(rename = "")]
     Unstated,
 }
@@ -50,7 +50,7 @@ impl Unit {
         }
     }
 
-    /// As people write it; empty when the unit is not stated.
+    /// Symbol for people; empty if the unit is not stated.
     pub fn label(self) -> &'static str {
         match self {
             Unit::MetrePerSecondSquared => "m/s²",
@@ -60,7 +60,7 @@ impl Unit {
         }
     }
 
-    /// In letters of ASCII, as files have it; empty when the unit is not stated.
+    /// Symbol in ASCII, for files; empty if the unit is not stated.
     pub fn symbol(self) -> &'static str {
         match self {
             Unit::Second => "s",
@@ -85,7 +85,7 @@ pub(crate) struct Affine {
 }
 
 impl Affine {
-    /// Leaves every number as it is, to the last bit.
+    /// Keeps every number unchanged, to the last bit.
     pub(crate) const IDENTITY: Affine = Affine { scale: 1.0, offset: 0.0 };
 
     /// This line, and `next` applied to its result.
@@ -93,8 +93,8 @@ impl Affine {
         Affine { scale: self.scale * next.scale, offset: self.offset * next.scale + next.offset }
     }
 
-    /// Converts all `values` in place. A scale that is one over a whole number divides by it, which rounds once: a stamp
-    /// in µs, in ns and as a decimal of seconds is the same number.
+    /// Converts all `values` in place. A scale that is one over a whole number divides by it, which rounds once: a
+    /// timestamp in µs, in ns and as a decimal of seconds becomes the same number.
     pub(crate) fn apply(self, values: &mut [f64]) {
         let divisor = (1.0 / self.scale).round();
         match self {
@@ -146,12 +146,12 @@ pub(crate) fn parse_unit(spelling: &str) -> Option<(Unit, Affine)> {
     Some((*unit, Affine { scale: *scale, offset: *offset }))
 }
 
-/// The first spelling of every unit that converts to `unit`, itself first.
+/// First spelling of every unit that converts to `unit`, `unit` itself first.
 pub(crate) fn spellings_of(unit: Unit) -> Vec<&'static str> {
     KNOWN.iter().filter(|(_, other, ..)| *other == unit).map(|(names, ..)| names[0]).collect()
 }
 
-/// The first spelling of every unit known here, for messages and help.
+/// First spelling of every known unit, for messages and help.
 pub(crate) fn known_units() -> String {
     KNOWN.iter().map(|(names, ..)| names[0]).collect::<Vec<_>>().join(", ")
 }
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stamp_is_the_same_number_in_every_unit() {
+    fn timestamp_is_the_same_number_in_every_unit() {
         for (text, us) in
             [("0.3", 300_000.0), ("12.345678", 12_345_678.0), ("86399.999999", 86_399_999_999.0)]
         {

@@ -1,14 +1,13 @@
-//! Text that came from outside, made visible: nothing in it moves a cursor, ends a line, turns the order of letters or
-//! hides.
+//! Makes text of foreign origin visible: nothing in it moves a cursor, ends a line, reverses the order of letters or is
+//! hidden.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Has no shape of its own, but does something: moves the cursor, ends a line, turns the order of letters (bidi),
-/// hides.
+/// Returns true for a character without a shape that has an effect: moves the cursor, ends a line, reverses the order of
+/// letters (bidi), hides.
 ///
-/// Unicode 16: Cc, Zl, Zp and those of Cf that are no part of a script; and the noncharacters that XML has no place
-/// for.
+/// Unicode 16: Cc, Zl, Zp, the characters of Cf that belong to no script, and the noncharacters that XML does not allow.
 pub fn is_hidden(letter: char) -> bool {
     letter.is_control()
         || matches!(letter,
@@ -16,12 +15,12 @@ pub fn is_hidden(letter: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{fffe}' | '\u{ffff}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// Text in which nothing is hidden, on one line: what has no shape is named by its code point, as `<U+001B>`.
+/// Text on one line without hidden characters: each is replaced by its code point, such as `<U+001B>`.
 pub fn visible(text: &str) -> Cow<'_, str> {
     shown(text, is_hidden)
 }
 
-/// The same with the lines that the text has: those that end in `\n`.
+/// The same with the line breaks (`\n`) of the text preserved.
 pub fn visible_lines(text: &str) -> Cow<'_, str> {
     shown(text, |letter| letter != '\n' && is_hidden(letter))
 }
@@ -46,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_has_no_shape_is_named() {
+    fn replaces_hidden_characters_by_code_points() {
         assert_eq!(
             visible("gx\r\n\u{1b}[31m\u{202e}\u{9b}\0"),
             "gx<U+000D><U+000A><U+001B>[31m<U+202E><U+009B><U+0000>"

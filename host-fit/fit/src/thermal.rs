@@ -123,7 +123,7 @@ impl ThermalTable {
         length_s: f64,
         known: &[bool],
     ) -> Result<[f64; 4], ThermalError> {
-        let (cleaned, _) = recording.only_measurements(column, 0..recording.n_rows(), known);
+        let (cleaned, _) = recording.without_outliers(column, 0..recording.n_rows(), known);
         let series = cleaned.error_series(column)?;
         let known = known.iter().zip(series.values.iter()).map(|(known, value)| *known && value.is_finite());
         let is_unknown = pose::has_unknown_level(column, &series.reference);
@@ -190,7 +190,7 @@ pub fn left_by(
     column: &str,
     correction: impl Fn(usize) -> f64,
 ) -> Result<Option<f64>, RecordingError> {
-    let (cleaned, _) = recording.only_measurements(column, rows.clone(), &stillness.still);
+    let (cleaned, _) = recording.without_outliers(column, rows.clone(), &stillness.still);
     let series = cleaned.error_series(column)?;
     let left: Vec<f64> = rows.clone().map(|row| series.values[row] - correction(row)).collect();
     let is_known =

@@ -1,4 +1,4 @@
-//! A case with a known effect, and its truth: `cargo run -p fos-simulate --example a_hidden_effect [FOLDER]`.
+//! Simulates a case with a known effect: `cargo run -p fos-simulate --example a_hidden_effect [FOLDER]`.
 
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 

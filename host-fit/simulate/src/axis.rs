@@ -1,4 +1,4 @@
-//! The six axes of a unit.
+//! The six axes of a device.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,17 +27,17 @@ impl Axis {
         fos_data::column::AXES[self as usize]
     }
 
-    /// The axis of this column, or of its first two letters.
+    /// Axis of this column, or of its first two letters.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|axis| axis.column() == name || &axis.column()[..2] == name)
     }
 
-    /// Gyro, else accelerometer.
+    /// Returns true for a gyro, false for an accelerometer.
     pub fn is_gyro(self) -> bool {
         self as usize >= 3
     }
 
-    /// 0, 1, 2 for x, y, z.
+    /// Index of the direction: 0, 1, 2 for x, y, z.
     pub fn direction(self) -> usize {
         self as usize % 3
     }

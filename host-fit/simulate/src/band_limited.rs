@@ -7,16 +7,16 @@
 //!   x(n) = (1 − γ) x(n−1) + γ (1 − a x(n−10)²) + e(n),    γ = 0.4, a = 1.7
 //! ```
 //!
-//! It neither dies out nor runs away: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression
-//! with a lag within the paper's ten, so that a linear predictor cannot have it and a quadratic one can. 99 % of its
-//! power lies below 30 Hz of 200 Hz sampling. Real sensor noise is nothing like it: it shows what the methods do where
-//! there is something nonlinear to find.
+//! It neither decays nor diverges: without e(n) it is chaotic and stays within ±1. It is a quadratic autoregression
+//! with a lag within the paper's ten, so that a linear predictor cannot model it and a quadratic one can. 99 % of its
+//! power lies below 30 Hz at 200 Hz sampling. Real sensor noise is nothing like it: it demonstrates the methods on data
+//! with a nonlinear part.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Sample rate of the log, Hz.
+/// Sampling rate of the log, Hz.
 pub const RATE_HZ: f64 = 200.0;
 const GAMMA: f64 = 0.4;
 const SQUARE: f64 = 1.7;
@@ -25,7 +25,7 @@ const LAG: usize = 10;
 /// Standard deviation of e(n), x being of size 1.
 const INNOVATION: f64 = 1e-4;
 
-/// Samples until the start is forgotten.
+/// Samples discarded until the initial state has no influence.
 const SETTLING: usize = 5000;
 
 /// Column and size of x in its unit: 10 mm/s² and 1 mrad/s.

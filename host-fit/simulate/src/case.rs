@@ -1,4 +1,4 @@
-//! A case: the logs of one unit, an effect planted in two of them, and the truth.
+//! A case: the logs of one device, an effect planted in two of them, and the truth.
 
 use serde::Serialize;
 
@@ -15,18 +15,18 @@ use super::streams::split;
 use fos_data::case::CaseMeta;
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 
-/// The logs of a case and the truth behind them.
+/// Logs of a case and the truth behind them.
 #[derive(Debug, Clone)]
 pub struct SimulatedCase {
-    /// What the user is told.
+    /// Metadata known to the user.
     pub meta: CaseMeta,
-    /// The quiet log, column by column.
+    /// Columns of the reference log.
     pub baseline: Vec<NamedSeries>,
-    /// The log to be explained.
+    /// Columns of the log to explain.
     pub field: Vec<NamedSeries>,
-    /// The log to be corrected.
+    /// Columns of the evaluation log.
     pub eval: Vec<NamedSeries>,
-    /// What the user is not told.
+    /// Truth unknown to the user.
     pub truth: Truth,
 }
 
@@ -34,46 +34,45 @@ pub struct SimulatedCase {
 #[derive(Debug, Clone, Serialize)]
 pub struct Truth {
     pub plan: CasePlan,
-    /// What was planted, in the order of the plan.
+    /// Planted effects, in the order of the plan.
     pub planted: Vec<Planted>,
-    /// Something planted is in no library.
+    /// True if a planted effect is outside the library.
     pub outside: bool,
-    /// True sample rate, Hz.
+    /// True sampling rate, Hz.
     pub rate_hz: f64,
-    /// Bias of the target, its unit.
+    /// Bias of the target, in its unit.
     pub bias: f64,
     /// Spectral level of the target's fast noise at zero frequency, one-sided, unit/√Hz.
     pub white_density: f64,
     pub noise: AxisNoise,
-    /// When the field is disturbed.
+    /// Disturbed stretches of the log to explain.
     pub disturbed_field: Vec<Disturbed>,
-    /// When the evaluation is.
+    /// Disturbed stretches of the evaluation log.
     pub disturbed_eval: Vec<Disturbed>,
     /// Error that a perfect model subtracts from the log to explain, and its parts; in truth_log.parquet.
     #[serde(skip)]
     pub field: LogTruth,
-    /// The same of the evaluation; in truth_evaluation.parquet.
+    /// The same of the evaluation log; in truth_evaluation.parquet.
     #[serde(skip)]
     pub eval: LogTruth,
 }
 
-/// The planted error of a log, row by row.
+/// Planted error of a log, row by row.
 #[derive(Debug, Clone, Default)]
 pub struct LogTruth {
-    /// What all planted effects add to the target, its unit: what a perfect model subtracts.
+    /// Sum of all planted effects on the target, in its unit: the error that a perfect model subtracts.
     pub error: Vec<f64>,
-    /// What the axis shows of the disturbances, its unit: true motion and wild samples, which no model takes off.
+    /// Effect of the disturbances on the axis, in its unit: true motion and outliers, which no model subtracts.
     pub motion: Vec<f64>,
-    /// The regressors of all planted effects; `planted.k.name`, k counting from 0.
+    /// Regressors of all planted effects, named `planted.k.name` with k from 0.
     pub regressors: Vec<NamedSeries>,
 }
 
 impl SimulatedCase {
-    /// Its logs as a reader would have them: baseline, field, evaluation. Of streams with clocks of their own they are
-    /// joined.
+    /// Logs as read by a user: reference, log to explain, evaluation. Streams with separate clocks are resampled.
     ///
     /// # Errors
-    /// A log is none, which does not happen to one that was simulated.
+    /// A log is invalid, which does not happen to a simulated one.
     pub fn recordings(&self) -> Result<[Recording; 3], RecordingError> {
         let read = |name: &str, columns: &[NamedSeries], log: u64| {
             let options = LoadOptions { rate_hz: Some(self.meta.nominal_rate_hz), ..LoadOptions::default() };

@@ -8,7 +8,7 @@ use super::regressors::NamedSeries;
 use fos_data::file::{FileError, make_folder, write_atomically};
 use fos_data::recording::{Recording, RecordingError, write_columns};
 
-/// A case folder that could not be written.
+/// Error of writing a case folder.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseFolderError {
     #[error(transparent)]
@@ -16,23 +16,22 @@ pub enum CaseFolderError {
     /// A JSON file, or the folder.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A value that JSON cannot hold.
+    /// A value that JSON cannot represent.
     #[error("{}: {source}", path.display())]
     Json {
-        /// The file that was to be written.
         path: PathBuf,
-        /// What the serialiser says.
+        /// Error of the serialiser.
         source: serde_json::Error,
     },
 }
 
 impl SimulatedCase {
-    /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device does not have:
-    /// `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and the regressors). The
-    /// case is called as the folder.
+    /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device
+    /// does not have: `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and
+    /// the regressors). The case is named after the folder.
     ///
     /// # Errors
-    /// What the system refuses.
+    /// Errors of the system.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), CaseFolderError> {
         let folder = folder.as_ref();
         make_folder(folder)?;
@@ -41,7 +40,7 @@ impl SimulatedCase {
             meta.case = name.to_string_lossy().into_owned();
         }
         if self.truth.plan.disturbance == Disturbance::Streams {
-            // no table holds streams: it is written as they are joined
+            // a table cannot hold streams: they are written resampled
             for (name, joined) in ["reference", "log", "evaluation"].into_iter().zip(self.recordings()?) {
                 write(folder, name, columns_of(&joined).iter())?;
             }
@@ -61,12 +60,12 @@ impl SimulatedCase {
             write(folder, name, columns.iter().chain(regressors))?;
         }
         json(folder.join("truth.json"), &self.truth)?;
-        // last: a folder with a meta.json is whole
+        // last: a folder with a meta.json is complete
         json(folder.join("meta.json"), &meta)
     }
 }
 
-/// Its columns as a log has them.
+/// Columns of a recording, named as in a log.
 fn columns_of(recording: &Recording) -> Vec<NamedSeries> {
     let channels = recording.channels().iter().map(|channel| (channel.name.clone(), channel.values.to_vec()));
     let flag = |still: &bool| f64::from(u8::from(*still));

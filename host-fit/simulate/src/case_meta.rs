@@ -1,11 +1,11 @@
-//! `meta.json` of a case: what the user is told.
+//! `meta.json` of a case: the metadata known to the user.
 
 use super::axis::Axis;
 use super::part::Part;
 use super::plan::CasePlan;
 use fos_data::case::{CaseFiles, CaseMeta, DataSheetFigures, SCHEMA};
 
-/// Tells nothing of what is planted.
+/// Metadata of a plan, without the planted effects.
 pub(super) fn meta(plan: &CasePlan, part: &Part) -> CaseMeta {
     CaseMeta {
         schema: SCHEMA.to_owned(),

@@ -1,4 +1,4 @@
-//! Whole cases: every effect, every set-up, and what the sizes mean.
+//! Complete cases: every effect, every set-up, and the meaning of sizes.
 
 use super::planting::assess;
 use super::rivals::CELL;
@@ -17,7 +17,7 @@ fn column<'a>(log: &'a [(String, Vec<f64>)], name: &str) -> &'a [f64] {
     &log.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no column {name}")).1
 }
 
-/// A place that shows the effect.
+/// A set-up and axis that show the effect.
 fn place(effect: Effect) -> (Setup, Axis) {
     let all = Setup::ALL.iter().flat_map(|setup| [(*setup, Axis::Gy), (*setup, Axis::Ax)]);
     all.into_iter().find(|(setup, axis)| effect.suits(*setup, *axis)).expect("some place shows it")
@@ -32,7 +32,7 @@ fn every_effect_is_planted_at_the_size_asked_for() {
         let case = simulate_case(&plan).unwrap_or_else(|error| panic!("{effect}: {error}"));
         let planted = &case.truth.planted[0];
         if planted.band == Band::Slow {
-            // once more, from what was recorded
+            // computed again from the recorded data
             let still = case.field.iter().find(|(name, _)| name == "still").map(|(_, still)| still);
             let rows = 0..case.truth.field.error.len();
             let usable = if still.is_some() && target.is_gyro() {
@@ -95,7 +95,7 @@ fn a_plan_gives_the_same_bits_and_another_seed_others() {
 }
 
 #[test]
-fn what_is_planted_moves_the_target_and_nothing_else() {
+fn planted_effects_change_only_the_target() {
     let quiet = plan(9, Setup::Bench, Axis::Gx);
     let without = simulate_case(&quiet).expect("it works");
     assert!(without.truth.field.error.iter().chain(&without.truth.eval.error).all(|x| *x == 0.0));
@@ -125,7 +125,7 @@ fn generalised_least_squares_scatters_by_one_over_the_size() {
     let n = 20_000;
     let steps: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k / 3000 % 2 == 1))).collect();
     let path = low_pass(&steps, 30.0, noise.period_s);
-    // with a gap, as a rig has it
+    // with a gap, as of a rig
     let blocks = Blocks::of(&[0..9000, 9500..n], CELL);
     let whitener = Whitener::new(blocks.covariance(&noise, 0.0)).expect("positive definite");
     let white = whitener.whiten(&blocks.means(&path));
@@ -158,7 +158,7 @@ fn logs_have_the_columns_of_their_set_up() {
         let t = column(&case.field, "t_s");
         assert!(t[0] == 0.0 && t.windows(2).all(|pair| pair[1] > pair[0]));
         assert!((t.len() as f64 / 120_000.0 - 1.0).abs() < 0.016);
-        // what the sensor shows is the truth but for bias and noise
+        // the measurement is the truth plus bias and noise
         if has("ref_gx_rads") {
             let pairs = column(&case.field, "gx_rads").iter().zip(column(&case.field, "ref_gx_rads"));
             let error: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
@@ -189,7 +189,7 @@ fn the_reference_force_is_gravity_carried_along_by_the_reference_rate() {
 }
 
 #[test]
-fn a_case_is_written_and_its_meta_reads_back() {
+fn case_metadata_survives_a_round_trip() {
     let mut plan = plan(2, Setup::Shaker, Axis::Az);
     plan.durations = Durations { baseline_s: 60.0, field_s: 200.0, eval_s: 60.0 };
     plan.planted.push(Plant { effect: Effect::VibrationRectification, parameter: None, size: 30.0 });
@@ -210,7 +210,7 @@ fn a_case_is_written_and_its_meta_reads_back() {
 }
 
 #[test]
-fn what_cannot_be_planted_is_refused_with_the_choices() {
+fn rejects_unsuitable_plans_with_the_choices() {
     let refused = |plan: CasePlan| simulate_case(&plan).expect_err("refused").to_string();
     let mut unsuited = plan(1, Setup::Bench, Axis::Gx);
     unsuited.planted.push(Plant { effect: Effect::GSensitivity, parameter: None, size: 30.0 });
@@ -222,7 +222,7 @@ fn what_cannot_be_planted_is_refused_with_the_choices() {
 }
 
 #[test]
-fn a_rival_that_follows_the_same_course_leaves_nothing() {
+fn equivalent_rival_leaves_no_remainder() {
     let mut plan = plan(3, Setup::Bench, Axis::Gx);
     plan.path = Path::TemperatureRamp;
     plan.planted.push(Plant { effect: Effect::TempLinear, parameter: None, size: 40.0 });

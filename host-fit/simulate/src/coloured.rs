@@ -1,12 +1,12 @@
-//! The noise of one axis of a unit: coloured fast noise, flicker, random walk; its spectrum, and series of it.
+//! Noise of one axis of a device: coloured fast noise, flicker, random walk; its spectrum, and simulated series.
 
 use serde::Serialize;
 
 use super::random::{Random, Stream, between, chance, normal, random};
 
-/// Shortest and longest time constant of the Gauss-Markov processes that make the flicker, s.
+/// Shortest and longest time constant of the Gauss-Markov processes that sum to flicker noise, s.
 const FLICKER_TAUS_S: [f64; 2] = [0.05, 4000.0];
-/// Their number: one every factor of 3.09.
+/// Number of processes: one every factor of 3.09.
 const FLICKER_PROCESSES: usize = 11;
 
 /// A Gauss-Markov process.
@@ -18,7 +18,7 @@ pub struct GaussMarkov {
     pub tau_s: f64,
 }
 
-/// Shape of the fast noise's spectrum: v(n) = φ1 v(n−1) + φ2 v(n−2) + e(n) + θ e(n−1), of unit variance.
+/// Spectral shape of the fast noise: v(n) = φ1 v(n−1) + φ2 v(n−2) + e(n) + θ e(n−1), of unit variance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Colour {
     /// φ1, φ2.
@@ -31,7 +31,7 @@ pub struct Colour {
 impl Colour {
     pub const WHITE: Self = Self { ar: [0.0; 2], ma: 0.0, innovation: 1.0 };
 
-    /// Of these coefficients, normalised to unit variance: its spectrum averages to that of white noise over the band.
+    /// Normalises these coefficients to unit variance: the mean of the spectrum over the band is that of white noise.
     pub fn new(ar: [f64; 2], ma: f64) -> Self {
         // the variance is the energy of the impulse response; poles within 0.7 leave nothing after 200 samples
         let (mut past, mut energy) = ([0.0; 2], 0.0);
@@ -44,9 +44,9 @@ impl Colour {
         Self { ar, ma, innovation: energy.sqrt().recip() }
     }
 
-    /// Draws one whose level at zero frequency is 0.6 to 1.3 of that of the whole band.
+    /// Draws a colour whose level at zero frequency is 0.6 to 1.3 of that of the whole band.
     pub(super) fn draw(random: &mut Random) -> Self {
-        // ends: of any draws a good part will do
+        // terminates: a good part of the draws is accepted
         loop {
             let ar = if chance(random, 0.5) {
                 let (radius, angle) = (between(random, 0.1, 0.6), between(random, 0.0, std::f64::consts::PI));
@@ -72,22 +72,21 @@ impl Colour {
     }
 }
 
-/// The noise of one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisNoise {
-    /// Sample period, s.
+    /// Sampling period, s.
     pub period_s: f64,
     /// Standard deviation of the fast noise per sample, unit of the axis.
     pub white: f64,
     pub colour: Colour,
-    /// The flicker, as a sum.
+    /// Flicker noise, as a sum of processes.
     pub flicker: Vec<GaussMarkov>,
     /// Random walk, unit of the axis per √s.
     pub random_walk: f64,
 }
 
 impl AxisNoise {
-    /// Of a density (unit/√Hz, one-sided, over the whole band), a bias instability and a random walk (unit/√s).
+    /// Noise of a density (unit/√Hz, one-sided, over the whole band), a bias instability and a random walk (unit/√s).
     ///
     /// A sum of Gauss-Markov processes of one σ, their time constants a factor ρ apart, has the one-sided spectrum
     /// σ²/(f ln ρ) between the first and the last; flicker is B²/(πf), two-sided B²/(2πf) (IEEE Std 952), so σ² = B² ln
@@ -107,7 +106,7 @@ impl AxisNoise {
     }
 
     /// Two-sided spectral density per sample of fast noise, flicker and rounding to `lsb` at `freq_hz`, unit² of the
-    /// axis: white noise of variance σ² has σ². The random walk adds where `freq_hz` is above zero.
+    /// axis: white noise of variance σ² has σ². The random walk is included if `freq_hz` is above zero.
     pub fn density(&self, freq_hz: f64, lsb: f64) -> f64 {
         let cycles = freq_hz * self.period_s;
         let w = std::f64::consts::TAU * cycles;
@@ -123,7 +122,7 @@ impl AxisNoise {
         density
     }
 
-    /// The same of the fast noise and rounding alone, at `cycles` per sample.
+    /// The same of fast noise and rounding alone, at `cycles` per sample.
     pub fn fast_density(&self, cycles: f64, lsb: f64) -> f64 {
         self.white * self.white * self.colour.density(cycles) + lsb * lsb / 12.0
     }
@@ -133,7 +132,7 @@ impl AxisNoise {
         self.series(n, &mut random(seed, Stream::Noise(0, 0)))
     }
 
-    /// `n` samples, the stationary parts stationary from the first, the random walk from zero.
+    /// `n` samples: the stationary parts are stationary from the first sample, the random walk starts at zero.
     pub(super) fn series(&self, n: usize, random: &mut Random) -> Vec<f64> {
         let mut out = Vec::with_capacity(n);
         let [phi1, phi2] = self.colour.ar;
@@ -162,8 +161,8 @@ impl AxisNoise {
         out
     }
 
-    /// The same in size, cheaper: white, and slow parts that move every 40 samples. For axes that nobody looks at
-    /// closely.
+    /// Cheaper approximation with the same levels: white, and slow parts that change every 40 samples. For axes that
+    /// are not examined closely.
     pub(super) fn plain_series(&self, n: usize, random: &mut Random) -> Vec<f64> {
         const HOLD: usize = 40;
         let slow: Vec<&GaussMarkov> = self.flicker.iter().skip(3).collect();
@@ -185,7 +184,7 @@ impl AxisNoise {
 }
 
 impl GaussMarkov {
-    /// Decay over a time, and the deviation of what is added.
+    /// Decay over a time, and the standard deviation of the innovation.
     pub(super) fn step(&self, period_s: f64) -> (f64, f64) {
         let decay = (-period_s / self.tau_s).exp();
         (decay, self.sigma * (1.0 - decay * decay).sqrt())
@@ -230,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_keeps_the_level_of_the_whole_band() {
+    fn colour_preserves_the_level_of_the_whole_band() {
         for seed in 0..20 {
             let mut random = random(seed, Stream::Unit);
             let colour = Colour::draw(&mut random);

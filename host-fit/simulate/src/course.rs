@@ -1,5 +1,4 @@
-//! The error of a planted effect in one log: its regressors, or its course where chance has a part in it or no library
-//! has it.
+//! Error of a planted effect in one log: its regressors, or its course if it is random or outside the library.
 
 use super::coloured::GaussMarkov;
 use super::effect::{Effect, Outside};
@@ -8,15 +7,15 @@ use super::regressors::{NamedSeries, regressors};
 use super::shape::Shape;
 use super::world::World;
 
-/// Number of the evaluation among the logs of a case.
+/// Number of the evaluation log among the logs of a case.
 const EVAL: u64 = 2;
 
 impl Shape {
-    /// The columns of its error in a log: 1 the field, 2 the evaluation.
+    /// Columns of its error in a log: 1 the log to explain, 2 the evaluation log.
     pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<NamedSeries> {
         let found = regressors(self.effect, self.parameter, world, self.target, &self.anchor);
         if self.effect == Effect::BiasStep && log == EVAL {
-            // the shock is over: the offset that it left stays
+            // the shock is over: its offset remains
             return found.into_iter().map(|(name, values)| (name, vec![1.0; values.len()])).collect();
         }
         if found.is_empty() {
@@ -108,7 +107,7 @@ fn drifting_line(n: usize, dt: f64, freq_hz: f64, random: &mut Random) -> Vec<Na
     vec![("line_sin".to_owned(), sines), ("line_cos".to_owned(), cosines)]
 }
 
-/// First order, driven by white noise.
+/// First-order process, driven by white noise.
 fn process(n: usize, start: f64, decay: f64, drive: f64, random: &mut Random) -> Vec<f64> {
     let mut state = start;
     let mut next = || {
@@ -124,7 +123,7 @@ fn noise_of_level(source: &[f64], random: &mut Random) -> Vec<f64> {
     source.iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5) * normal(random)).collect()
 }
 
-/// Two states, dwelling exponentially long.
+/// Two states with exponentially distributed dwell times.
 fn telegraph(n: usize, dt: f64, dwell_s: f64, random: &mut Random) -> Vec<f64> {
     let mut state = sign(random);
     (0..n)

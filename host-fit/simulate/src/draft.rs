@@ -1,4 +1,5 @@
-//! A case before its noise is drawn: unit, surroundings, what is logged, the field, and the shapes of what is planted.
+//! A case before its noise is drawn: device, surroundings, logged columns, log to explain, and shapes of planted
+//! effects.
 
 use super::axis::Axis;
 use super::disturbance::Character;
@@ -12,10 +13,10 @@ use super::setup::{Scene, Setup, Wants};
 use super::shape::Shape;
 use super::world::World;
 
-/// Number of the field log among those of a case.
+/// Number of the log to explain among those of a case.
 pub(super) const FIELD: u64 = 1;
 
-/// Everything about a case before its noise is drawn.
+/// Complete description of a case before its noise is drawn.
 pub(super) struct Draft {
     pub(super) unit: Unit,
     pub(super) scene: Scene,
@@ -24,7 +25,7 @@ pub(super) struct Draft {
     pub(super) shapes: Vec<Shape>,
 }
 
-/// Draws unit, surroundings, columns, field and shapes.
+/// Draws device, surroundings, columns, log to explain and shapes.
 pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
     let part = Part::named(&plan.part).ok_or_else(|| PlanError::Part(plan.part.clone()))?;
     let durations = [plan.durations.baseline_s, plan.durations.field_s, plan.durations.eval_s];

@@ -1,4 +1,4 @@
-//! The effects that can be planted: those of the library, and some that no library has.
+//! Effects that can be planted: those of the library, and some outside it.
 
 use std::fmt;
 
@@ -47,7 +47,7 @@ pub enum Effect {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Outside {
-    /// Temperature times supply, both about their means.
+    /// Product of temperature and supply, both about their means.
     TempTimesSupply,
     /// A sine of the temperature with a period of 3 to 6 K.
     TempWiggle,
@@ -55,39 +55,39 @@ pub enum Outside {
     TempDip,
     /// White noise whose level follows supply or load.
     NoiseLevel,
-    /// An oscillation of 60 to 200 s that nothing logged follows.
+    /// An oscillation of 60 to 200 s, unrelated to any logged channel.
     Oscillation,
     /// A jump when supply or temperature crosses a level.
     Threshold,
-    /// Exponential recoveries after events that nothing logged shows.
+    /// Exponential recoveries after events that no logged channel shows.
     Recoveries,
     /// A line that is on for 5 to 20 s at random.
     Bursts,
-    /// Supply times load, both about their means.
+    /// Product of supply and load, both about their means.
     SupplyTimesLoad,
 }
 
-/// Where an error shows.
+/// Kind of data in which an error shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Band {
-    /// In means of a second and more.
+    /// Means of a second or longer.
     Slow,
-    /// In single samples.
+    /// Single samples.
     Wide,
-    /// In the data rather than the sensor.
+    /// Faults of the data rather than the sensor.
     Data,
     Stochastic,
 }
 
-/// What is known of an effect before it is planted.
+/// Properties of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Description {
-    /// Identifier, as `thermal_lag`.
+    /// Identifier, such as `thermal_lag`.
     pub name: &'static str,
-    /// In means, in single samples, in the data themselves, or as noise.
+    /// Kind of data in which it shows.
     pub band: Band,
-    /// Its parameter and the range it is drawn from, logarithmically.
+    /// Name of its parameter, and the range from which it is drawn logarithmically.
     pub parameter: Option<(&'static str, [f64; 2])>,
     /// Optional columns of the log that show it.
     pub needs: &'static [&'static str],
@@ -98,7 +98,7 @@ const TEMP: &[&str] = &["temp_c"];
 const SUPPLY: &[&str] = &["supply_v"];
 
 impl Effect {
-    /// The effects of the library.
+    /// Effects of the library.
     pub const LIBRARY: [Self; 30] = [
         Self::TempLinear,
         Self::TempPoly,
@@ -132,12 +132,12 @@ impl Effect {
         Self::DeadZone,
     ];
 
-    /// Every effect, those in no library last.
+    /// Every effect, those outside the library last.
     pub fn all() -> impl Iterator<Item = Self> {
         Self::LIBRARY.into_iter().chain(Outside::ALL.into_iter().map(Self::Outside))
     }
 
-    /// The effect of this identifier.
+    /// Effect with this identifier.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|effect| effect.description().name == name)
     }
@@ -187,7 +187,7 @@ impl Effect {
         Description { name, band, parameter, needs }
     }
 
-    /// Whether this set-up can show it on this axis.
+    /// Returns true if this set-up can show it on this axis.
     pub fn suits(self, setup: Setup, target: Axis) -> bool {
         match self {
             Self::LoadHeating | Self::Outside(Outside::SupplyTimesLoad) => setup == Setup::Desk,
@@ -198,7 +198,7 @@ impl Effect {
             }
             Self::LeverArm => setup == Setup::RateTable && !target.is_gyro(),
             Self::DeadZone => setup == Setup::RateTable && target.is_gyro(),
-            // beside the vibration itself their sizes would be wrong
+            // in the presence of vibration their sizes would be wrong
             Self::SpectralLine
             | Self::DriftingLine
             | Self::Quantisation
@@ -211,19 +211,19 @@ impl Effect {
         }
     }
 
-    /// The temperature must move for it to show.
+    /// Returns true if the temperature must change for it to show.
     pub(super) fn moves_with_temperature(self) -> bool {
         self.description().needs.contains(&"temp_c")
     }
 
-    /// The supply must move for it to show.
+    /// Returns true if the supply must change for it to show.
     pub(super) fn moves_with_supply(self) -> bool {
         self.description().needs.contains(&"supply_v")
     }
 }
 
 impl Outside {
-    /// Nine that no library has.
+    /// Nine effects outside the library.
     pub const ALL: [Self; 9] = [
         Self::TempTimesSupply,
         Self::TempWiggle,

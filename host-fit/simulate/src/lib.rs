@@ -1,21 +1,21 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Logs with known truth: a six-axis unit with a thermometer, at rest and in motion; a band-limited nonlinear hour;
+//! Logs with known truth: a six-axis device with a thermometer, at rest and in motion; a band-limited nonlinear hour;
 //! cases for the diagnosis with a planted effect; every number from a seed.
 //!
-//! | file | of a case |
+//! | file | subject of a case |
 //! |---|---|
-//! | `part`, `coloured` | data sheets; the noise of a drawn unit |
-//! | `setup`, `thermal`, `motion`, `world` | how it is used; what is then true |
-//! | `effect`, `regressors`, `course` | what can be planted; its formula |
-//! | `disturbance` | what the world does beside: knocks, hands, motors, wild samples, the part's filter |
-//! | `plant`, `planting`, `strength`, `rivals` | what is planted; how large it is in the noise |
-//! | `plan`, `recorder`, `case`, `case_meta`, `case_folder` | what to simulate; what is logged; a whole case |
-//! | `streams` | the same log as sensors with clocks of their own would have given it |
+//! | `part`, `coloured` | data sheets; the noise of a drawn device |
+//! | `setup`, `thermal`, `motion`, `world` | its use; the resulting true quantities |
+//! | `effect`, `regressors`, `course` | available effects; their formulas |
+//! | `disturbance` | other influences: knocks, hands, motors, outliers, the part's filter |
+//! | `plant`, `planting`, `strength`, `rivals` | planted effects; their size relative to the noise |
+//! | `plan`, `recorder`, `case`, `case_meta`, `case_folder` | the plan; the recorded logs; a whole case |
+//! | `streams` | the same log as sensors with separate clocks |
 //! | `suite` | many cases, to measure rates |
 
 #![forbid(unsafe_code)]
-// a doc comment says more than the name, or is not written
+// doc comments that only repeat the name are omitted
 #![allow(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 

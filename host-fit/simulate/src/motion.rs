@@ -1,4 +1,4 @@
-//! Poses, turns, vibration and rates: the true force, field and rate of a log.
+//! Orientations, rotations, vibration and rates: the true force, field and rate of a log.
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
@@ -8,23 +8,23 @@ use super::random::{Random, between, chance, direction, log_between, normal, sig
 use super::thermal::raised_cosine;
 use super::world::World;
 
-/// Gravity as an accelerometer at rest shows it, in the axes of the earth (up is +z), m/s².
+/// Specific force of gravity at rest, in the axes of the earth (up is +z), m/s².
 pub(super) const UP: [f64; 3] = [0.0, 0.0, GRAVITY];
 
 /// Duration of a turn of the rig, s.
 const TURN_S: f64 = 2.5;
 
-/// Attitude of a unit in the earth's field.
+/// Attitude of a device in the earth's field.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Attitude {
-    /// Turns the axes of the earth into those of the unit.
+    /// Rotation from the axes of the earth to those of the device.
     to_unit: UnitQuaternion<f64>,
     /// Magnetic field in the axes of the earth, µT.
     field_ut: Vector3<f64>,
 }
 
 impl Attitude {
-    /// Flat on a table, heading drawn.
+    /// Flat on a table, with a random heading.
     pub(super) fn level(random: &mut Random) -> Self {
         let tilt = [between(random, -1.0, 1.0) * DEGREE, between(random, -1.0, 1.0) * DEGREE];
         let heading = between(random, 0.0, std::f64::consts::TAU);
@@ -47,7 +47,7 @@ impl Attitude {
     }
 }
 
-/// Of middle latitudes: 20 to 28 µT to the north, 40 to 47 µT down.
+/// Magnetic field of middle latitudes, µT: 20 to 28 to the north, 40 to 47 down.
 fn earth_field(random: &mut Random) -> Vector3<f64> {
     Vector3::new(between(random, 20.0, 28.0), 0.0, -between(random, 40.0, 47.0))
 }
@@ -55,7 +55,7 @@ fn earth_field(random: &mut Random) -> Vector3<f64> {
 fn random_rotation(random: &mut Random) -> UnitQuaternion<f64> {
     let [a, b, c] = direction(random);
     let axis = Unit::new_normalize(Vector3::new(a, b, c));
-    // the angle of a rotation uniform over all has the density (1 − cos θ)/π; this is near enough for poses
+    // the angle of a uniformly distributed rotation has the density (1 − cos θ)/π; this is close enough for orientations
     UnitQuaternion::from_axis_angle(&axis, std::f64::consts::PI * between(random, 0.0, 1.0).cbrt())
 }
 
@@ -66,8 +66,8 @@ pub(super) fn hold(world: &mut World, pose: &Attitude, n: usize) {
     world.vibration = vec![0.0; n];
 }
 
-/// Random poses, held for 20 to 55 s; between two, a turn about one axis, smooth at both ends. With `field_ut` given,
-/// that is the field in the axes of the earth.
+/// Random orientations, held for 20 to 55 s; between two, a rotation about one axis, smooth at both ends. `field_ut`
+/// overrides the field in the axes of the earth.
 pub(super) fn pose(world: &mut World, field_ut: Option<[f64; 3]>, n: usize, random: &mut Random) {
     let field_ut = field_ut.map_or_else(|| earth_field(random), Vector3::from);
     let period_s = world.period_s;
@@ -80,7 +80,7 @@ pub(super) fn pose(world: &mut World, field_ut: Option<[f64; 3]>, n: usize, rand
         attitudes.extend(std::iter::repeat_n(from, held));
         still.extend(std::iter::repeat_n(true, held));
         let to = random_rotation(random);
-        // slerp has no answer for half a turn: the rotation vector has
+        // slerp is undefined for half a turn; the rotation vector is not
         let whole = (to * from.inverse()).scaled_axis();
         for k in 0..turn {
             let x = (k + 1) as f64 / (turn + 1) as f64;
@@ -99,7 +99,7 @@ pub(super) fn pose(world: &mut World, field_ut: Option<[f64; 3]>, n: usize, rand
     world.force_is_logged = true;
 }
 
-/// Magnets are put near the unit and taken away, every 30 to 120 s: up to some 600 µT.
+/// Adds magnets put near the device and taken away, every 30 to 120 s: up to some 600 µT.
 pub(super) fn add_magnets(world: &mut World, random: &mut Random) {
     let duration_s = world.duration_s();
     for field in &mut world.field_ut {
@@ -117,8 +117,8 @@ pub(super) fn add_magnets(world: &mut World, random: &mut Random) {
     }
 }
 
-/// One pose, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis, the level changing
-/// every 30 to 90 s. The mean of the vibration is zero over any second.
+/// One orientation, and vibration above 10 Hz: broadband and up to three lines, most of it on one axis; the level
+/// changes every 30 to 90 s. The mean of the vibration is zero over any second.
 pub(super) fn shake(world: &mut World, pose: &Attitude, n: usize, random: &mut Random) {
     hold(world, pose, n);
     let period_s = world.period_s;
@@ -146,7 +146,7 @@ pub(super) fn shake(world: &mut World, pose: &Attitude, n: usize, random: &mut R
     world.vibration = level.iter().map(|level| total * level * level).collect();
 }
 
-/// Vibration of unit variance times level and share: a resonance driven by differenced white noise, and lines.
+/// Adds vibration of unit variance times level and share: a resonance driven by differenced white noise, and lines.
 fn add_vibration(
     force: &mut [f64],
     level: &[f64],
@@ -177,9 +177,9 @@ fn add_vibration(
     }
 }
 
-/// A table that turns about one of the unit's axes, at first within 8° of the vertical: dwells, staircases of both
-/// signs, slow sines, up to 100 to 200 °/s. The unit is not quite square on the table, and the table's inner axes make
-/// slow moves of their own of 1 to 2 °/s, which in time lean it further. The true specific force is gravity carried
+/// A table that rotates about one of the device's axes, at first within 8° of the vertical: dwells, staircases of both
+/// signs, slow sines, up to 100 to 200 °/s. The device is not quite square on the table, and the table's inner axes make
+/// slow moves of their own of 1 to 2 °/s, which gradually tilt it further. The true specific force is gravity rotated
 /// along.
 pub(super) fn turn_table(world: &mut World, axis: usize, n: usize, random: &mut Random) {
     let period_s = world.period_s;
@@ -227,16 +227,16 @@ pub(super) fn turn_table(world: &mut World, axis: usize, n: usize, random: &mut 
     (world.force_is_logged, world.rate_is_logged) = (true, true);
 }
 
-/// What the table is told to do: rates between which it moves smoothly, and sines.
+/// Programme of the table: rates between which it moves smoothly, and sines.
 struct Programme {
     points: Vec<(f64, f64)>,
-    /// Start, end, amplitude, cycle.
+    /// Start (s), end (s), amplitude (rad/s) and period (s) of each sine.
     sines: Vec<[f64; 4]>,
 }
 
 impl Programme {
     fn rate(&self, t: f64) -> f64 {
-        // sines are told in order; between them the staircase
+        // the sines are in order; between them the staircase
         let next = self.sines.partition_point(|sine| sine[0] <= t);
         match next.checked_sub(1).map(|i| self.sines[i]) {
             Some([start, end, amplitude, cycle_s]) if t < end => {
@@ -276,7 +276,7 @@ fn programme(duration_s: f64, largest: f64, random: &mut Random) -> Programme {
     programme
 }
 
-/// Force and field of a unit in these attitudes.
+/// Sets force and field of a device in these attitudes.
 fn follow(world: &mut World, attitudes: &[UnitQuaternion<f64>], field_ut: Vector3<f64>) {
     let up = Vector3::from(UP);
     let n = attitudes.len();
@@ -291,7 +291,7 @@ fn follow(world: &mut World, attitudes: &[UnitQuaternion<f64>], field_ut: Vector
     }
 }
 
-/// Rate of a unit in these attitudes, rad/s, in its own axes.
+/// Rate of a device in these attitudes, rad/s, in its own axes.
 fn rates(attitudes: &[UnitQuaternion<f64>], period_s: f64) -> [Vec<f64>; 3] {
     let mut rates: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(attitudes.len()));
     for pair in

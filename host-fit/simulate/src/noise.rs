@@ -1,9 +1,9 @@
-//! The stochastic error of one axis: what phone-class sensors show at rest.
+//! Stochastic error of one axis, typical of phone-class sensors at rest.
 
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Time constants of the Gauss-Markov processes whose sum stands in for flicker noise, s. A factor of ten apart, the
+/// Time constants of the Gauss-Markov processes whose sum approximates flicker noise, s. At a factor of ten apart, the
 /// spectrum of the sum follows 1/f within 1 dB between the first and the last.
 const FLICKER_TAUS_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
@@ -13,7 +13,7 @@ const COLOUR: [f64; 2] = [0.45, -0.15];
 /// Coefficient of the quadratic term of the fast noise, per its standard deviation: v(n−1)·v(n−2).
 const QUADRATIC: f64 = 0.04;
 
-/// Sizes of the noise of an axis, in its unit.
+/// Noise levels of an axis, in its unit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NoiseSizes {
     /// White noise before colour, standard deviation per sample.
@@ -24,7 +24,7 @@ pub(super) struct NoiseSizes {
     pub(super) random_walk: f64,
 }
 
-/// The noise of one axis, sample by sample.
+/// Noise of one axis, sample by sample.
 #[derive(Debug, Clone)]
 pub(super) struct Noise {
     sizes: NoiseSizes,
@@ -41,11 +41,11 @@ impl Noise {
         Self { sizes, period_s, fast: [0.0; 2], flicker, walk: 0.0 }
     }
 
-    /// The next value, in the axis' unit: fast noise plus wander.
+    /// Next value, in the axis' unit: fast noise plus wander.
     pub(super) fn next(&mut self, random: &mut impl Rng) -> f64 {
         let [first, second] = self.fast;
         let fast = COLOUR[0] * first + COLOUR[1] * second + QUADRATIC * first * second + normal(random);
-        // a quadratic model need not be stable: the sensor's is kept inside
+        // a quadratic model may be unstable: its state is clamped
         self.fast = [fast.clamp(-8.0, 8.0), first];
         for (state, tau_s) in self.flicker.iter_mut().zip(FLICKER_TAUS_S) {
             let decay = (-self.period_s / tau_s).exp();

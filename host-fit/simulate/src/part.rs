@@ -1,4 +1,4 @@
-//! Phone-class parts by their data sheets, and drawn units of them.
+//! Phone-class parts by their data sheets, and devices drawn from them.
 
 use serde::Serialize;
 
@@ -13,13 +13,13 @@ pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// One mg, m/s².
 pub(super) const MILLI_G: f64 = GRAVITY * 1e-3;
 
-/// What the data sheet of a part says.
+/// Figures of a part from its data sheet.
 ///
 /// Sources. Looked up in the data sheets: BMI270, BST-BMI270-DS000-07 (0.007 °/s/√Hz, 160 µg/√Hz); ICM-42688-P, first
 /// page (2.8 mdps/√Hz, 70 µg/√Hz); MPU-6050, PS-MPU-6000A-00 3.4, tables 6.1 and 6.2 (0.005 °/s/√Hz, 400 µg/√Hz, ±35 mg
 /// over 70 K, ±20 °/s over 125 K). At second hand, not checked against a data sheet: the ICM's 0.005 dps/K
 /// (github.com/xioTechnologies/Fusion, issue 191); the LSM6DSO's 3.8 mdps/√Hz, 0.01 dps/K and 0.1 mg/K (from tables of
-/// the LSM6DSO32); the BMI160 and the coefficients of the BMI270 (as the examples of the case format state them).
+/// the LSM6DSO32); the BMI160 and the coefficients of the BMI270 (as stated in the examples of the case format).
 /// Working figures: all bias instabilities, the LSM6DSO's 80 µg/√Hz, the ICM's 0.15 mg/K.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Part {
@@ -37,13 +37,13 @@ pub struct Part {
     pub gyro_tco_dps_per_k: f64,
     /// Temperature coefficient of the accelerometers' offset, mg/K.
     pub accel_tco_mg_per_k: f64,
-    /// Full scale of the gyros as set, °/s.
+    /// Configured full scale of the gyros, °/s.
     pub gyro_full_scale_dps: f64,
-    /// Full scale of the accelerometers as set, g.
+    /// Configured full scale of the accelerometers, g.
     pub accel_full_scale_g: f64,
 }
 
-/// The parts that can be simulated, all set to ±250 °/s and ±4 g in 16 bits.
+/// Parts available for simulation, all set to ±250 °/s and ±4 g in 16 bits.
 pub const PARTS: [Part; 5] = [
     part("bmi160", [0.007, 180.0, 9.0, 55.0, 0.05, 1.0]),
     part("bmi270", [0.007, 160.0, 7.0, 45.0, 0.02, 0.25]),
@@ -66,15 +66,14 @@ const fn part(name: &'static str, figures: [f64; 6]) -> Part {
     }
 }
 
-/// Logarithmic spread of white level, flicker and random walk between units of a part.
+/// Logarithmic spread of white level, flicker and random walk between devices of a part.
 const SPREAD: [f64; 3] = [0.2, 0.35, 0.7];
 
-/// Median of the random walk per √s, of the bias instability: meets the flat of the flicker after 1.3 h,
+/// Ratio of the median random walk per √s to the bias instability: meets the flat of the flicker after 1.3 h,
 /// √(3 τ⁻¹) · 0.664 · 60 = 1.
 const WALK_OF_FLICKER: f64 = 1.0 / 60.0;
 
 impl Part {
-    /// The part of this name.
     pub fn named(name: &str) -> Option<Self> {
         PARTS.iter().copied().find(|part| part.name == name)
     }
@@ -107,7 +106,7 @@ impl Part {
         }
     }
 
-    /// Draws the noise of one axis of a unit at `rate_hz`.
+    /// Draws the noise of one axis of a device at `rate_hz`.
     pub(super) fn draw_noise(&self, axis: Axis, rate_hz: f64, random: &mut Random) -> AxisNoise {
         let density = log_normal(random, self.noise_density(axis), SPREAD[0]);
         let flicker = log_normal(random, self.bias_instability(axis), SPREAD[1]);
@@ -116,13 +115,13 @@ impl Part {
         AxisNoise::new(density, flicker, random_walk, colour, rate_hz)
     }
 
-    /// Draws the bias of one axis of a unit, in its unit: what users find after soldering.
+    /// Draws the bias of one axis of a device, in the axis' unit: typical values after soldering.
     pub(super) fn draw_bias(&self, axis: Axis, random: &mut Random) -> f64 {
         if axis.is_gyro() { 0.5 * DEGREE * normal(random) } else { 20.0 * MILLI_G * normal(random) }
     }
 }
 
-/// True sample rate of a unit, Hz, for a nominal one: off by up to 1.5 %.
+/// True sampling rate of a device, Hz, for a nominal one: off by up to 1.5 %.
 pub(super) fn true_rate(nominal_hz: f64, random: &mut Random) -> f64 {
     nominal_hz * (1.0 + between(random, -0.015, 0.015))
 }

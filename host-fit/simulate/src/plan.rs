@@ -1,4 +1,4 @@
-//! What to simulate: a plan, and what can be wrong with it.
+//! Plan of a simulation, and its errors.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,17 +10,17 @@ use super::plant::Plant;
 use super::setup::{Path, Setup};
 use super::streams;
 
-/// Nominal sample rate of a joint log, Hz.
+/// Nominal sampling rate of a log with a single clock, Hz.
 pub const NOMINAL_RATE_HZ: f64 = 200.0;
 
-/// How long the logs are, s.
+/// Durations of the logs, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Durations {
-    /// Length of the quiet log, s.
+    /// Duration of the reference log, s.
     pub baseline_s: f64,
-    /// The log to be explained.
+    /// Duration of the log to explain, s.
     pub field_s: f64,
-    /// The log to be corrected.
+    /// Duration of the evaluation log, s.
     pub eval_s: f64,
 }
 
@@ -35,28 +35,28 @@ impl Default for Durations {
 pub enum Kind {
     Nothing,
     Single(Level),
-    /// Two effects that can be told apart.
+    /// Two distinguishable effects.
     Pair,
-    /// One of two effects that this log cannot tell apart.
+    /// One of two effects that are indistinguishable from this log.
     Inseparable(Effect, Effect),
-    /// Something that no library has.
+    /// An effect outside the library.
     Outside,
 }
 
-/// How clear an effect is.
+/// Level of the size of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// Of size 10 to 16.
+    /// Size 10 to 16.
     Weak,
-    /// Of size 22 to 45.
+    /// Size 22 to 45.
     Medium,
-    /// Of size 80 to 300.
+    /// Size 80 to 300.
     Strong,
 }
 
 impl Level {
-    /// The level nearest to a size.
+    /// Level nearest to a size.
     pub fn of(size: f64) -> Self {
         if size < 18.0 {
             Self::Weak
@@ -80,23 +80,22 @@ impl Level {
 /// A case to simulate. The same plan gives the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CasePlan {
-    /// Of every random number.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Name of the part, as in [`PARTS`].
     pub part: String,
-    /// How the unit is used.
     pub setup: Setup,
     /// Course of the covariates.
     pub path: Path,
-    /// The axis to be explained.
+    /// Axis to be explained.
     pub target: Axis,
-    /// What is planted in field and evaluation.
+    /// Effects planted in the log to explain and the evaluation log.
     pub planted: Vec<Plant>,
-    /// How long the logs are.
+    /// Durations of the logs.
     pub durations: Durations,
-    /// What the case is for.
+    /// Purpose of the case.
     pub kind: Kind,
-    /// What disturbs field and evaluation.
+    /// Disturbance of the log to explain and the evaluation log.
     #[serde(default)]
     pub disturbance: Disturbance,
 }
@@ -117,7 +116,7 @@ impl CasePlan {
         }
     }
 
-    /// Nominal rate of its logs, Hz.
+    /// Nominal sampling rate of its logs, Hz.
     pub fn nominal_rate_hz(&self) -> f64 {
         match self.disturbance {
             Disturbance::Streams => streams::RATE_HZ,
@@ -126,7 +125,7 @@ impl CasePlan {
     }
 }
 
-/// A plan that cannot be carried out.
+/// Reason why a plan cannot be simulated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
     #[error("there is no part {0:?}; choose from {parts}", parts = PARTS.map(|part| part.name).join(", "))]
@@ -134,22 +133,17 @@ pub enum PlanError {
     /// The set-up cannot show the effect on this axis.
     #[error("{effect} does not show on {} in the set-up {}{}", .setup.name(), .target.column(), places(*.effect))]
     Unsuited {
-        /// What was to be planted.
         effect: Effect,
         setup: Setup,
-        /// The axis that it should show on.
+        /// Axis that should show it.
         target: Axis,
     },
-    /// The effect is nothing on this log: a parameter out of reach, or a log too short.
+    /// The effect makes no error in this log: a parameter out of reach, or a log too short.
     #[error("{effect} with parameter {parameter} makes no error in a field of this length")]
-    Nothing {
-        /// What was to be planted.
-        effect: Effect,
-        parameter: f64,
-    },
+    Nothing { effect: Effect, parameter: f64 },
     #[error("a log must last 60 s or more")]
     Short,
-    /// A size is not positive, a parameter is no number.
+    /// A size that is not positive, or a parameter that is no number.
     #[error("size and parameter of {0} must be positive numbers")]
     Size(Effect),
 }

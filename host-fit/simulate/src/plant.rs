@@ -1,4 +1,4 @@
-//! What can be planted.
+//! An effect to be planted.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +7,8 @@ use super::effect::Effect;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plant {
     pub effect: Effect,
-    /// Its parameter (`Effect::description` says which); drawn if `None`. For a fault of the data it decides the size.
+    /// Parameter named in `Effect::description`; drawn if `None`. For a fault of the data it determines the size.
     pub parameter: Option<f64>,
-    /// Size d in the true coloured noise of the field; strength.rs says what that is for each kind.
+    /// Size d in the true coloured noise of the log to explain; strength.rs defines it for each kind.
     pub size: f64,
 }

@@ -1,4 +1,4 @@
-//! Gives planted effects their sizes, and faults their number.
+//! Scales planted effects to their sizes, and counts faults.
 
 use std::collections::BTreeMap;
 
@@ -18,32 +18,32 @@ use super::shape::Shape;
 use super::strength::{Blocks, Whitener, level_size, noise_amplitude, solve, telegraph_amplitude};
 use super::world::World;
 
-/// What was planted, as it came out.
+/// A planted effect with its resulting values.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planted {
     pub effect: Effect,
     /// In means, in single samples, in the data themselves, or as noise.
     pub band: Band,
     pub outside: bool,
-    /// Its parameter by name.
+    /// Parameter by name.
     pub params: BTreeMap<&'static str, f64>,
-    /// What a threshold or a noise level follows.
+    /// Controlling covariate of a threshold or a noise level.
     pub follows: Option<&'static str>,
     /// Coefficients of its regressors, unit of the target over that of the regressor.
     pub coefficients: Vec<f64>,
     pub size: f64,
-    /// Size left after the best other slow effect of the library; slow effects only.
+    /// Remaining size after the best other slow effect of the library; slow effects only.
     pub left_after_best_rival: Option<f64>,
-    /// That effect, with its parameter.
+    /// Best other slow effect, with its parameter.
     pub rival: Option<(Effect, f64)>,
-    /// Size left after the other planted slow effect, and after it and the best rival; only where there are two.
+    /// Remaining size after the other planted slow effect, and after it and the best rival; only if there are two.
     pub left_after_partner: Option<[f64; 2]>,
 }
 
-/// Sizes of the effects of a plan, and what its covariates leave of each; without simulating a log.
+/// Sizes of the effects of a plan, and their remaining sizes after fitting others; without simulating a log.
 ///
 /// # Errors
-/// As `simulate_case`.
+/// Those of `simulate_case`.
 pub fn assess(plan: &CasePlan) -> Result<Vec<Planted>, PlanError> {
     let Draft { unit, logged, field, shapes, .. } = draft(plan)?;
     let columns = shapes.iter().map(|shape| shape.columns(&field, 1, plan.seed)).collect();
@@ -134,7 +134,7 @@ pub(super) fn size(
     Ok(planted)
 }
 
-/// What the rivals and the partners leave.
+/// Computes the remaining sizes after rivals and partners.
 fn judge(planted: &mut [Planted], whitened: &[Option<DVector<f64>>], rivals: &Rivals) {
     for k in 0..planted.len() {
         let Some(white) = &whitened[k] else { continue };
@@ -156,7 +156,7 @@ fn judge(planted: &mut [Planted], whitened: &[Option<DVector<f64>>], rivals: &Ri
     }
 }
 
-/// How the size of an effect is measured; strength.rs says what each is.
+/// Definition of the size of an effect; see strength.rs.
 #[derive(Clone, Copy, PartialEq)]
 enum Measure {
     Matched,
@@ -180,12 +180,12 @@ fn measure(effect: Effect) -> Measure {
     }
 }
 
-/// Its size is that of a matched filter for its course.
+/// Returns true if the size is that of a matched filter for the course.
 fn matched(effect: Effect) -> bool {
     measure(effect) == Measure::Matched
 }
 
-/// −2 ln P of the transitions of a course of two levels, seen in blocks: what nobody knows of it beforehand.
+/// −2 ln P of the transitions of a course of two levels, in blocks: their unpredictable part.
 fn transitions_code(course: &[f64], blocks: usize) -> f64 {
     let transitions = course.windows(2).filter(|pair| pair[0] != pair[1]).count();
     let share = (transitions as f64 / blocks as f64).clamp(1e-3, 0.5);
@@ -199,7 +199,7 @@ fn level_squares(shape: &Shape, field: &World) -> Vec<f64> {
     source.into_iter().map(|x| (0.5 * (x + 1.0)).clamp(0.0, 1.5).powi(2)).collect()
 }
 
-/// The weighted sum of all columns.
+/// Weighted sum of all columns.
 pub(super) fn sum(weights: &[Vec<f64>], columns: &[Vec<NamedSeries>], n: usize) -> Vec<f64> {
     let mut error = vec![0.0; n];
     for (weights, columns) in weights.iter().zip(columns) {
@@ -212,7 +212,7 @@ pub(super) fn sum(weights: &[Vec<f64>], columns: &[Vec<NamedSeries>], n: usize) 
     error
 }
 
-/// Sets limit, step and lost samples; the field decides, the evaluation keeps limit, step and fraction.
+/// Sets limit, step and lost samples by the log to explain; the evaluation log uses the same limit, step and fraction.
 pub(super) fn add_faults(
     faults: &mut Faults,
     plan: &CasePlan,
@@ -278,7 +278,7 @@ pub(super) fn add_faults(
 fn lost(n: usize, count: usize, random: &mut Random) -> Vec<usize> {
     let mut gone = vec![false; n];
     let mut left = count;
-    // ends: `count` is a small share of `n`, and wherever it starts one more is lost sooner or later
+    // terminates: `count` is a small share of `n`, so that some start eventually adds another
     while left > 0 {
         let length = if chance(random, 0.6) { 1 } else { between(random, 2.0, 50.0) as usize };
         let start = random.random_range(1..n - 1);

@@ -1,37 +1,36 @@
-//! Seeded random numbers: one stream for each purpose, so that what is drawn for one thing never moves another.
+//! Seeded random numbers: one stream for each purpose, so that draws for one purpose never change another.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// The generator of the simulated cases.
+/// Generator of the simulated cases.
 pub(super) type Random = ChaCha8Rng;
 
 /// Purposes, each a stream of one seed.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Stream {
-    /// The unit: noise levels, colour, bias, true rate.
+    /// Device: noise levels, colour, bias, true rate.
     Unit,
-    /// Which optional columns there are.
+    /// Choice of the optional columns.
     Columns,
-    /// The covariates of a log.
     World(u64),
-    /// What the sensors and the recorder add in a log.
+    /// Errors of sensors and recorder in a log.
     Recorder(u64),
-    /// The noise of one axis in a log.
+    /// Noise of one axis in a log.
     Noise(u64, u64),
     /// Shape of a planted effect (its parameter, its direction), and its course in a log.
     Plant(u64),
-    /// The course of a planted effect in a log, where chance has a part in it.
+    /// Random course of a planted effect in a log.
     Course(u64, u64),
-    /// The motion that disturbs a log.
+    /// Motion that disturbs a log.
     Disturbance(u64),
-    /// Samples of a log that are no measurements.
+    /// Invalid samples of a log.
     Wild(u64),
     Suite(u64),
 }
 
-/// The generator of one purpose.
+/// Generator for one purpose.
 pub(super) fn random(seed: u64, stream: Stream) -> Random {
     let number = match stream {
         Stream::Unit => 1,
@@ -54,7 +53,7 @@ pub(super) fn normal(random: &mut Random) -> f64 {
     StandardNormal.sample(random)
 }
 
-/// Log-normal about `median`, `deviation` being that of the logarithm.
+/// Log-normal with this median; `deviation` is that of the logarithm.
 pub(super) fn log_normal(random: &mut Random, median: f64, deviation: f64) -> f64 {
     median * (deviation * normal(random)).exp()
 }

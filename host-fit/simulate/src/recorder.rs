@@ -1,4 +1,4 @@
-//! What a recorder makes of a world: noise, rounding, clipping, stamps, slow columns, faults of the data.
+//! Recording of a world: noise, rounding, clipping, timestamps, slow columns, faults of the data.
 
 use super::axis::Axis;
 use super::coloured::AxisNoise;
@@ -9,18 +9,18 @@ use super::regressors::NamedSeries;
 use super::world::World;
 use fos_data::column::Column;
 
-/// The unit behind the logs.
+/// The device behind the logs.
 #[derive(Debug, Clone)]
 pub(super) struct Unit {
     pub(super) part: Part,
     pub(super) noise: [AxisNoise; 6],
     pub(super) bias: [f64; 6],
-    /// What it makes of its noise.
+    /// Deviations of its noise from coloured normal noise.
     pub(super) character: Option<Character>,
 }
 
 impl Unit {
-    fn made_of(&self, noise: Vec<f64>, random: &mut Random) -> Vec<f64> {
+    fn with_character(&self, noise: Vec<f64>, random: &mut Random) -> Vec<f64> {
         match &self.character {
             Some(character) => character.apply(&noise, random),
             None => noise,
@@ -28,7 +28,7 @@ impl Unit {
     }
 }
 
-/// Which optional columns a log has.
+/// Optional columns of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Logged {
     pub(super) temp: bool,
@@ -49,20 +49,20 @@ impl Logged {
     }
 }
 
-/// What is wrong with the data of the target.
+/// Faults in the data of the target.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Faults {
-    /// Clips at ± this, unit of the axis.
+    /// Clipping limit ±, unit of the axis.
     pub(super) limit: Option<f64>,
-    /// Steps of this many LSB.
+    /// Quantisation step in LSB.
     pub(super) step: Option<f64>,
     /// Bias of the target, and half of the width of the dead zone about it, unit of the axis.
     pub(super) dead_zone: Option<[f64; 2]>,
-    /// Samples that are lost, in order.
+    /// Lost samples, in order.
     pub(super) lost: Vec<usize>,
 }
 
-/// The target as it is before clipping and rounding: truth, bias, noise and planted error.
+/// Target before clipping and rounding: truth, bias, noise and planted error.
 pub(super) fn analog(
     unit: &Unit,
     world: &World,
@@ -74,13 +74,13 @@ pub(super) fn analog(
     let axis = target as usize;
     let random = &mut random(seed, Stream::Noise(log, axis as u64));
     let noise = unit.noise[axis].series(world.len(), random);
-    let noise = unit.made_of(noise, random);
+    let noise = unit.with_character(noise, random);
     let truth = world.truth(target);
     let seen = |n: usize| truth[n] + motion.at(axis, n) + unit.bias[axis] + noise[n] + planted[n];
     (0..world.len()).map(seen).collect()
 }
 
-/// Clips and rounds as the part does, `faults` included.
+/// Clips and rounds as the part does, including `faults`.
 pub(super) fn convert(part: &Part, axis: Axis, faults: &Faults, value: f64) -> f64 {
     let full_scale = part.full_scale(axis);
     let limit = faults.limit.unwrap_or(full_scale);
@@ -93,7 +93,7 @@ pub(super) fn convert(part: &Part, axis: Axis, faults: &Faults, value: f64) -> f
     ((value.clamp(-limit, limit) / step).round() * step).clamp(-full_scale, top)
 }
 
-/// The columns of a log, the target's analog values given.
+/// Columns of a log, given the analog values of the target.
 pub(super) fn record(
     unit: &Unit,
     (world, motion): (&World, &Motion),
@@ -108,7 +108,7 @@ pub(super) fn record(
     let recorder = &mut random(seed, Stream::Recorder(log));
     let rounded = |value: f64, step: f64| (value / step).round() * step;
     let micro = |t: f64| (t * 1e6).round() / 1e6;
-    // stamped with 0.3 % of a period of jitter, the first at zero
+    // timestamps with a jitter of 0.3 % of a period, the first at zero
     add(
         "t_s",
         (0..n)
@@ -125,7 +125,7 @@ pub(super) fn record(
         let index = axis as usize;
         let random = &mut random(seed, Stream::Noise(log, index as u64));
         let noise = unit.noise[index].plain_series(n, random);
-        let noise = unit.made_of(noise, random);
+        let noise = unit.with_character(noise, random);
         let fine = Faults::default();
         let truth = world.truth(axis);
         let seen = |k: usize| truth[k] + motion.at(index, k) + unit.bias[index] + noise[k];
@@ -175,7 +175,7 @@ pub(super) fn record(
     columns
 }
 
-/// Takes the lost samples out.
+/// Removes the lost samples.
 pub(super) fn drop_lost(values: &mut Vec<f64>, lost: &[usize]) {
     let mut lost = lost.iter().copied().peekable();
     let mut row = 0;

@@ -1,11 +1,11 @@
-//! The formulas of the effects, on the true covariates: the simulator's own, written down once more in plain loops so
-//! that they owe nothing to the code under test.
+//! Formulas of the effects, on the true covariates: the simulator's own, in plain loops and independent of the code
+//! under test.
 
 use super::axis::Axis;
 use super::effect::Effect;
 use super::world::World;
 
-/// Points about which covariates are taken, from the field.
+/// Reference points of the covariates, from the log to explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Anchor {
     /// Middle and half of the range of the temperature, °C and K.
@@ -14,7 +14,7 @@ pub(super) struct Anchor {
     pub(super) supply: [f64; 2],
     /// Middle and half of the range of the load, %.
     pub(super) load: [f64; 2],
-    /// Largest true value of the target, its unit; 1 if it is zero throughout.
+    /// Largest true value of the target, in its unit; 1 if it is zero throughout.
     pub(super) largest: f64,
 }
 
@@ -37,7 +37,7 @@ impl Anchor {
 
 pub(super) type NamedSeries = (String, Vec<f64>);
 
-/// Columns whose weighted sum is the error of a slow effect of the library, or of a line; none where chance decides.
+/// Columns whose weighted sum is the error of a slow effect of the library, or of a line; empty for random effects.
 pub(super) fn regressors(
     effect: Effect,
     parameter: f64,
@@ -115,7 +115,7 @@ fn map(values: &[f64], f: impl Fn(f64) -> f64) -> Vec<f64> {
     values.iter().map(|x| f(*x)).collect()
 }
 
-/// First order, settled at the first value.
+/// First-order low-pass, in equilibrium at the first value.
 pub(super) fn low_pass(values: &[f64], tau_s: f64, dt: f64) -> Vec<f64> {
     let gain = 1.0 - (-dt / tau_s).exp();
     let mut state = values.first().copied().unwrap_or(0.0);
@@ -128,7 +128,7 @@ pub(super) fn low_pass(values: &[f64], tau_s: f64, dt: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Difference to the sample before, per second; zero at the first.
+/// Difference from the previous sample, per second; zero at the first.
 fn rate(values: &[f64], dt: f64) -> Vec<f64> {
     let mut last = values.first().copied().unwrap_or(0.0);
     values
@@ -141,7 +141,7 @@ fn rate(values: &[f64], dt: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Backlash of half width r about the input, less the input; centred at the first value.
+/// Backlash of half width r about the input, minus the input; centred at the first value.
 fn play_less_input(values: &[f64], half_width: f64) -> Vec<f64> {
     let mut play = values.first().copied().unwrap_or(0.0);
     values
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lever_arm_is_what_the_cross_products_say() {
+    fn lever_arm_equals_the_cross_products() {
         let rates = [[0.1, 0.3], [-0.2, 0.5], [0.7, 0.4]];
         let world = World {
             period_s: 0.5,

@@ -1,4 +1,4 @@
-//! What the other slow effects of the library leave of a planted one.
+//! Remaining part of a planted effect after the other slow effects of the library are fitted.
 
 use nalgebra::DVector;
 
@@ -9,13 +9,13 @@ use super::setup::Setup;
 use super::strength::{Blocks, Whitener};
 use super::world::World;
 
-/// Samples in a cell of the covariates that rivals are made of: 10 Hz of 200 Hz will do for what is slow.
+/// Samples in a cell of the covariates of rivals: 10 Hz of 200 Hz suffices for slow effects.
 pub(super) const CELL: usize = 20;
 
 /// Lags below this are no rival of temp_linear, s.
 const SHORT_LAG_S: f64 = 40.0;
 
-/// The rival that leaves least.
+/// Rival that leaves the smallest remaining part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Best {
     pub(super) effect: Effect,
@@ -23,11 +23,11 @@ pub(super) struct Best {
     pub(super) left: f64,
 }
 
-/// Every rival at every point of its grid, made white.
+/// Every rival at every point of its grid, whitened.
 pub(super) struct Rivals(Vec<(Effect, f64, Vec<DVector<f64>>)>);
 
 impl Rivals {
-    /// Of the effects that this set-up can show and the log's columns reveal.
+    /// Rivals among the effects that this set-up can show and the log's columns reveal.
     pub(super) fn new(
         (setup, target): (Setup, Axis),
         logged: &[&str],
@@ -54,8 +54,8 @@ impl Rivals {
         Self(all)
     }
 
-    /// The best rival of `effect`, whose whitened error is `error`, `known` being explained already. More general
-    /// effects that contain it are none.
+    /// Best rival of `effect`, whose whitened error is `error`, after `known` is projected out. More general effects
+    /// that contain it do not count.
     pub(super) fn best(
         &self,
         effect: Effect,
@@ -79,8 +79,8 @@ impl Rivals {
     }
 }
 
-/// `general`, with its parameter, has every error that `special` has. A lag that is short against ramps of minutes is
-/// temp_linear with a parameter too many.
+/// Returns true if `general`, with its parameter, can produce every error of `special`. A lag that is short compared
+/// with ramps of minutes is temp_linear with a redundant parameter.
 fn contains((general, parameter): (Effect, f64), special: Effect) -> bool {
     match (general, special) {
         (Effect::TempPoly, Effect::TempLinear) | (Effect::SfTemp, Effect::SfError) => true,

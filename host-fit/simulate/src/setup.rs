@@ -1,4 +1,4 @@
-//! How a unit is used while it is recorded: on a bench, a desk, a pose rig, a shaker, a rate table.
+//! Use of a device while it is recorded: on a bench, a desk, a pose rig, a shaker, a rate table.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,16 +8,16 @@ use super::random::{Random, between, chance, log_between, normal, sign};
 use super::thermal::{Ambient, Thermal};
 use super::world::World;
 
-/// A way to use a unit. An accelerometer on the shaker shows the vibration, as it should: the log does not say which
+/// A use of a device. An accelerometer on the shaker measures the vibration, as it should: the log does not state which
 /// part of that is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Setup {
-    /// Static on a bench; a temperature cycle or a quiet room, steps of the supply at times.
+    /// Static on a bench; a temperature cycle or a quiet room, occasional steps of the supply.
     Bench,
     /// Static on a desk; a changing load heats the board and lets the supply sag.
     Desk,
-    /// A rig holds poses of 20 to 55 s, turning in 2.5 s; the true specific force is logged.
+    /// A rig holds orientations of 20 to 55 s, turning in 2.5 s; the true specific force is logged.
     PoseRig,
     /// A shaker changes its level every 30 to 90 s.
     Shaker,
@@ -25,45 +25,45 @@ pub enum Setup {
     RateTable,
 }
 
-/// A course of the covariates that makes two effects look the same.
+/// Course of the covariates, possibly one that makes two effects indistinguishable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Path {
-    /// As the set-up has it.
+    /// Defined by the set-up.
     Drawn,
-    /// Temperature is a line in time.
+    /// The temperature is linear in time.
     TemperatureRamp,
-    /// Temperature approaches its end exponentially from power-on.
+    /// The temperature approaches its final value exponentially from power-on.
     TemperatureExponential {
         /// Time constant, s.
         tau_s: f64,
     },
     /// The supply is a multiple of the temperature.
     SupplyFollowsTemperature,
-    /// The magnetic field is vertical, as at a pole: a multiple of the specific force in every pose.
+    /// The magnetic field is vertical, as at a pole: a multiple of the specific force in every orientation.
     FieldAlongForce,
 }
 
-/// What a log must have, whatever is drawn.
+/// Requirements on a log, independent of the draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Wants {
     /// Temperature must move.
     pub(super) temperature: bool,
     /// The supply must move.
     pub(super) supply: bool,
-    /// There must be magnets about.
+    /// Magnets must be nearby.
     pub(super) magnets: bool,
-    /// The pose of the field is that of the evaluation.
+    /// The log to explain and the evaluation log must have the same orientation.
     pub(super) same_pose: bool,
 }
 
-/// A unit in its surroundings: what its logs have in common.
+/// A device in its surroundings: the common part of its logs.
 #[derive(Debug, Clone)]
 pub(super) struct Scene {
     pub(super) setup: Setup,
     pub(super) path: Path,
     pub(super) wants: Wants,
-    /// Axis the table turns about: 0, 1, 2.
+    /// Axis of rotation of the table: 0, 1, 2.
     pub(super) table_axis: usize,
     pub(super) period_s: f64,
     thermal: Thermal,
@@ -80,7 +80,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// Draws the surroundings. `target` decides what the rate table turns about, with `turns_target`.
+    /// Draws the surroundings. `target` and `turns_target` determine the axis of the rate table.
     pub(super) fn draw(
         (setup, path): (Setup, Path),
         wants: Wants,
@@ -111,7 +111,7 @@ impl Scene {
         }
     }
 
-    /// The baseline: ten quiet minutes in one pose.
+    /// Reference log: rest in one orientation under steady conditions.
     pub(super) fn baseline(&self, duration_s: f64, random: &mut Random) -> World {
         let n = self.samples(duration_s);
         let mut world = self.covariates(n, Ambient::Still, false, false, random);
@@ -119,7 +119,7 @@ impl Scene {
         world
     }
 
-    /// The field or the evaluation: the set-up at work.
+    /// Log to explain or evaluation log: the set-up at work.
     pub(super) fn log(&self, duration_s: f64, is_eval: bool, random: &mut Random) -> World {
         let n = self.samples(duration_s);
         let ambient = match self.path {
@@ -178,7 +178,7 @@ impl Scene {
         World { period_s: self.period_s, temp_c, supply_v, load_pct, ..World::default() }
     }
 
-    /// Load steps of 20 to 120 s.
+    /// Load, %, in steps of 20 to 120 s.
     fn work(&self, n: usize, random: &mut Random) -> Vec<f64> {
         let mut load = Vec::with_capacity(n);
         while load.len() < n {
@@ -189,7 +189,7 @@ impl Scene {
         load
     }
 
-    /// Supply: a slow wander; levels of a laboratory supply; what the load lets it sag.
+    /// Supply, V: a slow wander; levels of a laboratory supply; the sag under load.
     fn supply(&self, load: &[f64], works: bool, moves: bool, random: &mut Random) -> Vec<f64> {
         let tau_s = 60.0;
         let sd = between(random, 0.0008, 0.002);
@@ -197,7 +197,7 @@ impl Scene {
         let drive = sd * (1.0 - decay * decay).sqrt();
         let mut wander = sd * normal(random);
         let (mut slow, mut level, mut wanted, mut until) = (wander, 0.0, 0.0, 0.0);
-        // the desk's supply is a battery or a regulator of its own: it moves too, but slower
+        // the desk is supplied by a battery or a separate regulator: it changes too, but more slowly
         let dwell = if works { [60.0, 240.0] } else { [20.0, 90.0] };
         (0..load.len())
             .map(|n| {
@@ -219,7 +219,7 @@ impl Scene {
 }
 
 impl Setup {
-    /// On a bench, on a desk, in a pose rig, on a shaker, on a rate table.
+    /// All set-ups: on a bench, on a desk, in a pose rig, on a shaker, on a rate table.
     pub const ALL: [Self; 5] = [Self::Bench, Self::Desk, Self::PoseRig, Self::Shaker, Self::RateTable];
 
     /// Name on the command line.
@@ -233,7 +233,7 @@ impl Setup {
         }
     }
 
-    /// In words, as the log's author would put it.
+    /// Description in the words of a log's author.
     pub fn words(self) -> &'static str {
         match self {
             Self::Bench => "static on a bench",

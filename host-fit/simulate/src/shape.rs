@@ -1,4 +1,4 @@
-//! The shape of a planted effect: drawn where the plan leaves it open.
+//! Shape of a planted effect, drawn unless the plan states it.
 
 use super::axis::Axis;
 use super::effect::{Effect, Outside};
@@ -8,21 +8,21 @@ use super::regressors::{Anchor, NamedSeries};
 use super::setup::Setup;
 use super::world::World;
 
-/// The shape of a planted effect: everything but its size.
+/// Shape of a planted effect: all of it but the size.
 #[derive(Debug, Clone)]
 pub(super) struct Shape {
     pub(super) effect: Effect,
     pub(super) parameter: f64,
     pub(super) weights: Vec<f64>,
     pub(super) anchor: Anchor,
-    /// Phase of a wiggle, place of a dip or threshold: 0 … 2π.
+    /// Phase of a wiggle, position of a dip or threshold: 0 … 2π.
     pub(super) phase: f64,
     covariate: Covariate,
     pub(super) target: Axis,
     pub(super) number: u64,
 }
 
-/// What a noise level or a threshold follows.
+/// Covariate that controls a noise level or a threshold.
 #[derive(Debug, Clone, Copy)]
 enum Covariate {
     Temperature,
@@ -31,7 +31,7 @@ enum Covariate {
 }
 
 impl Shape {
-    /// Draws what the plan leaves open.
+    /// Draws the values that the plan does not state.
     pub(super) fn draw(
         plant: &Plant,
         number: u64,
@@ -41,7 +41,7 @@ impl Shape {
     ) -> Self {
         let random = &mut random(seed, Stream::Plant(number));
         let range = match plant.effect {
-            // well inside the field
+            // well inside the log
             Effect::BiasStep => [0.25 * shortest_s, 0.75 * shortest_s],
             effect => effect.description().parameter.map_or([1.0; 2], |(_, range)| range),
         };
@@ -60,7 +60,7 @@ impl Shape {
         Self { effect: plant.effect, parameter, weights, anchor, phase, covariate, target, number }
     }
 
-    /// The weighted sum of its columns.
+    /// Weighted sum of the columns.
     pub(super) fn sum(&self, columns: &[NamedSeries], n: usize) -> Vec<f64> {
         let mut error = vec![0.0; n];
         for (weight, (_, column)) in self.weights.iter().zip(columns) {
@@ -71,22 +71,22 @@ impl Shape {
         error
     }
 
-    /// Temperature about the middle of the field's, in halves of its range.
+    /// Temperature relative to the middle of its range in the log to explain, in halves of that range.
     pub(super) fn temp(&self, world: &World) -> Vec<f64> {
         scaled(&world.temp_c, self.anchor.temp)
     }
 
-    /// The same of the supply.
+    /// Supply on the same relative scale.
     pub(super) fn supply(&self, world: &World) -> Vec<f64> {
         scaled(&world.supply_v, self.anchor.supply)
     }
 
-    /// The same of the load.
+    /// Load on the same relative scale.
     pub(super) fn load(&self, world: &World) -> Vec<f64> {
         scaled(&world.load_pct, self.anchor.load)
     }
 
-    /// The same of what a threshold or a noise level follows.
+    /// Controlling covariate of a threshold or a noise level on the same relative scale.
     pub(super) fn source(&self, world: &World) -> Vec<f64> {
         match self.covariate {
             Covariate::Temperature => self.temp(world),
@@ -95,7 +95,7 @@ impl Shape {
         }
     }
 
-    /// Name of that, where there is a choice.
+    /// Name of the controlling covariate, if there is a choice.
     pub(super) fn source_name(&self) -> Option<&'static str> {
         matches!(self.effect, Effect::Outside(Outside::Threshold | Outside::NoiseLevel)).then_some(match self
             .covariate
@@ -111,7 +111,7 @@ impl Shape {
 fn weights(effect: Effect, phase: f64, random: &mut Random) -> Vec<f64> {
     match effect {
         Effect::MagSensitivity | Effect::GSensitivity | Effect::LeverArm => direction(random).to_vec(),
-        // curved for certain: else it is temp_linear
+        // curved for certain: otherwise it is temp_linear
         Effect::TempPoly => {
             let curved = [between(random, 0.4, 1.0), between(random, 0.3, 1.0)];
             vec![between(random, -1.0, 1.0), sign(random) * curved[0], sign(random) * curved[1]]

@@ -1,4 +1,4 @@
-//! The built-in story: three logs of one unit, with effects hidden in two of them.
+//! Built-in example: three logs of one device, with effects hidden in two of them.
 
 use std::path::Path;
 
@@ -10,13 +10,12 @@ use super::plant::Plant;
 use super::setup::Setup;
 use fos_data::recording::{LoadOptions, Recording, RecordingError, load, write_columns};
 
-/// The axis with the hidden effects.
+/// Axis with the hidden effects.
 pub const HIDDEN_IN: &str = "gx_rads";
 
-/// The hidden effects, with their sizes as matched filters in the noise: plain, and easily overlooked.
+/// Hidden effects with their sizes as matched filters in the noise: clear, and easily overlooked.
 const HIDDEN: [(Effect, f64); 2] = [(Effect::ThermalLag, 120.0), (Effect::SupplySensitivity, 40.0)];
 
-/// Why there is no story.
 #[derive(Debug, thiserror::Error)]
 pub enum StoryError {
     /// It cannot be simulated.
@@ -27,8 +26,8 @@ pub enum StoryError {
     Recording(#[from] RecordingError),
 }
 
-/// Simulates three logs of a phone-class unit on a desk, writes them to `folder` and reads them: `reference.parquet`,
-/// `log.parquet` with effects hidden in [`HIDDEN_IN`], and `evaluation.parquet` with the same.
+/// Simulates three logs of a phone-class device on a desk, writes them to `folder` and reads them: `reference.parquet`,
+/// `log.parquet` with effects hidden in [`HIDDEN_IN`], and `evaluation.parquet` with the same effects.
 ///
 /// # Errors
 ///

@@ -1,9 +1,9 @@
-//! A log as sensors with clocks of their own would have given it: the accelerometer at half of the gyro's rate, on another
-//! clock, the thermometer once a second, and nothing stamped on time.
+//! A log as sensors with separate clocks: the accelerometer at half of the gyro's rate and on another clock, the
+//! thermometer once a second, and jitter on all timestamps.
 //!
-//! What the accelerometer gives is the mean of two samples, stamped in their middle: a part that runs at half of the rate
-//! filters to half of the band, and the density of its noise stays. The true specific force, where it is known, comes with
-//! it, everything else with the gyro.
+//! A sample of the accelerometer is the mean of two, stamped in their middle: a part that runs at half of the rate
+//! filters to half of the band, and the density of its noise is unchanged. The true specific force, if known, comes
+//! with it, everything else with the gyro.
 
 use super::random::{Stream as Purpose, normal, random};
 use super::regressors::NamedSeries;
@@ -13,13 +13,13 @@ use fos_data::recording::Stream;
 /// Nominal rate of the gyro, Hz; that of the accelerometer is half of it.
 pub(super) const RATE_HZ: f64 = 208.0;
 
-/// Standard deviation of a stamp, s; twice it is the most.
+/// Standard deviation of a timestamp, s; limited to twice this value.
 const JITTER_S: f64 = 1e-3;
 
-/// By how much the clock of the accelerometer is faster: what crystals differ by, and parts of 100 ppm each.
+/// Relative excess of the accelerometer's clock rate: two crystals of 100 ppm each.
 const FASTER: f64 = 200e-6;
 
-/// The streams of log number `log` of a case.
+/// Streams of log number `log` of a case.
 pub(super) fn split(columns: &[NamedSeries], (seed, log): (u64, u64)) -> Vec<Stream> {
     let random = &mut random(seed, Purpose::Disturbance(100 + log));
     let Some((_, time_s)) = columns.iter().find(|(name, _)| name == "t_s") else { return Vec::new() };
@@ -76,7 +76,7 @@ mod tests {
     use fos_data::recording::{Clocks, HowJoined};
 
     #[test]
-    fn what_was_split_is_joined_row_by_row() {
+    fn split_streams_join_to_the_same_rows() {
         let mut plan = CasePlan::new(3, "bmi270", Setup::Bench, Axis::Ax);
         plan.durations = Durations { baseline_s: 60.0, field_s: 120.0, eval_s: 60.0 };
         plan.disturbance = Disturbance::Streams;
@@ -95,11 +95,11 @@ mod tests {
         assert_eq!(clocks, Some(Clocks::NoMotion), "it lies on a bench");
         // weights in pairs that lie half a period apart, anywhere
         assert!((0.6..0.75).contains(&noise_kept), "{noise_kept}");
-        // half a second of a thermometer that is read once in one
+        // half a second on average for a thermometer read once a second
         assert!(alignment.others[1..].iter().all(|other| matches!(
             other.how, HowJoined::Held { mean_age_s } if (0.4..0.6).contains(&mean_age_s)
         )));
-        // the means of two, between two of them
+        // the means of two, interpolated between two of them
         let (force, seen) = (of("ax_mps2"), &field.channel("ax_mps2").expect("an accelerometer").values);
         let variance = |values: &[f64]| fos_data::statistics::variance(&[values]);
         let known: Vec<f64> = seen.iter().copied().filter(|value| value.is_finite()).collect();

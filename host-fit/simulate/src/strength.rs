@@ -1,25 +1,25 @@
-//! How large an effect is in the true noise, and how much of it the other effects leave.
+//! Size of an effect relative to the true noise, and its remaining part after fitting the other effects.
 //!
-//! **Slow effects.** The field's usable stretches are cut into about 400 blocks; s are the block means of the planted
-//! error, C the exact covariance of the block means of the noise. A matched filter finds s at d standard errors, d² =
-//! sᵀ C⁻¹ s, after the constant is projected out of s in the whitened space (the offset of a log is not known). The
+//! **Slow effects.** The usable stretches of the log are cut into about 400 blocks; s are the block means of the planted
+//! error, C the exact covariance of the block means of the noise. A matched filter detects s at d standard errors, d² =
+//! sᵀ C⁻¹ s, after the constant is projected out of s in the whitened space (the offset of a log is unknown). The
 //! generalised least squares estimate of the effect's coefficient has the relative standard error 1/d.
 //!
 //! **Lines.** The noise is flat about f, so C⁻¹ is 1/S there, S the two-sided spectral density per sample: d² = Σ s²/S =
 //! A² n / (2 S) for amplitude A over n samples. (|DFT|² of the line over that of the noise is half as much, A² n / (4
 //! S).)
 //!
-//! **Noise.** For C₁ = C + a² G, the expected 2 log likelihood ratio of the true against the baseline's noise:
+//! **Noise.** For C₁ = C + a² G, the expected 2 log likelihood ratio of the true against the reference log's noise:
 //! d² = tr(C⁻¹C₁) − N − ln det(C⁻¹C₁), with a flat prior on the constant in both. For white noise of rising level and
 //! for a coarser step, the same sample by sample with r = added variance over the white variance: d² = Σ (r − ln(1 +
 //! r)).
 //!
-//! **Two levels.** A matched filter knows the moments of the transitions of telegraph noise, and nobody else does; and a
-//! Gauss-Markov process of the same spectrum explains much of it. d² is the
-//! expected 2 log likelihood ratio of the course against that process, C₁ = C + a² G, less −2 ln P of the transitions,
-//! block by block: a² sᵀ C₁⁻¹ s + tr(C₁⁻¹ C) − N + ln det(C₁ C⁻¹) + 2 ln P.
+//! **Two levels.** Only a matched filter knows the moments of the transitions of telegraph noise; a Gauss-Markov
+//! process of the same spectrum explains much of it. d² is the expected 2 log likelihood ratio of the course against
+//! that process, C₁ = C + a² G, less −2 ln P of the transitions, block by block: a² sᵀ C₁⁻¹ s + tr(C₁⁻¹ C) − N + ln
+//! det(C₁ C⁻¹) + 2 ln P.
 //!
-//! **Lost and clipped samples.** d² = their number.
+//! **Lost and clipped samples.** d² is their number.
 
 use std::ops::Range;
 
@@ -27,15 +27,15 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::coloured::AxisNoise;
 
-/// Blocks that a field is cut into.
+/// Number of blocks of a log.
 const BLOCKS: f64 = 400.0;
 
-/// Contiguous, equally long within a stretch.
+/// Contiguous blocks, of equal length within a stretch.
 #[derive(Debug, Clone)]
 pub(super) struct Blocks(pub(super) Vec<Range<usize>>);
 
 impl Blocks {
-    /// Of stretches of samples, the ends at multiples of `cell`.
+    /// Blocks of stretches of samples, with ends at multiples of `cell`.
     pub(super) fn of(stretches: &[Range<usize>], cell: usize) -> Self {
         let cells: Vec<Range<usize>> = stretches
             .iter()
@@ -52,7 +52,7 @@ impl Blocks {
         Self(blocks)
     }
 
-    /// The same blocks of a series with one sample for every `by`.
+    /// The same blocks of a series decimated by `by`.
     pub(super) fn decimated(&self, by: usize) -> Self {
         Self(self.0.iter().map(|rows| rows.start / by..rows.end / by).collect())
     }
@@ -62,7 +62,7 @@ impl Blocks {
         self.0.iter().map(mean).collect()
     }
 
-    /// Start and duration of each, s.
+    /// Start and duration of each block, s.
     fn times(&self, period_s: f64) -> Vec<[f64; 2]> {
         self.0.iter().map(|rows| [rows.start as f64 * period_s, rows.len() as f64 * period_s]).collect()
     }
@@ -118,7 +118,7 @@ impl Blocks {
     }
 }
 
-/// Block means made white.
+/// Whitening of block means.
 pub(super) struct Whitener {
     factor: Cholesky<f64, Dyn>,
     constant: DVector<f64>,
@@ -134,7 +134,7 @@ impl Whitener {
         Some(Self { factor, constant })
     }
 
-    /// Block means made white, without the constant.
+    /// Whitened block means, with the constant projected out.
     pub(super) fn whiten(&self, means: &[f64]) -> DVector<f64> {
         let mut white = DVector::from_column_slice(means);
         self.factor.l_dirty().solve_lower_triangular_mut(&mut white);
@@ -142,12 +142,12 @@ impl Whitener {
         white
     }
 
-    /// Length of what is left of a whitened series when others are projected out.
+    /// Norm of a whitened series after others are projected out.
     pub(super) fn left(series: &DVector<f64>, others: &[DVector<f64>]) -> f64 {
         let mut basis: Vec<DVector<f64>> = Vec::new();
         for other in others {
             let mut direction = other.clone();
-            // twice, or rounding would leave something of nearly equal columns
+            // twice, since rounding leaves a remainder of nearly equal columns
             for _ in 0..2 {
                 for known in &basis {
                     direction.axpy(-direction.dot(known), known, 1.0);
@@ -165,7 +165,7 @@ impl Whitener {
     }
 }
 
-/// Amplitude of added noise, its covariance of amplitude one given, that has the size `wanted`; see the module.
+/// Amplitude of added noise of size `wanted`, given its covariance `g` at amplitude one; see the module.
 pub(super) fn noise_amplitude(c: &DMatrix<f64>, g: &DMatrix<f64>, wanted: f64) -> Option<f64> {
     let n = c.nrows();
     let flat = 1e4 * c.trace() / n as f64;
@@ -197,8 +197,8 @@ pub(super) fn noise_amplitude(c: &DMatrix<f64>, g: &DMatrix<f64>, wanted: f64) -
     Some(a.exp())
 }
 
-/// Amplitude of a course of two levels, `s` at amplitude one, that has the size `wanted`: `g` is the covariance of a
-/// process of its spectrum, `code` the price of its transitions; see the module.
+/// Amplitude of a course of two levels of size `wanted`, `s` at amplitude one: `g` is the covariance of a process with
+/// its spectrum, `code` the description length of its transitions; see the module.
 pub(super) fn telegraph_amplitude(
     c: &DMatrix<f64>,
     g: &DMatrix<f64>,
@@ -216,7 +216,7 @@ pub(super) fn telegraph_amplitude(
         Some(fit + log_det(&process) - base - code)
     };
     let (mut low, mut high) = (0.01 * about, 100.0 * about);
-    // ends: it halves, of 16
+    // terminates: it halves, of 16
     for _ in 0..16 {
         let middle = (low * high).sqrt();
         if square(middle)? < wanted * wanted { low = middle } else { high = middle }
@@ -224,15 +224,15 @@ pub(super) fn telegraph_amplitude(
     Some(high)
 }
 
-/// Σ (r − ln(1 + r)) over samples whose variance is raised by r.
+/// Size of a change of the noise level: square root of Σ (r − ln(1 + r)) over samples whose variance is raised by r.
 pub(super) fn level_size(ratios: impl Iterator<Item = f64>) -> f64 {
     ratios.map(|r| r - r.ln_1p()).sum::<f64>().sqrt()
 }
 
-/// The positive x at which a growing function is `wanted`, by bisection of its logarithm within e^±20 of `about`.
+/// Positive x at which an increasing function is `wanted`, by bisection of its logarithm within e^±20 of `about`.
 pub(super) fn solve(about: f64, wanted: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (about.ln() - 20.0, about.ln() + 20.0);
-    // ends: it halves, of 40, and logarithms of numbers are apart by far less than 1e-5
+    // terminates: it halves, of 40, and logarithms of numbers are apart by far less than 1e-5
     while high - low > 1e-5 {
         let middle = 0.5 * (low + high);
         if f(middle.exp()) < wanted { low = middle } else { high = middle }

@@ -12,14 +12,14 @@ use super::planting::{Planted, assess};
 use super::random::{Random, Stream, chance, log_between, random};
 use super::setup::{Path, Setup};
 
-/// Redraws before the best draw is taken.
+/// Maximum number of redraws; the best draw is then taken.
 const ATTEMPTS: usize = 60;
 
-/// A third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with two effects; a
-/// fifteenth that nobody can decide; the rest, some 13 %, with something that no library has. Slow effects are such
-/// that at least this size is left after the best other effect: 5 of a single one, 8 of each of two, 0.6 of all and 12
-/// of one outside; covariates are redrawn until they do. The same arguments give the same plans; plans of 450 take
-/// about half a minute.
+/// Plans of a suite: a third with nothing missing; 40 % with one effect, every effect at every level; a fifteenth with
+/// two effects; a fifteenth with two indistinguishable effects; the remaining 13 % with something outside the library.
+/// Slow effects are redrawn until the best other effect leaves at least this size of them: 5 of a single one, 8 of each
+/// of two, 0.6 of all and 12 of one outside. The same arguments give the same plans; plans of 450 take about half a
+/// minute.
 pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
     let share = |of: usize| (count * of + 7) / 15;
     let (nothing, singles, pairs, inseparable) = (share(5), share(6), share(1), share(1));
@@ -39,7 +39,7 @@ pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
         }
         outside(of, random)
     };
-    // each plan has its own stream: the order in which they are made is nothing to it
+    // each plan has its own random stream, so the order of their computation does not matter
     let threads = std::thread::available_parallelism().map_or(1, usize::from).clamp(1, 8);
     let mut plans: Vec<(usize, CasePlan)> = std::thread::scope(|scope| {
         let build = &build;
@@ -52,8 +52,7 @@ pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
     plans.into_iter().map(|(_, plan)| plan).collect()
 }
 
-/// The plans of a suite that suit a disturbance, disturbed so: the same cases can be held against each other with and
-/// without it.
+/// Plans of a suite that suit a disturbance, with it added, for comparison of the same cases with and without it.
 pub fn suite_in(seed: u64, count: usize, disturbance: Disturbance) -> Vec<CasePlan> {
     let suited = suite(seed, count).into_iter().filter(|plan| disturbance.suits(plan.setup));
     suited.map(|plan| CasePlan { disturbance, ..plan }).collect()
@@ -63,9 +62,10 @@ fn pick<T: Copy>(random: &mut Random, choices: &[T]) -> T {
     choices[random.random_range(0..choices.len())]
 }
 
-/// A part, a place that shows all of `effects`, a seed; nothing planted.
+/// A part, a set-up and axis that show all of `effects`, and a seed; nothing planted.
 fn place(random: &mut Random, effects: &[Effect], setup: Option<Setup>) -> Option<CasePlan> {
-    // what shakes an accelerometer is no error of it, but nothing in the log says so: its lines would count as found
+    // vibration measured by an accelerometer is no error, but the log does not state it: its lines would count as
+    // findings
     let about_vibration =
         effects.iter().any(|effect| matches!(effect, Effect::VibrationRectification | Effect::Saturation));
     let places: Vec<(Setup, Axis)> = Setup::ALL
@@ -76,7 +76,7 @@ fn place(random: &mut Random, effects: &[Effect], setup: Option<Setup>) -> Optio
         .filter(|(setup, axis)| *setup != Setup::Shaker || axis.is_gyro() || about_vibration)
         .collect();
     let part = pick(random, &PARTS).name;
-    // a seed that JSON readers without 64-bit integers keep
+    // small enough for JSON readers without 64-bit integers
     let seed = random.random_range(0..1_u64 << 48);
     (!places.is_empty()).then(|| {
         let (setup, axis) = pick(random, &places);
@@ -127,8 +127,7 @@ fn single(index: usize, random: &mut Random) -> CasePlan {
     redraw(random, draw, |planted| left(&planted[0]) / 5.0)
 }
 
-/// An effect at a level. Faults of the data have ranges of their own: what a size of 300 would be is no fault but a
-/// ruin.
+/// An effect at a level. Faults of the data have separate ranges: at a size of 300 they would ruin the log.
 fn plant(effect: Effect, level: Level, random: &mut Random) -> Plant {
     let [low, high] = level.sizes();
     let step = level as usize;
@@ -141,7 +140,7 @@ fn plant(effect: Effect, level: Level, random: &mut Random) -> Plant {
         Effect::Quantisation => Some(pick(random, &[[4.0, 6.0], [8.0, 12.0], [16.0, 32.0]][step])),
         _ => None,
     };
-    // a level that changes by less than 1 % matters to nobody, however sure it is
+    // a level change below 1 % is irrelevant, however significant
     let factor = if effect == Effect::NoiseTemperature { 3.0 } else { 1.0 };
     Plant { effect, parameter, size: factor * log_between(random, low, high) }
 }
@@ -184,7 +183,7 @@ fn undecidable(index: usize, random: &mut Random) -> CasePlan {
         let effect = pick(random, &pair);
         let parameter = match effect {
             Effect::WarmupExp => Some(tau_s),
-            // behind a ramp, a lag is a shift, but for its start
+            // behind a ramp, a lag is a shift, except at its start
             Effect::ThermalLag => Some(log_between(random, 15.0, 60.0)),
             _ => None,
         };
@@ -212,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_suite_has_the_shares_and_what_it_promises() {
+    fn suite_has_the_documented_shares_and_sizes() {
         let plans = suite(1, 30);
         assert_eq!(plans, suite(1, 30));
         let count = |of: fn(&Kind) -> bool| plans.iter().filter(|plan| of(&plan.kind)).count();

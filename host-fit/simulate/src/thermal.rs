@@ -1,11 +1,11 @@
-//! Temperature: an ambient that wanders and may be cycled, a board that the load heats, the die behind the board.
+//! Temperature: an ambient that wanders and may be cycled, a board heated by the load, the die behind the board.
 
 use super::random::{Random, between, chance, log_between, normal};
 
-/// What is done to the ambient.
+/// Course of the ambient temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ambient {
-    /// A closed box: hundredths of a kelvin. The baseline.
+    /// A closed box: hundredths of a kelvin, for the reference log.
     Still,
     /// A room: tenths of a kelvin.
     Room,
@@ -22,7 +22,7 @@ pub(super) enum Ambient {
     },
 }
 
-/// What a unit's surroundings do with heat; drawn once for a unit.
+/// Thermal properties of a device and its surroundings; drawn once for a device.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thermal {
     /// Ambient temperature, °C.
@@ -62,7 +62,7 @@ impl Thermal {
             _ => raised_cosine(&cycle, t),
         };
         if matches!(ambient, Ambient::Ramp(_) | Ambient::Exponential { .. }) {
-            // the board in a bath whose course is set: no lag of its own, or it would be no line
+            // the board is in a bath with a prescribed course: its own lag would bend the line
             return (0..load.len()).map(|n| base + planned(n as f64 * period_s)).collect();
         }
         let wander_decay = (-period_s / wander_tau_s).exp();
@@ -73,7 +73,7 @@ impl Thermal {
         let mut wander = wander_k * normal(random);
         let mut board = heat * load.first().copied().unwrap_or(0.0);
         let mut die = board + wander;
-        // a second pole, or the room would be as rough as a random walk
+        // a second pole, since the room would otherwise be as rough as a random walk
         let mut room = wander;
         (0..load.len())
             .map(|n| {
@@ -113,7 +113,7 @@ fn cycle(duration_s: f64, random: &mut Random) -> Vec<(f64, f64)> {
     points
 }
 
-/// The course through points of time and level, flat before the first and after the last.
+/// Course through points of time and level, flat before the first and after the last.
 pub(super) fn raised_cosine(points: &[(f64, f64)], t: f64) -> f64 {
     let next = points.partition_point(|(time, _)| *time <= t);
     match (next.checked_sub(1).map(|i| points[i]), points.get(next).copied()) {

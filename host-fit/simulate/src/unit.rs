@@ -1,4 +1,4 @@
-//! A simulated unit: temperature, pose, motion, errors, quantisation, time stamps.
+//! A simulated device: temperature, orientation, motion, errors, quantisation, timestamps.
 
 use fos_data::column::AXES;
 use fos_data::column::Column;
@@ -13,7 +13,7 @@ const DPS: f64 = std::f64::consts::PI / 180.0;
 const MILLI_G: f64 = GRAVITY * 1e-3;
 
 /// Noise of the simulated accelerometers: 180 µg/√Hz, bias instability 50 µg (BMI160 data sheet: 180 µg/√Hz; bias
-/// instability as users measure it).
+/// instability as measured by users).
 const ACCEL_NOISE_DENSITY: f64 = 180e-3 * MILLI_G;
 const ACCEL_BIAS_INSTABILITY: f64 = 0.05 * MILLI_G;
 /// Noise of the simulated gyros: 7 mdps/√Hz, bias instability 9 °/h (BMI160 data sheet: 0.007 °/s/√Hz).
@@ -24,18 +24,18 @@ const GYRO_BIAS_INSTABILITY: f64 = 9.0 / 3600.0 * DPS;
 const ACCEL_LSB: f64 = 4.0 * GRAVITY / 32768.0;
 const GYRO_LSB: f64 = 250.0 * DPS / 32768.0;
 
-/// Full scales, as the above.
+/// Full scales of the same ranges.
 const FULL_SCALE: [f64; 6] =
     [4.0 * GRAVITY, 4.0 * GRAVITY, 4.0 * GRAVITY, 250.0 * DPS, 250.0 * DPS, 250.0 * DPS];
 
-/// Sensitivity of each axis to temperature, per kelvin: mg/K and °/s/K of phone-class parts.
+/// Temperature coefficient of each axis: mg/K and °/s/K of phone-class parts.
 const PER_KELVIN: [f64; 6] =
     [0.5 * MILLI_G, -0.8 * MILLI_G, 1.0 * MILLI_G, 0.02 * DPS, -0.03 * DPS, 0.015 * DPS];
 
 /// Bias at 25 °C.
 const BIAS: [f64; 6] = [20.0 * MILLI_G, -15.0 * MILLI_G, 30.0 * MILLI_G, 0.5 * DPS, -0.3 * DPS, 0.8 * DPS];
 
-/// How long a motion lasts and how long the rest between two takes, s.
+/// Duration of a motion, and of the rest between two, s.
 const MOTION_S: f64 = 30.0;
 const REST_S: f64 = 60.0;
 
@@ -43,13 +43,13 @@ const REST_S: f64 = 60.0;
 pub struct Simulation {
     /// Duration, s.
     pub duration_s: f64,
-    /// Nominal sample rate, Hz; the true one is off by up to 1 %.
+    /// Nominal sampling rate, Hz; the true one differs by up to 1 %.
     pub rate_hz: f64,
-    /// Of every random number.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Sensitivity to temperature, as a multiple of that of the unit; 0 for none.
+    /// Temperature sensitivity, as a multiple of the device's; 0 for none.
     pub temperature: f64,
-    /// The unit is moved by hand for 30 s out of every 90 s in the last third of the log.
+    /// True if the device is moved by hand for 30 s out of every 90 s in the last third of the log.
     pub motion: bool,
 }
 
@@ -62,7 +62,7 @@ impl Default for Simulation {
 /// A log and the truth behind it.
 #[derive(Debug, Clone)]
 pub struct SimulatedLog {
-    /// The columns of the log, as a recorder would write them: `t_s`, six axes, `temp_c`, `still`.
+    /// Columns of the log as written by a recorder: `t_s`, six axes, `temp_c`, `still`.
     pub columns: Vec<(String, Vec<f64>)>,
     /// True value of each axis, in its unit: `ref_ax_mps2` …
     pub truth: Vec<(String, Vec<f64>)>,
@@ -85,7 +85,7 @@ pub fn simulate(simulation: &Simulation) -> SimulatedLog {
     for sample in 0..n {
         let t = sample as f64 * period_s;
         let die = die_temperature(t);
-        // a slow channel repeats its last value, and has a step of its own
+        // a slow channel repeats its last value, and has its own resolution
         if sample % (rate_hz as usize / 10).max(1) == 0 {
             thermometer = (die * 64.0).round() / 64.0;
         }
@@ -121,7 +121,7 @@ fn sizes(axis: usize, rate_hz: f64) -> NoiseSizes {
         (GYRO_NOISE_DENSITY, GYRO_BIAS_INSTABILITY)
     };
     NoiseSizes {
-        // white noise of that density over half the sample rate
+        // white noise of that density over half the sampling rate
         white: density * (rate_hz / 2.0).sqrt(),
         flicker: instability,
         // reaches the bias instability after a quarter of an hour
@@ -129,19 +129,19 @@ fn sizes(axis: usize, rate_hz: f64) -> NoiseSizes {
     }
 }
 
-/// Warms up by 4 K with 200 s, and follows a room that swings by 5 K in 7 minutes, °C.
+/// Die temperature, °C: warms up by 4 K with 200 s, and follows a room that oscillates by 5 K in 7 minutes.
 fn die_temperature(t: f64) -> f64 {
     27.0 + 4.0 * (1.0 - (-t / 200.0).exp()) + 2.5 * (std::f64::consts::TAU * t / 420.0).sin()
 }
 
-/// Time since the motion under way began, s; none while at rest.
+/// Time since the begin of the present motion, s; `None` at rest.
 fn motion_phase(t: f64, duration_s: f64) -> Option<f64> {
     let since = t - duration_s * 2.0 / 3.0;
     let phase = since.rem_euclid(REST_S + MOTION_S) - REST_S;
     (since >= 0.0 && phase >= 0.0).then_some(phase)
 }
 
-/// A hand that turns the unit about, smooth at both ends: specific force and rate.
+/// Specific force and rate of a hand that rotates the device, smooth at both ends.
 fn motion(phase: f64) -> [f64; 6] {
     let envelope = (std::f64::consts::PI * phase / MOTION_S).sin().powi(2);
     let swing = |frequency_hz: f64, shift: f64| {

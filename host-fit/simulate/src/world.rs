@@ -1,33 +1,33 @@
-//! What is true while a log is recorded: time, temperature, supply, load, magnetic field, specific force, rate.
+//! True quantities during a log: time, temperature, supply, load, magnetic field, specific force, rate.
 
 use std::ops::Range;
 
 use super::axis::Axis;
 
-/// The true covariates of one log, sample by sample.
+/// True covariates of one log, sample by sample.
 #[derive(Debug, Clone, Default)]
 pub(super) struct World {
-    /// Sample period, s.
+    /// Sampling period, s.
     pub(super) period_s: f64,
     /// Die temperature, °C.
     pub(super) temp_c: Vec<f64>,
-    /// Supply, V.
+    /// Supply voltage, V.
     pub(super) supply_v: Vec<f64>,
     /// Load of the processor, %.
     pub(super) load_pct: Vec<f64>,
-    /// Magnetic field in the unit's axes, µT.
+    /// Magnetic field in the axes of the device, µT.
     pub(super) field_ut: [Vec<f64>; 3],
-    /// Specific force in the unit's axes, m/s².
+    /// Specific force in the axes of the device, m/s².
     pub(super) force_mps2: [Vec<f64>; 3],
-    /// Angular rate in the unit's axes, rad/s.
+    /// Angular rate in the axes of the device, rad/s.
     pub(super) rate_rads: [Vec<f64>; 3],
-    /// Mean square of the vibration, all axes together, (m/s²)².
+    /// Mean square of the vibration, summed over all axes, (m/s²)².
     pub(super) vibration: Vec<f64>,
-    /// Where the unit does not turn; `None` if it never or always may.
+    /// Rows without rotation; `None` if the device never rotates, or may rotate at any time.
     pub(super) still: Option<Vec<bool>>,
-    /// The recorder has the true specific force.
+    /// True if the true specific force is logged.
     pub(super) force_is_logged: bool,
-    /// The recorder has the true rate.
+    /// True if the true rate is logged.
     pub(super) rate_is_logged: bool,
 }
 
@@ -36,7 +36,7 @@ impl World {
         self.temp_c.len()
     }
 
-    /// How long it lasts, s.
+    /// Duration, s.
     pub(super) fn duration_s(&self) -> f64 {
         self.len() as f64 * self.period_s
     }
@@ -47,12 +47,12 @@ impl World {
         &vector[axis.direction()]
     }
 
-    /// The recorder has the true value of this axis.
+    /// Returns true if the true value of this axis is logged.
     pub(super) fn has_reference(&self, axis: Axis) -> bool {
         if axis.is_gyro() { self.rate_is_logged } else { self.force_is_logged }
     }
 
-    /// Stretches in which the error of `axis` shows: all, or, where the rig turns and nothing says how, those at rest.
+    /// Stretches in which the error of `axis` is observable: all, or those at rest if a rig rotates without a reference.
     pub(super) fn usable(&self, axis: Axis) -> Vec<Range<usize>> {
         match &self.still {
             Some(still) if !self.has_reference(axis) => {
@@ -62,7 +62,7 @@ impl World {
         }
     }
 
-    /// The same with one sample for every `by`, their mean; a cell is still if all its samples are.
+    /// Decimated copy with the mean of every `by` samples; a cell is still if all its samples are.
     pub(super) fn decimated(&self, by: usize) -> Self {
         let mean = |values: &Vec<f64>| -> Vec<f64> {
             values.chunks_exact(by).map(|cell| cell.iter().sum::<f64>() / by as f64).collect()

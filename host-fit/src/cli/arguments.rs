@@ -237,7 +237,7 @@ fn quality(recording: &Recording, stillness: &Stillness, printed: Printed) -> St
     let oddities = recording.oddities(&stillness.still).into_iter();
     let oddities =
         oddities.map(|oddity| format!("caution: {}", warning_in_words(&oddity, options.get_arguments())));
-    let moved = disturbance::told(recording, &stillness.disturbances);
+    let moved = disturbance::describe_disturbances(recording, &stillness.disturbances);
     let moved = first(moved, printed.at_most(3)).into_iter();
     let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
     let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);

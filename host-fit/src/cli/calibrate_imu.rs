@@ -19,7 +19,7 @@ use fos_calibrate::{
 };
 use fos_data::column::Triad;
 use fos_data::file::{check_output, folder_of, name_of, write_atomically};
-use fos_data::recording::{Oddity, Recording, SensorProvenance, Source};
+use fos_data::recording::{LogWarning, Recording, SensorProvenance, Source};
 
 /// Calibrate bias, sensitivity and cross-axis from hand-turned orientations
 ///
@@ -213,7 +213,7 @@ impl CalibrateImu {
         let options = Reading::augment_args(clap::Command::new("options"));
         let still = vec![false; recording.n_rows()];
         for oddity in recording.oddities(&still) {
-            if matches!(oddity, Oddity::AssumedMap(_) | Oddity::Clock(_)) {
+            if matches!(oddity, LogWarning::AssumedMap(_) | LogWarning::Clock(_)) {
                 print_warning(&warning_in_words(&oddity, options.get_arguments()));
             }
         }

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::units::{self, Printed};
 use crate::escaping::{quoted, visible_json};
-use fos_data::recording::{Oddity, RecordingError};
+use fos_data::recording::{LogWarning, RecordingError};
 pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};
 use fos_diagnose::study::StudyError;
@@ -138,11 +138,11 @@ fn map_arguments(map: &[String]) -> String {
 
 /// A warning about a log in the terms of the command line.
 pub(super) fn warning_in_words<'a>(
-    warning: &Oddity,
+    warning: &LogWarning,
     arguments: impl IntoIterator<Item = &'a clap::Arg>,
 ) -> String {
     let message = match warning {
-        Oddity::AssumedMap(map) => {
+        LogWarning::AssumedMap(map) => {
             format!(
                 "the file has no header; its values show {}. Check it, and pass it with the file",
                 map_arguments(map)

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_data::disturbance::{marked, told};
+use fos_data::disturbance::{describe_disturbances, marked};
 use fos_data::recording::{Recording, runs};
 use fos_data::stillness::Stillness;
 
@@ -47,11 +47,14 @@ pub struct ShadedRange {
 /// from the whole log, because only parts of a motion remain among the rows that the detector accepts as still.
 pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
     let mut stretches: Vec<(Range<usize>, String)> = Vec::new();
-    for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_left_out()) {
+    for one in marked(recording).1.iter().chain(&stillness.disturbances).filter(|one| one.is_excluded()) {
         let overlaps = |rows: &Range<usize>| rows.start < one.rows.end && one.rows.start < rows.end;
         match stretches.iter_mut().find(|(rows, _)| overlaps(rows)) {
             Some((rows, _)) => *rows = rows.start.min(one.rows.start)..rows.end.max(one.rows.end),
-            None => stretches.push((one.rows.clone(), told(recording, std::slice::from_ref(one)).concat())),
+            None => stretches.push((
+                one.rows.clone(),
+                describe_disturbances(recording, std::slice::from_ref(one)).concat(),
+            )),
         }
     }
     stretches.sort_by_key(|(rows, _)| rows.start);
@@ -159,7 +162,7 @@ mod tests {
             let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
             let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
             assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
-            let excluded = stillness.disturbances.iter().filter(|one| one.is_left_out());
+            let excluded = stillness.disturbances.iter().filter(|one| one.is_excluded());
             assert!(excluded.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
             let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);
             let is_hand = moved.ranges.iter().any(|range| range.says.starts_with("handling"));

@@ -91,8 +91,9 @@ impl LogSummary {
         let read_as =
             log.sources.iter().filter_map(|source| source.read_as.as_ref()).map(ToString::to_string);
         let quality = read_as.chain(joined.lines().chain(quality.lines()).map(str::to_owned));
-        let told =
-            disturbance::told(log, &stillness.disturbances).into_iter().map(|told| format!("moved: {told}"));
+        let told = disturbance::describe_disturbances(log, &stillness.disturbances)
+            .into_iter()
+            .map(|told| format!("moved: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),

@@ -54,7 +54,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
             let mut read = |path: &String| -> Result<Recording, String> {
                 progress(Job::step(format!("reading {}", name_of(path)), done, wanted));
                 done += 1;
-                load(Path::new(path), options).map(Recording::counted_on).map_err(in_text)
+                load(Path::new(path), options).map(Recording::with_monotonic_time).map_err(in_text)
             };
             let logs = Logs {
                 field: read(field)?,

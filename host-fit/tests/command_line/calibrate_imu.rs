@@ -1,4 +1,4 @@
-//! `calibrate-imu`: a summary that people read, JSON, certificates, files of other programs, and refusals with the remedy.
+//! `calibrate-imu`: a readable summary, JSON, certificates, files for other programs, and refusals with a remedy.
 
 use std::fs;
 
@@ -12,8 +12,8 @@ fn a_turned_log_is_calibrated_in_a_few_lines() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("turned.csv"), turned_log()).expect("written");
-    let said = done(folder, &["calibrate-imu", "turned.csv", "--latitude", "45.4", "--accuracy", "5mg"]);
-    assert!(said.lines().count() <= 40, "{said}");
+    let message = done(folder, &["calibrate-imu", "turned.csv", "--latitude", "45.4", "--accuracy", "5mg"]);
+    assert!(message.lines().count() <= 40, "{message}");
     for part in [
         "bias, mg",
         "sensitivity, %",
@@ -21,10 +21,10 @@ fn a_turned_log_is_calibrated_in_a_few_lines() {
         "next: one dwell with",
         "accuracy of 5.00 mg",
     ] {
-        assert!(said.contains(part), "{part}: {said}");
+        assert!(message.contains(part), "{part}: {message}");
     }
     let all = done(folder, &["calibrate-imu", "turned.csv", "--details", "--units", "si"]);
-    assert!(all.contains("bias, m/s²") && all.contains("from rest") && all.len() > said.len(), "{all}");
+    assert!(all.contains("bias, m/s²") && all.contains("from rest") && all.len() > message.len(), "{all}");
 
     let json: Value =
         serde_json::from_str(&done(folder, &["calibrate-imu", "turned.csv", "--json"])).expect("JSON");
@@ -36,7 +36,7 @@ fn a_turned_log_is_calibrated_in_a_few_lines() {
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let accelerometer = &found["accelerometer"]["parameters"];
         let gyro = &found["gyro"]["parameters"];
-        // twice the interval: twelve of them are checked
+        // twice the interval, since twelve of them are checked
         for (list, id, truth) in [
             (accelerometer, "accelerometer.bias", ACCELEROMETER[axis].0),
             (accelerometer, "accelerometer.sensitivity", ACCELEROMETER[axis].1),
@@ -55,15 +55,15 @@ fn a_turned_log_is_calibrated_in_a_few_lines() {
 }
 
 #[test]
-fn a_certificate_states_what_is_known_and_escapes_it() {
+fn certificate_states_known_facts_and_escapes_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("turned.csv"), turned_log()).expect("written");
     let device = "No. 7 <script>x()</script> | **b**";
     let read = |name: &str| fs::read_to_string(folder.join(name)).expect("written");
     for name in ["c.html", "c.md", "c.json"] {
-        let said = done(folder, &["calibrate-imu", "turned.csv", "--device", device, "-o", name]);
-        assert!(said.contains(&format!("{name}: certificate")), "{said}");
+        let message = done(folder, &["calibrate-imu", "turned.csv", "--device", device, "-o", name]);
+        assert!(message.contains(&format!("{name}: certificate")), "{message}");
     }
     let (page, text) = (read("c.html"), read("c.md"));
     for part in ["Calibration certificate", "SHA-256", "|a| = g", "s², assumed", "accelerometer x bias"] {
@@ -101,18 +101,18 @@ fn files_of_other_programs_are_written() {
 }
 
 #[test]
-fn logs_that_cannot_be_calibrated_are_refused_with_the_remedy() {
+fn rejects_logs_unfit_for_calibration_with_a_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, &["simulate", "rest.csv", "--minutes", "1", "--at-rest"]);
-    let said = fails(folder, 1, &["calibrate-imu", "rest.csv"]);
-    assert!(said.contains("orientation") && said.contains("help: record 12 orientations"), "{said}");
-    let said = fails(folder, 1, &["calibrate-imu", "rest.csv", "--rate-table", "33.3333rpm"]);
-    assert!(said.contains("no stretch of constant rate near 3.4907 rad/s"), "{said}");
+    let message = fails(folder, 1, &["calibrate-imu", "rest.csv"]);
+    assert!(message.contains("orientation") && message.contains("help: record 12 orientations"), "{message}");
+    let message = fails(folder, 1, &["calibrate-imu", "rest.csv", "--rate-table", "33.3333rpm"]);
+    assert!(message.contains("no stretch of constant rate near 3.4907 rad/s"), "{message}");
     fs::write(folder.join("gyro.csv"), "t_s,gx_rads,gy_rads,gz_rads\n0,1,2,3\n0.1,1,2,3.1\n0.2,1,2,3\n")
         .expect("written");
-    let said = fails(folder, 1, &["calibrate-imu", "gyro.csv"]);
-    assert!(said.contains("no accelerometer") && said.contains("--rate-table"), "{said}");
-    let said = fails(folder, 2, &["calibrate-imu", "rest.csv", "--accuracy", "2"]);
-    assert!(said.contains("has no unit; known are mg"), "{said}");
+    let message = fails(folder, 1, &["calibrate-imu", "gyro.csv"]);
+    assert!(message.contains("no accelerometer") && message.contains("--rate-table"), "{message}");
+    let message = fails(folder, 2, &["calibrate-imu", "rest.csv", "--accuracy", "2"]);
+    assert!(message.contains("has no unit; known are mg"), "{message}");
 }

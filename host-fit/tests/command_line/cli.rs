@@ -1,6 +1,6 @@
-//! The command line as a session: every subcommand, and what it says when it cannot.
+//! The command line as a session: every subcommand, and its errors.
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 
 #[test]
 fn a_session_goes_from_a_log_to_a_corrected_log() {
@@ -54,16 +54,16 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     );
     let replayed = done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]);
     assert!(replayed.contains("digest of the innovations"), "{replayed}");
-    // the same once more, and from the corrected log's own reader
+    // once more, and from the corrected log's own reader
     assert_eq!(replayed, done(folder, &["replay", "unit.fosm", "log.csv.gz", "-o", "corrected.parquet"]));
     let again =
         done(folder, &["fit", "corrected.parquet", "--axis", "gx", "--memory", "none", "-o", "again.json"]);
     assert!(again.contains("gx_rads"), "{again}");
 }
 
-/// As a device answers when it is too late.
+/// Exports fail early with the error that a device would give on loading.
 #[test]
-fn export_says_which_hub_refuses_the_model() {
+fn export_names_the_hub_that_rejects_the_model() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, &["simulate", "log.parquet", "--minutes", "1", "--at-rest"]);
@@ -73,15 +73,15 @@ fn export_says_which_hub_refuses_the_model() {
     assert!(exported.contains("samples per second, within 10 %, with raw values"), "{exported}");
 
     done(folder, &[&fit[..], &["--max-lag", "140"]].concat());
-    let warned = said(folder, &["export", "unit.json", "--image", "b.fosm", "--rust", "b.rs"]);
+    let warned = stderr_of(folder, &["export", "unit.json", "--image", "b.fosm", "--rust", "b.rs"]);
     for part in
         ["warning: the hub of the C interface", "140 terms (room for 128)", "--max-terms", "Hub<0, 140, 256>"]
     {
         assert!(warned.contains(part), "{part}: {warned}");
     }
     assert!(folder.join("b.fosm").exists());
-    // Rust source has a hub that is large enough, a C header has none
-    assert_eq!(said(folder, &["export", "unit.json", "--rust", "b.rs"]), "");
+    // Rust source defines a hub that is large enough, a C header does not
+    assert_eq!(stderr_of(folder, &["export", "unit.json", "--rust", "b.rs"]), "");
     let refused = fails(folder, 1, &["export", "unit.json", "--image", "c.fosm", "--c", "c.h"]);
     assert!(refused.contains("error: the hub of the C interface") && refused.contains("help:"), "{refused}");
     assert!(!folder.join("c.h").exists() && !folder.join("c.fosm").exists());
@@ -109,7 +109,7 @@ fn json_is_json_and_nothing_else() {
     assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));
 }
 
-/// A log of so many samples a second, at rest or not as it says itself; gyro x follows no model but noise of a sort.
+/// A log with this sampling rate, at rest or not by its own flag; gyro x has only noise, no model.
 fn log_at(rate_hz: f64, still: bool) -> String {
     let noise = |n: u32| f64::from(n.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
     let row =
@@ -118,7 +118,7 @@ fn log_at(rate_hz: f64, still: bool) -> String {
     format!("t_s,gx_rads,still\n{rows}")
 }
 
-/// By the rule of the hub, which refuses such a sensor.
+/// Follows the rule of the hub, which refuses such a sensor.
 #[test]
 fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -140,9 +140,9 @@ fn replay_refuses_a_log_of_another_rate_as_the_hub_does() {
     }
 }
 
-/// It printed "NaN" for what f32 costs, and a root mean square of 0.
+/// Used to print "NaN" for the cost of f32, and a root mean square of 0.
 #[test]
-fn a_replay_without_a_row_at_rest_says_that_nothing_can_be_compared() {
+fn replay_without_rest_reports_that_nothing_is_comparable() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     std::fs::write(folder.join("fit.csv"), log_at(100.0, true)).expect("written");
@@ -174,33 +174,33 @@ fn a_study_is_repeatable() {
 }
 
 #[test]
-fn what_it_cannot_do_it_says_with_the_place_and_the_remedy() {
+fn errors_state_place_and_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
 
     assert!(fails(folder, 1, &["fit", "absent.csv"]).contains("absent.csv"));
     write("rubbish.csv", "t_s,gx_rads\n0.0,0.1\n0.01,oops\n0.02,0.3\n0.03,0.2\n");
-    let said = fails(folder, 1, &["fit", "rubbish.csv", "--strict"]);
-    assert!(said.contains("rubbish.csv:3:2") && said.contains("oops"), "{said}");
+    let message = fails(folder, 1, &["fit", "rubbish.csv", "--strict"]);
+    assert!(message.contains("rubbish.csv:3:2") && message.contains("oops"), "{message}");
     write("timeless.csv", "gx_rads\n0.1\n0.2\n");
-    let said = fails(folder, 1, &["fit", "timeless.csv"]);
-    assert!(said.contains("t_s") && said.contains("rate"), "{said}");
+    let message = fails(folder, 1, &["fit", "timeless.csv"]);
+    assert!(message.contains("t_s") && message.contains("rate"), "{message}");
     let constant: String = (0..3000).map(|n| format!("{},0.5\n", f64::from(n) * 0.01)).collect();
     write("constant.csv", &format!("t_s,gx_rads\n{constant}"));
-    let said = fails(folder, 1, &["fit", "constant.csv"]);
-    assert!(said.contains("gx_rads") && said.contains("0.5"), "{said}");
+    let message = fails(folder, 1, &["fit", "constant.csv"]);
+    assert!(message.contains("gx_rads") && message.contains("0.5"), "{message}");
     let short: String =
         (0..50).map(|n| format!("{},{}\n", f64::from(n) * 0.01, f64::from(n * n % 7))).collect();
     write("short.csv", &format!("t_s,gx_rads\n{short}"));
-    let said = fails(folder, 1, &["fit", "short.csv"]);
-    assert!(said.contains("help: a longer log, a larger --train") && !said.contains('`'), "{said}");
-    let said = fails(folder, 1, &["fit", "short.csv", "--axis", "gy"]);
-    assert!(said.contains("gy_rads"), "{said}");
+    let message = fails(folder, 1, &["fit", "short.csv"]);
+    assert!(message.contains("help: a longer log, a larger --train") && !message.contains('`'), "{message}");
+    let message = fails(folder, 1, &["fit", "short.csv", "--axis", "gy"]);
+    assert!(message.contains("gy_rads"), "{message}");
 
     write("study.json", "{\"schema\": \"fos-study/99\"}");
-    let said = fails(folder, 1, &["compare", "study.json"]);
-    assert!(said.contains("fos-study/99") && said.contains("fos-study/1"), "{said}");
+    let message = fails(folder, 1, &["compare", "study.json"]);
+    assert!(message.contains("fos-study/99") && message.contains("fos-study/1"), "{message}");
     write("broken.json", "{\"schema\": \"fos-study/1\",\n oops");
     assert!(fails(folder, 1, &["export", "broken.json", "--image", "x.fosm"]).contains("broken.json:2"));
     assert!(!folder.join("x.fosm").exists());
@@ -222,13 +222,13 @@ fn wrong_usage_is_exit_code_two() {
 }
 
 #[test]
-fn a_file_is_replaced_whole_or_not_at_all() {
+fn replaces_files_atomically() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, &["simulate", "log.parquet", "--minutes", "1", "--at-rest"]);
     std::fs::create_dir(folder.join("unit.json")).expect("a folder in the way");
-    let said = fails(folder, 1, &["fit", "log.parquet", "--axis", "gx", "-o", "unit.json"]);
-    assert!(said.contains("unit.json"), "{said}");
+    let message = fails(folder, 1, &["fit", "log.parquet", "--axis", "gx", "-o", "unit.json"]);
+    assert!(message.contains("unit.json"), "{message}");
     let left = std::fs::read_dir(folder).expect("readable").count();
     assert_eq!(left, 2, "nothing half-written is left beside it");
 }
@@ -284,7 +284,7 @@ fn the_papers_tables_and_figures_come_from_any_log() {
 }
 
 #[test]
-fn several_logs_are_fitted_as_one_and_not_spliced() {
+fn fits_several_logs_without_splicing() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     for (log, seed) in [("a.parquet", "1"), ("b.parquet", "2")] {
@@ -296,23 +296,23 @@ fn several_logs_are_fitted_as_one_and_not_spliced() {
     assert!(fitted.contains("2 segments,") && fitted.contains("over 17980 rows"), "{fitted}");
     let compared = done(folder, &["compare", "study.json"]);
     assert!(compared.contains("ay_mps2"), "{compared}");
-    // a log that is not the one that was fitted is not taken for it
+    // a log other than the fitted one is rejected
     done(folder, &["simulate", "b.parquet", "--band-limited", "--minutes", "1", "--seed", "3"]);
     let refused = fails(folder, 1, &["compare", "study.json"]);
     assert!(refused.contains("b.parquet: not the log that study.json was made with"), "{refused}");
 }
 
 #[test]
-fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
+fn simulates_a_case_with_the_requested_effect() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let arguments = ["simulate", "--case", "case_9", "--setup", "pose-rig", "--target", "gy", "--seed", "7"];
-    let said = done(
+    let message = done(
         folder,
         &[&arguments[..], &["--effect", "thermal_lag:tau_s=60", "--effect", "g_sensitivity", "--size", "40"]]
             .concat(),
     );
-    assert!(said.contains("thermal_lag of size 40.0, g_sensitivity of size 40.0 in gy_rads"), "{said}");
+    assert!(message.contains("thermal_lag of size 40.0, g_sensitivity of size 40.0 in gy_rads"), "{message}");
     let meta = std::fs::read_to_string(folder.join("case_9/meta.json")).expect("written");
     assert!(meta.contains("fos-case/1") && meta.contains("\"case_9\"") && !meta.contains("thermal_lag"));
     let truth = std::fs::read_to_string(folder.join("case_9/truth.json")).expect("written");
@@ -327,8 +327,8 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
         ("bias_ramp:tau_s=60", "has no parameter"),
         ("load_heating", "a gyro in the set-up desk"),
     ] {
-        let said = fails(folder, 1, &[&arguments[..], &["--effect", effect]].concat());
-        assert!(said.contains(choices), "{said}");
+        let message = fails(folder, 1, &[&arguments[..], &["--effect", effect]].concat());
+        assert!(message.contains(choices), "{message}");
     }
     fails(folder, 2, &["simulate", "--case", "case_9", "--minutes", "3"]);
     fails(folder, 2, &["simulate", "log.csv", "--effect", "bias_ramp"]);
@@ -338,8 +338,8 @@ fn a_case_is_simulated_with_the_effect_that_was_asked_for() {
 #[test]
 fn a_suite_is_a_folder_of_cases() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = done(folder.path(), &["simulate", "--suite", "2", "cases", "--seed", "3"]);
-    assert!(said.contains("2 cases"), "{said}");
+    let message = done(folder.path(), &["simulate", "--suite", "2", "cases", "--seed", "3"]);
+    assert!(message.contains("2 cases"), "{message}");
     for case in ["case_000", "case_001"] {
         assert!(folder.path().join("cases").join(case).join("meta.json").is_file(), "{case}");
     }

@@ -1,15 +1,15 @@
-//! A log in which one axis has no number is used for the others by every command.
+//! A log in which one axis has no number is used for the other axes by every command.
 
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 
-/// Two minutes at rest, `gy_rads` empty or not.
+/// Two minutes at rest, with or without values of `gy_rads`.
 fn log(seed: u64, with_gy: bool) -> String {
     let mut state = seed;
     let mut noise = move || {
-        // twelve uniform numbers are about normal
+        // the sum of twelve uniform numbers is nearly normal
         let one = |state: &mut u64| {
             *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (*state >> 40) as f64 / (1_u64 << 24) as f64
@@ -35,16 +35,16 @@ fn every_command_uses_the_other_axes() {
     fs::write(folder.join("six.csv"), log(2, true)).expect("written");
     let small = ["--max-lag", "2", "--degree", "1", "--max-terms", "2", "--memory", "none"];
     let fit = |log: &str, study: &str| done(folder, &[&["fit", log, "-o", study][..], &small].concat());
-    let told = fit("five.csv", "five.json");
-    assert!(told.contains("gy_rads: every cell is empty") && told.contains(" gz_rads "), "{told}");
+    let report = fit("five.csv", "five.json");
+    assert!(report.contains("gy_rads: every cell is empty") && report.contains(" gz_rads "), "{report}");
     fit("six.csv", "six.json");
     done(folder, &["compare", "five.json"]);
     done(folder, &["compare", "five.json", "six.csv"]);
-    let told = done(folder, &["compare", "six.json", "five.csv"]);
-    assert!(told.contains(" gz_rads ") && !told.contains(" gy_rads "), "{told}");
-    assert!(said(folder, &["diagnose", "five.csv"]).contains("excluded: five.csv: gy_rads: every cell"));
-    let told = done(folder, &["noise", "five.csv"]);
-    assert!(told.contains("gx_rads") && told.contains("gz_rads"), "{told}");
+    let report = done(folder, &["compare", "six.json", "five.csv"]);
+    assert!(report.contains(" gz_rads ") && !report.contains(" gy_rads "), "{report}");
+    assert!(stderr_of(folder, &["diagnose", "five.csv"]).contains("excluded: five.csv: gy_rads: every cell"));
+    let report = done(folder, &["noise", "five.csv"]);
+    assert!(report.contains("gx_rads") && report.contains("gz_rads"), "{report}");
     fs::create_dir(folder.join("units")).expect("a folder");
     for unit in 3..6 {
         fs::write(folder.join(format!("units/{unit}.csv")), log(unit, false)).expect("written");
@@ -53,9 +53,9 @@ fn every_command_uses_the_other_axes() {
     done(folder, &["convert", "five.csv", "-o", "converted.csv"]);
     let header = fs::read_to_string(folder.join("converted.csv")).expect("written");
     assert!(!header.lines().next().expect("a header").contains("gy_rads"));
-    // named, it is refused
+    // if requested, it is refused
     for command in [&["noise", "five.csv", "--axis", "gy"][..], &["fit", "five.csv", "--axis", "gy"]] {
-        let told = fails(folder, 1, command);
-        assert!(told.contains("gy_rads: every cell of its 6000 rows is empty"), "{told}");
+        let report = fails(folder, 1, command);
+        assert!(report.contains("gy_rads: every cell of its 6000 rows is empty"), "{report}");
     }
 }

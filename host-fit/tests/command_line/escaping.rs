@@ -1,8 +1,8 @@
-//! Text that comes from outside stays text: in a terminal, in C, in Rust, in a page, in Markdown, in a picture.
+//! Text of foreign origin stays text: in a terminal, in C, in Rust, in a page, in Markdown, in a picture.
 //!
-//! Every control character and all that is special to one of them is sent through every text: the strings of a study,
-//! of an image, of an effect, of a case, the names of files and columns, cells, labels of segments. What comes out is
-//! held against what a harmless text makes of it; and each check is shown the text as it is, which it must notice.
+//! Every control character and every special character of these formats is sent through every text: the strings of a
+//! study, of an image, of an effect, of a case, the names of files and columns, cells, labels of segments. The output
+//! is compared with that of a harmless text; and each check must detect the unescaped text.
 
 pub(crate) mod checks;
 
@@ -16,7 +16,7 @@ use fos_diagnose::study::Study;
 use fos_testkit::is_thorough;
 use serde_json::{Value, json};
 
-/// What each target takes for its own, and every character without a shape.
+/// Special characters of each target, and every character without a shape.
 fn hostile() -> String {
     let hidden: String = ('\u{1}'..='\u{1f}').chain('\u{7f}'..='\u{9f}').collect();
     [
@@ -34,7 +34,7 @@ fn hostile() -> String {
     .concat()
 }
 
-/// The same for the name of a file: no `/`, no longer than a name may be.
+/// The same for the name of a file: no `/`, and within the maximum length.
 fn hostile_name() -> String {
     let hidden: String =
         ('\u{1}'..='\u{1f}').chain(['\u{7f}', '\u{85}', '\u{9b}', '\u{2028}', '\u{202e}']).collect();
@@ -53,7 +53,7 @@ fn host_fit(folder: &Path, colours: bool, arguments: &[&str]) -> Output {
     command.output().expect("it starts")
 }
 
-/// What was run, and how much of it printed.
+/// Number of runs, and amount of their output.
 #[derive(Default)]
 struct Runs {
     runs: u32,
@@ -62,7 +62,7 @@ struct Runs {
 }
 
 impl Runs {
-    /// Runs a command line whose output a terminal must be able to show, with colours and without. Whether it
+    /// Runs a command line whose output a terminal must be able to show, with colours and without. Returns true if it
     /// succeeded.
     fn run(&mut self, folder: &Path, arguments: &[&str]) -> bool {
         self.run_with(&[true, false], folder, arguments)
@@ -93,7 +93,7 @@ impl Runs {
         assert!(self.run(folder, arguments), "{arguments:?}: {:?}", host_fit(folder, false, arguments));
     }
 
-    /// The same with --json, which must be JSON; what it says.
+    /// The same with --json; returns the parsed JSON.
     fn json(&mut self, folder: &Path, arguments: &[&str]) -> Value {
         let arguments = [arguments, &["--json"]].concat();
         self.done(folder, &arguments);
@@ -101,7 +101,7 @@ impl Runs {
     }
 }
 
-/// Places of all strings of a value, as JSON pointers; of what is listed the first two of each list.
+/// Paths of all strings of a value, as JSON pointers; of each list the first two elements.
 fn strings(value: &Value, at: &str, found: &mut Vec<String>) {
     let escaped = |key: &str| key.replace('~', "~0").replace('/', "~1");
     match value {
@@ -120,7 +120,7 @@ fn strings(value: &Value, at: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Puts `text` in the place of every string that is `old`.
+/// Replaces every string equal to `old` by `text`.
 fn replace(value: &mut Value, old: &str, text: &str) {
     match value {
         Value::String(found) if found == old => text.clone_into(found),
@@ -130,7 +130,7 @@ fn replace(value: &mut Value, old: &str, text: &str) {
     }
 }
 
-/// What is exported of a study.
+/// Sources exported from a study.
 struct Exported {
     c: String,
     rust: String,
@@ -147,8 +147,8 @@ fn exported(runs: &mut Runs, folder: &Path, study: &Value, sensor: &str) -> Opti
     })
 }
 
-/// Every string of a study, one by one and together, into the sources and onto the terminal. How many there are, and
-/// how many of them a study may hold.
+/// Sends every string of a study, one by one and together, into the sources and to the terminal. Returns the number of
+/// strings, and of those that a study accepts.
 fn strings_of_a_study(runs: &mut Runs, folder: &Path, good: &Value) -> (usize, usize) {
     let hostile = hostile();
     let benign = exported(runs, folder, good, "x").expect("sound");
@@ -196,7 +196,7 @@ fn is_read(folder: &Path, study: &Value) -> bool {
     Study::read(&path).is_ok()
 }
 
-/// A log with this text in the name of a column, in labels and in cells.
+/// Writes a log with this text in the name of a column, in labels and in cells.
 fn log_with(text: &str, folder: &Path, from: &str, to: &str) {
     let log = fs::read_to_string(folder.join(from)).expect("written");
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "));
@@ -214,7 +214,7 @@ fn log_with(text: &str, folder: &Path, from: &str, to: &str) {
 
 #[test]
 #[cfg(unix)]
-fn text_from_outside_does_nothing_wherever_it_goes() {
+fn escapes_foreign_text_in_every_output() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut runs = Runs::default();
@@ -235,7 +235,7 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
     let fitted = runs.json(folder, &["fit", &log, "--axis", "gx", "--max-terms", "2", "-o", &study]);
     assert_eq!(fitted["data"]["sources"][0]["path"], json!(log), "the true text is in the JSON");
 
-    // an effect of a user's own
+    // a user-defined effect
     let text = hostile();
     let effect = format!(
         "id = \"mine\"\nname = {0}\nband = \"slow\"\nmechanism = {0}\nequation = {0}\ntypical_size = {0}\nsource = {0}\nexperiment = {0}\ngives_away = {0}\ndevice = {0}\n\
@@ -252,7 +252,7 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
     runs.run(folder, &["effects", "--effect", "rival.toml"]);
     runs.json(folder, &["effects", "--effect", "mine.toml"]);
 
-    // what looks at the log and the study
+    // commands that read the log and the study
     let reading = ["--effect", "mine.toml"];
     runs.run(folder, &["compare", &study, &log, "--figures", "figures"]);
     runs.json(folder, &["compare", &study, &log]);
@@ -279,7 +279,7 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
     runs.run(folder, &["undo", &study]);
     runs.run(folder, &["replay", "unit.fosm", &log, "-o", &format!("{name}.out.csv")]);
     runs.run(folder, &["record", &log, "-o", "recorded.csv"]);
-    // errors that repeat what was given
+    // errors that repeat their arguments
     for arguments in [
         &["fit", &text][..],
         &["fit", &log, "--axis", &text],
@@ -310,7 +310,7 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
     fs::write(case.join("meta.json"), json!({ "schema": text }).to_string()).expect("written");
     runs.run(folder, &["batch", "cases", "-o", "answers"]);
 
-    // reports: what a harmless log makes of them, and this one
+    // reports of a harmless log, and of this one
     let mut written = Vec::new();
     for (log, study) in [("harmless.csv", "harmless.json"), (&*log, &*study)] {
         for form in ["report.html", "report.md"] {
@@ -360,11 +360,11 @@ fn text_from_outside_does_nothing_wherever_it_goes() {
 }
 
 fn toml_string(text: &str) -> String {
-    // as JSON escapes it, but for DEL, which TOML wants escaped too
+    // escaped as in JSON, except for DEL, which TOML requires to be escaped
     serde_json::to_string(text).expect("a string").replace('\u{7f}', "\\u007f")
 }
 
-/// Each check is shown the text as it is.
+/// Checks that each check detects the unescaped text.
 fn raw_text_is_noticed(text: &str, page: &str, markdown: &str) -> &'static str {
     let benign = "// provenance\nstatic const int x = 1;\n";
     for (what, piece) in [

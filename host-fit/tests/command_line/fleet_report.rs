@@ -1,4 +1,4 @@
-//! The page of a population has the population's numbers; files that do not belong together are refused by name.
+//! The page of a population shows the population's numbers; files that do not match are rejected by name.
 
 use std::fs;
 use std::path::Path;
@@ -17,12 +17,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::{Value, json};
 
-/// One dps, rad/s.
+/// 1 °/s in rad/s.
 const DPS: f64 = std::f64::consts::PI / 180.0;
 
 const LOTS: usize = 4;
 
-/// The unit that is odd, by its bias; one that cannot be read; one that tells no slope.
+/// Device with an odd bias; unreadable device; device without a slope.
 const ODD: usize = 7;
 const UNREAD: usize = 12;
 const NO_SLOPE: usize = 17;
@@ -31,7 +31,7 @@ fn asked() -> Asked {
     Asked { regressors: vec!["temp_c".to_owned()], diagnosed: true, read: LoadOptions::default() }
 }
 
-/// 40 units in four lots, as their logs might tell them; `name` is in every text.
+/// Rows of 40 devices in four lots, as from their logs; `name` is in every text.
 fn rows(name: &str, seed: u64) -> Vec<UnitRow> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -96,7 +96,7 @@ fn rows(name: &str, seed: u64) -> Vec<UnitRow> {
     (0..40).map(row).collect()
 }
 
-/// A population and its rows in `folder`, as `fos fleet` writes them.
+/// Writes a population and its rows to `folder`, as `fos fleet` does.
 fn write(folder: &Path, rows: &[UnitRow]) -> Fleet {
     let fleet = Fleet::of(rows, &asked(), &Library::built_in(), "a test");
     fs::write(folder.join("population.json"), serde_json::to_vec(&fleet).expect("JSON")).expect("written");
@@ -112,10 +112,10 @@ fn near(found: &Value, expected: f64) {
 }
 
 #[test]
-fn its_numbers_are_those_of_the_population() {
+fn page_shows_the_numbers_of_the_population() {
     let folder = tempfile::tempdir().expect("a folder");
     let fleet = write(folder.path(), &rows("unit ", 1));
-    let told: Value =
+    let printed: Value =
         serde_json::from_str(&done(folder.path(), &["fleet", "report", "population.json", "--json"]))
             .expect("JSON and nothing else");
     assert!(!folder.path().join("fleet.html").exists(), "JSON alone writes nothing");
@@ -126,7 +126,7 @@ fn its_numbers_are_those_of_the_population() {
         assert!(page.contains(&format!(">{text}")) || page.contains(&format!(" {text}")), "{text}");
     };
 
-    let (part, of_part) = (&told["parts"][0], &fleet.parts[0]);
+    let (part, of_part) = (&printed["parts"][0], &fleet.parts[0]);
     let population = of_part.axes[0].population.as_ref().expect("a population");
     for place in 0..2 {
         let coefficient = &part["axes"][0]["coefficients"][place];
@@ -144,11 +144,11 @@ fn its_numbers_are_those_of_the_population() {
         }
         let shares: f64 = (0..3).map(|kind| coefficient["shares"][kind].as_f64().expect("a share")).sum();
         assert!((shares - 1.0).abs() < 1e-12);
-        // what is shipped: the mean alone leaves most, a log and the population least
+        // corrections shipped: the mean alone leaves the largest error, a log with the population the smallest
         let left = |by: &str| coefficient["left"][by].as_f64().expect("a number");
         assert!(left("part_mean") > left("lot_mean") && left("lot_mean") > left("own_log"));
         assert!(left("own_log") > left("with_population"));
-        // every unit that tells the coefficient is a dot, in the order of the lots
+        // every device that determines the coefficient is a dot, in the order of the lots
         let panel = &coefficient["figure"]["panels"][1];
         assert_eq!(panel["x"]["names"], json!(["unit W8", "unit W9", "unit W10", "unit W11"]));
         let dots: usize = panel["series"]
@@ -173,7 +173,7 @@ fn its_numbers_are_those_of_the_population() {
 }
 
 #[test]
-fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
+fn fleet_of_three_devices_warns_about_its_limits() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut few: Vec<UnitRow> = rows("", 1).into_iter().take(3).collect();
     few.iter_mut().for_each(|row| row.lot = None);
@@ -184,9 +184,9 @@ fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
     assert!(page.contains("Unit by unit") && page.contains("none named"));
 }
 
-/// Whatever a fleet is, what is written of it is shown: equal values, no errors, one to three devices, one log under several names.
+/// The page of any fleet is complete: equal values, no errors, one to three devices, one log under several names.
 #[test]
-fn degenerate_fleets_are_shown_without_a_number_missing() {
+fn shows_degenerate_fleets_completely() {
     let change = |units: usize, change: &dyn Fn(usize, &mut UnitRow)| {
         let mut rows: Vec<UnitRow> = rows("", 1).into_iter().take(units).collect();
         rows.iter_mut().enumerate().for_each(|(place, row)| change(place, row));
@@ -201,7 +201,7 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
             }
         }
     };
-    for (what, rows, said) in [
+    for (what, rows, message) in [
         ("equal values", change(6, &|_, row| equal(row, true)), "No unit is unlike the others."),
         ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
         ("one device", change(1, &|_, _| {}), "no axis has a population"),
@@ -222,13 +222,13 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
         write(folder.path(), &rows);
         done(folder.path(), &["fleet", "report", "population.json"]);
         let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
-        assert!(page.contains(said), "{what}: {said}");
+        assert!(page.contains(message), "{what}: {message}");
         assert!(!page.contains("NaN") && !page.contains(">inf"), "{what}");
     }
 }
 
 #[test]
-fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
+fn rejects_mismatched_files_without_writing() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let (population, kept) = (folder.join("population.json"), folder.join("population.json.rows"));
@@ -237,14 +237,14 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     let (whole, sound) =
         (fs::read_to_string(&population).expect("there"), fs::read_to_string(&kept).expect("there"));
     let refused = |what: &str| {
-        let said = fails(folder, 1, &["fleet", "report", "population.json"]);
-        assert!(said.contains(what) && said.contains("help: "), "{what}: {said}");
+        let message = fails(folder, 1, &["fleet", "report", "population.json"]);
+        assert!(message.contains(what) && message.contains("help: "), "{what}: {message}");
         assert!(!folder.join("fleet.html").exists(), "{what}");
     };
 
     fs::remove_file(&kept).expect("removed");
     refused("population.json.rows");
-    // another fleet of as many units; one unit less; another part
+    // another fleet of as many devices; one device less; another part
     write(folder, &rows("a", 2));
     fs::write(&population, &whole).expect("written");
     refused("population.json.rows: 40 rows of 40 devices");
@@ -254,7 +254,7 @@ fn what_does_not_belong_together_is_refused_and_nothing_is_written() {
     write(folder, &rows("b", 1));
     fs::write(&population, &whole).expect("written");
     refused("population.json.rows: 40 rows of 40 devices");
-    // a number that is none, too large a one, a matrix that is none, a line that was cut off
+    // an invalid number, a number too large, an invalid matrix, a truncated line
     let third = sound.lines().nth(2).expect("a row").to_owned();
     let mut row: Value = serde_json::from_str(&third).expect("JSON");
     let values = &mut row["row"]["axes"][0]["coefficients"]["values"];

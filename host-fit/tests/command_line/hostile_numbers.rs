@@ -1,5 +1,4 @@
-//! Every option that takes a number, with numbers that mean nothing: an answer, or a clear refusal; no panic, no memory
-//! without end.
+//! Every numeric option, with meaningless numbers: an answer, or a clear refusal; no panic, and bounded memory.
 
 use crate::turned_log::turned_log;
 use std::any::TypeId;
@@ -25,13 +24,13 @@ const NUMBERS: [&str; 12] = [
     "-9223372036854775808",
 ];
 
-/// A program that still works after so long is at work.
+/// Time after which a running program counts as at work.
 const LONG: Duration = Duration::from_secs(2);
 
-/// Kilobytes of address space: several times what any of these needs.
+/// Limit of the address space, kilobytes: several times the need of any of these commands.
 const LIMIT_KB: u32 = 4_000_000;
 
-/// A command line that is right, to which one option is added. An option that is in it is replaced.
+/// A valid command line, to which one option is added. An option that it contains is replaced.
 fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
     Some(match (subcommand, option) {
         ("simulate", "size" | "effect") => "simulate --case case --effect thermal_lag",
@@ -64,7 +63,7 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
     })
 }
 
-/// Options whose text has numbers in it, and where.
+/// Options whose text contains numbers, at the places marked by `#`.
 const TEXTS: [(&str, &str, &[&str]); 11] = [
     ("calibrate-imu", "rate-table", &["#rpm", "33.3333rpm,#dps"]),
     ("calibrate-imu", "accuracy", &["#mg"]),
@@ -90,13 +89,13 @@ const TEXTS: [(&str, &str, &[&str]); 11] = [
     ("simulate", "effect", &["thermal_lag:tau_s=#", "spectral_line:frequency_hz=#"]),
 ];
 
-/// Options that take text without a number, or words that are listed.
+/// Options that take text without a number, or one of a list of words.
 const WORDS: [&str; 18] = [
     "device", "date", "axis", "axes", "sensor", "part", "target", "method", "search", "stop", "listen",
     "map", "effect", "input", "physical", "rostopic", "format", "topic",
 ];
 
-/// What became of a command line.
+/// Result of a command line.
 #[derive(Debug, PartialEq, Clone, Copy)]
 enum End {
     Done,
@@ -129,15 +128,15 @@ fn run(folder: &Path, program: &str, arguments: &[String]) -> (End, String) {
             None => thread::sleep(Duration::from_millis(5)),
         }
     };
-    let said = std::fs::read_to_string(&err).unwrap_or_default();
+    let message = std::fs::read_to_string(&err).unwrap_or_default();
     let end = match status.map(|status| status.code()) {
-        _ if said.contains("panicked") => End::Fell,
+        _ if message.contains("panicked") => End::Fell,
         None => End::AtWork,
         Some(Some(0)) => End::Done,
-        Some(Some(1 | 2)) if said.starts_with("error: ") => End::Refused,
+        Some(Some(1 | 2)) if message.starts_with("error: ") => End::Refused,
         _ => End::Fell,
     };
-    (end, said)
+    (end, message)
 }
 
 /// `line` with the option set to `value`.
@@ -184,7 +183,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
                 .unwrap_or_else(|| panic!("{name} --{flag}: no command line in this test"));
             options.push(format!("{name} --{flag}"));
             for text in texts {
-                // of each option one number, of all options all of them
+                // one number for each option; all numbers in a thorough run
                 let first = lines.len() % NUMBERS.len();
                 let numbers = if is_thorough() { &NUMBERS[..] } else { &NUMBERS[first..=first] };
                 lines.extend(numbers.iter().map(|number| with(line, flag, &text.replace('#', number))));
@@ -196,7 +195,7 @@ fn command_lines() -> (Vec<Vec<String>>, Vec<String>) {
 
 #[test]
 #[cfg(unix)]
-fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
+fn meaningless_numbers_are_rejected_safely() {
     let program = env!("CARGO_BIN_EXE_fos");
     let folder = tempfile::tempdir().expect("a folder");
     let prepare = |line: &str| {
@@ -211,7 +210,7 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
     std::fs::write(folder.path().join("turned.csv"), turned_log()).expect("written");
 
     let (lines, options) = command_lines();
-    // without the option each of them works, so that a refusal is one of the number
+    // without the option each of them works, so that a refusal is due to the number
     let mut sound: Vec<&str> = options
         .iter()
         .filter_map(|option| option.split_once(" --"))
@@ -219,27 +218,27 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
         .collect();
     sound.sort_unstable();
     sound.dedup();
-    // of a stream without a sample nothing can be made, and two minutes do not warm a unit up as a table asks
+    // a stream without a sample gives no log, and two minutes of warm-up are too short for a table
     for line in sound.iter().filter(|line| !line.starts_with("record") && !line.starts_with("export")) {
         let words: Vec<String> = line
             .split(' ')
             .map(str::to_owned)
             .chain((*line == "simulate suite").then(|| "--suite=0".to_owned()))
             .collect();
-        let (end, said) = run(folder.path(), program, &words);
-        assert!(matches!(end, End::Done | End::AtWork), "{line}: {said}");
+        let (end, message) = run(folder.path(), program, &words);
+        assert!(matches!(end, End::Done | End::AtWork), "{line}: {message}");
     }
     let next = std::sync::atomic::AtomicUsize::new(0);
     let work = || {
         let mut found = Vec::new();
         while let Some(line) = lines.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
-            // one folder each: they write files of one name
+            // separate folders, since they write files of the same name
             let own = tempfile::tempdir().expect("a folder");
             for file in ["log.csv", "unit.json", "unit.fosm", "none.stream", "turned.csv"] {
                 std::fs::copy(folder.path().join(file), own.path().join(file)).expect("copied");
             }
-            let (end, said) = run(own.path(), program, line);
-            assert_ne!(end, End::Fell, "{line:?}: {said}");
+            let (end, message) = run(own.path(), program, line);
+            assert_ne!(end, End::Fell, "{line:?}: {message}");
             found.push(end);
         }
         found
@@ -250,7 +249,7 @@ fn a_number_that_means_nothing_is_refused_and_breaks_nothing() {
     });
     let count = |end: End| ends.iter().filter(|found| **found == end).count();
 
-    // what a panic, and memory without end, look like to this check
+    // negative controls: a panic, and unbounded memory
     let sh = |script: &str| run(folder.path(), "sh", &["-c".to_owned(), script.to_owned()]).0;
     let panicked = sh("echo \"thread 'main' panicked at\" >&2; exit 101");
     let endless = sh("exec dd if=/dev/zero of=/dev/null bs=8000000000 count=1");

@@ -1,4 +1,4 @@
-//! A recording that is ended from outside, in the middle of a stream: what had come by then can be had.
+//! A recording interrupted in the middle of a stream: the samples received so far are recoverable.
 #![cfg(unix)]
 
 use std::fs::{self, File};
@@ -13,10 +13,10 @@ use fos_core::Validity;
 use fos_data::recording::{LoadOptions, load};
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, encode};
 
-/// Samples that are sent before the end.
+/// Number of samples sent before the end.
 const SAMPLES: u32 = 1500;
 
-/// A stream of so many samples, and the begin of one more.
+/// A stream of [`SAMPLES`] samples, and the begin of one more.
 fn telemetry() -> Vec<u8> {
     let mut buffer = [0; 128];
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "temp_c" };
@@ -57,7 +57,7 @@ fn send(child: &Child, signal: &str) {
     assert!(sent.expect("kill").success());
 }
 
-/// Waits until it holds, or for so long.
+/// Waits until a condition holds, or for at most `longest`.
 fn wait_until(holds: impl Fn() -> bool, longest: Duration) {
     let began = Instant::now();
     while !holds() && began.elapsed() < longest {
@@ -65,7 +65,7 @@ fn wait_until(holds: impl Fn() -> bool, longest: Duration) {
     }
 }
 
-/// Lets `recorder` read the stream from a FIFO and sends it a signal while the stream is open; its exit code.
+/// Lets `recorder` read the stream from a FIFO and sends it a signal while the stream is open; returns its exit code.
 fn interrupted(folder: &Path, mut recorder: Child, signal: &str) -> Option<i32> {
     let stream = telemetry();
     // opens when the recorder has opened it too
@@ -89,14 +89,14 @@ fn interrupted(folder: &Path, mut recorder: Child, signal: &str) -> Option<i32> 
     ended.code()
 }
 
-/// Whether these tests were started so that they outlive their terminal, and all that they start too.
+/// Returns true if these tests, and their child processes, were started so that they outlive their terminal.
 fn is_hangup_ignored() -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     ignored.is_some_and(|mask| mask.trim().ends_with(['1', '3', '5', '7', '9', 'b', 'd', 'f']))
 }
 
-/// The samples that a user gets: of the log, else of what was kept.
+/// Number of samples that a user recovers: from the log, else from the stored telemetry.
 fn recovered(folder: &Path) -> u32 {
     let log = folder.join("log.csv");
     if !log.exists() && folder.join("log.csv.telemetry").exists() {
@@ -106,7 +106,7 @@ fn recovered(folder: &Path) -> u32 {
 }
 
 #[test]
-fn what_came_before_a_recording_was_ended_is_not_lost() {
+fn interrupted_recording_keeps_received_samples() {
     let mut table = Vec::new();
     for (signal, code, kept) in
         [("KILL", None, true), ("TERM", Some(0), false), ("HUP", Some(0), false), ("INT", Some(0), false)]
@@ -130,14 +130,14 @@ fn what_came_before_a_recording_was_ended_is_not_lost() {
         table.push(format!("{signal} {samples}"));
     }
 
-    // without what was kept it is lost, and that is seen
+    // negative control: without the stored telemetry the samples are lost
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
     interrupted(folder, record(folder, &["port", "-o", "log.csv"]), "KILL");
     fs::remove_file(folder.join("log.csv.telemetry")).expect("it was there");
     let taken_away = recovered(folder);
-    // and so it is with a recorder that writes at the end
+    // and so they are with a recorder that writes at the end
     let at_the_end = Command::new("sh")
         .args(["-c", "all=$(od -An -v -tx1 port); echo \"$all\" > log.csv.telemetry"])
         .current_dir(folder)
@@ -155,7 +155,7 @@ fn what_came_before_a_recording_was_ended_is_not_lost() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
+fn recording_under_nohup_survives_its_terminal() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
@@ -167,9 +167,9 @@ fn who_asked_for_it_keeps_recording_when_the_terminal_is_closed() {
     assert_eq!(recovered(folder), SAMPLES);
 }
 
-/// What a cut of power costs: judged by what the system is asked for.
+/// Checks the loss at power failure, by the system calls.
 #[test]
-fn what_arrives_is_brought_to_the_disk_every_second() {
+fn syncs_received_data_every_second() {
     if Command::new("strace").arg("-V").output().is_err() {
         println!("skipped: no strace");
         return;
@@ -203,16 +203,19 @@ fn what_arrives_is_brought_to_the_disk_every_second() {
 fn a_recording_ends_with_its_input() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    // it waited for ever where a stream ends inside a frame
+    // used to wait forever if a stream ends inside a frame
     fs::write(folder.join("cut.stream"), telemetry()).expect("written");
-    let said = done(folder, &["record", "cut.stream", "-o", "log.csv"]);
-    assert!(said.contains("1500 samples, 0 lost") && said.contains("1 damaged"), "{said}");
+    let message = done(folder, &["record", "cut.stream", "-o", "log.csv"]);
+    assert!(message.contains("1500 samples, 0 lost") && message.contains("1 damaged"), "{message}");
     fs::write(folder.join("other.stream"), "no telemetry\n".repeat(300)).expect("written");
-    let said = fails(folder, 1, &["record", "other.stream", "-o", "other.csv"]);
-    assert!(said.contains("no sample in 3900 bytes") && said.contains("help: "), "{said}");
-    // that never ends
-    let said = fails(folder, 1, &["record", "/dev/zero", "-o", "other.csv"]);
-    assert!(said.contains("no frame of telemetry in the first") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "other.stream", "-o", "other.csv"]);
+    assert!(message.contains("no sample in 3900 bytes") && message.contains("help: "), "{message}");
+    // a stream that never ends
+    let message = fails(folder, 1, &["record", "/dev/zero", "-o", "other.csv"]);
+    assert!(
+        message.contains("no frame of telemetry in the first") && message.contains("help: "),
+        "{message}"
+    );
     let left: Vec<String> = fs::read_dir(folder)
         .expect("a folder")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
@@ -222,16 +225,16 @@ fn a_recording_ends_with_its_input() {
 }
 
 #[test]
-fn who_waits_for_a_fifo_is_told_and_can_end_it() {
+fn waiting_for_a_fifo_is_reported_and_interruptible() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fifo(folder);
-    let said = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
-    assert!(said.contains("port: a FIFO without a writer; waiting for one"), "{said}");
-    assert!(said.contains("port: nothing came") && said.contains("help: "), "{said}");
+    let message = fails(folder, 1, &["record", "port", "-o", "log.csv", "--seconds", "1.5"]);
+    assert!(message.contains("port: a FIFO without a writer; waiting for one"), "{message}");
+    assert!(message.contains("port: nothing came") && message.contains("help: "), "{message}");
     let mut waiting = record(folder, &["port", "-o", "log.csv"]);
-    let mut told = String::new();
-    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut told).expect("told");
+    let mut printed = String::new();
+    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut printed).expect("told");
     send(&waiting, "INT");
     let ended = waiting.wait().expect("it ends");
     assert_eq!(ended.code(), Some(1), "it ends, and says that there is no log");
@@ -239,7 +242,7 @@ fn who_waits_for_a_fifo_is_told_and_can_end_it() {
 }
 
 #[test]
-fn what_another_recording_left_is_told_of_and_stays() {
+fn reports_and_keeps_leftovers_of_another_recording() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     fs::write(folder.join("log.csv.telemetry"), telemetry()).expect("written");
@@ -248,12 +251,12 @@ fn what_another_recording_left_is_told_of_and_stays() {
     let port = File::options().write(true).open(folder.join("port"));
     port.expect("a FIFO").write_all(&telemetry()).expect("read");
     let ended = recorder.wait_with_output().expect("it ends");
-    let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(ended.status.success() && said.contains("`fos record log.csv.telemetry -o LOG`"), "{said}");
+    let message = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success() && message.contains("`fos record log.csv.telemetry -o LOG`"), "{message}");
     assert_eq!(fs::read(folder.join("log.csv.telemetry")).expect("kept"), telemetry());
     assert!(!folder.join("log.csv.2.telemetry").exists());
-    // a log is not made over what it is made of, and its name is looked at before an hour is recorded
-    let said = fails(folder, 1, &["record", "log.csv", "-o", "log.csv"]);
-    assert!(said.contains("and would be lost") && said.contains("help: "), "{said}");
+    // a log does not replace its own source, and its name is checked before an hour is recorded
+    let message = fails(folder, 1, &["record", "log.csv", "-o", "log.csv"]);
+    assert!(message.contains("and would be lost") && message.contains("help: "), "{message}");
     assert!(fails(folder, 1, &["record", "port", "-o", "log.txt"]).contains("log.txt: cannot tell"));
 }

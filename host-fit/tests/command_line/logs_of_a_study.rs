@@ -1,5 +1,5 @@
-//! The logs of a study are found wherever the command is run and wherever study and logs were moved together; logs come
-//! through pipes too.
+//! A study finds its logs from any working folder, and after study and logs were moved together; logs can also be read
+//! from pipes.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::session::{done, fails};
 use serde_json::Value;
 
-/// `work/logs/quiet.parquet`, and `work/studies/unit.json` of it, made in `work`.
+/// Creates `work/logs/quiet.parquet`, and its study `work/studies/unit.json`, from within `work`.
 fn study(world: &Path) {
     let work = world.join("work");
     for folder in ["logs", "studies"] {
@@ -21,7 +21,7 @@ fn study(world: &Path) {
 }
 
 #[test]
-fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
+fn study_finds_its_logs_from_any_folder_and_after_a_move() {
     let world = tempfile::tempdir().expect("a folder");
     let world = world.path();
     study(world);
@@ -34,7 +34,7 @@ fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
         let again = done(&world.join(from), &["compare", study]);
         assert_eq!(but_paths(&again), but_paths(&compared), "from {from:?}");
     }
-    // what it was refined on, too
+    // including the log of its refinement
     let added = ["add", "studies/unit.json", "temp_rate", "--from", "logs/field.parquet"];
     done(&work, &added);
     done(&work.join("studies"), &["diagnose", "unit.json"]);
@@ -45,7 +45,7 @@ fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
     assert_eq!(again.lines().count(), done(world, &["compare", "moved/studies/unit.json"]).lines().count());
     done(world, &["diagnose", "moved/studies/unit.json"]);
 
-    // into one folder, with a study that does not say where its logs lie
+    // into one folder, with a study that does not state the location of its logs
     let flat = world.join("flat");
     fs::create_dir(&flat).expect("made");
     for log in ["quiet", "field"] {
@@ -65,37 +65,37 @@ fn a_study_finds_its_logs_from_everywhere_and_after_a_move() {
 }
 
 #[test]
-fn a_log_of_the_same_name_is_not_taken_for_it() {
+fn rejects_another_log_of_the_same_name() {
     let world = tempfile::tempdir().expect("a folder");
     let world = world.path();
     study(world);
     let other = world.join("other");
     fs::create_dir_all(other.join("logs")).expect("made");
     done(&other, &["simulate", "logs/quiet.parquet", "--minutes", "1", "--seed", "9", "--at-rest"]);
-    // by the name it was given here lies another one
+    // another log has the stored name here
     let compared = done(&other, &["compare", "../work/studies/unit.json"]);
     assert!(compared.contains("studies/../logs/quiet.parquet"), "{compared}");
     fs::remove_file(world.join("work/logs/quiet.parquet")).expect("it was there");
-    let said = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
+    let message = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
     assert!(
-        said.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
-        "{said}"
+        message.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
+        "{message}"
     );
-    let said = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
+    let message = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
     for words in [
         "logs/quiet.parquet: the log that studies/unit.json names is not there",
         "looked for as logs/quiet.parquet, ",
         "studies/../logs/quiet.parquet, ",
         "studies/quiet.parquet\nhelp: put it back, or beside the study",
     ] {
-        assert!(said.contains(words), "{words:?}: {said}");
+        assert!(message.contains(words), "{words:?}: {message}");
     }
 }
 
-/// They said "Illegal seek".
+/// Used to fail with "Illegal seek".
 #[cfg(unix)]
 #[test]
-fn a_log_may_come_through_a_pipe() {
+fn reads_a_log_through_a_pipe() {
     use std::process::{Command, Stdio};
 
     let folder = tempfile::tempdir().expect("a folder");
@@ -119,8 +119,8 @@ fn a_log_may_come_through_a_pipe() {
         assert_eq!(file["model"], piped["model"], "{log}");
         assert_eq!(file["data"]["sources"][0]["sha256"], piped["data"]["sources"][0]["sha256"], "{log}");
         assert_eq!(piped["data"]["sources"][0]["path"], "/dev/stdin");
-        // it cannot be read again, and that is said
-        let said = fails(folder, 1, &["compare", "piped.json"]);
-        assert!(said.contains("help: "), "{said}");
+        // a pipe cannot be read again, and the error states it
+        let message = fails(folder, 1, &["compare", "piped.json"]);
+        assert!(message.contains("help: "), "{message}");
     }
 }

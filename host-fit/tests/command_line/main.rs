@@ -1,4 +1,4 @@
-//! The program on the command line: each test runs it in a folder of its own.
+//! The program on the command line: each test runs it in a separate folder.
 
 mod calibrate_imu;
 mod cli;

@@ -1,4 +1,4 @@
-//! The user's path from a model that fails to one that does not, on the command line, on data with a hidden effect.
+//! The user's path from a failing model to a corrected one, on the command line, on data with a hidden effect.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use fos_diagnose::detect::{Diagnosis, Verdict};
 use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 
-/// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its quiet log.
+/// A folder with a case `unit` with this effect hidden in gyro x, and the study `unit.json` of its reference log.
 fn with_hidden(effect: &str, setup: &str, seed: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let simulate =
@@ -30,7 +30,7 @@ fn refinement(folder: &Path) -> Refinement {
 }
 
 #[test]
-fn a_hidden_effect_is_named_added_and_taken_back() {
+fn identifies_adds_and_removes_a_hidden_effect() {
     let folder = with_hidden("thermal_lag:tau_s=60", "bench", "3");
     let folder = folder.path();
 
@@ -44,12 +44,12 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     assert_eq!(answers[0].verdict, Verdict::Missing);
     assert_eq!(answers[0].findings[0].effect, "thermal_lag");
 
-    // what is not worth it can be added, and taken back
+    // an effect of little benefit can be added, and removed again
     let add = [&["add", "unit.json", "temp_linear"][..], &FIELD, &LATER].concat();
     let printed = done(folder, &add);
     assert!(printed.contains("+ temp_linear") && printed.contains("slow error, °/"), "{printed}");
-    let said = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
-    assert!(said.contains("in the model already") && said.contains("undo"), "{said}");
+    let message = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
+    assert!(message.contains("in the model already") && message.contains("undo"), "{message}");
     let before = refinement(folder).steps[0].clone();
     assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
     assert_eq!(refinement(folder).steps, std::slice::from_ref(&before));
@@ -77,7 +77,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
     }
     assert!(done(folder, &["history", "unit.json"]).contains("+ thermal_lag"));
 
-    // the refined model runs on fos-core and takes out there what it takes out here
+    // the refined model runs on fos-core with the same reduction as here
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("temp_c"));
     let replay = ["replay", "unit.fosm", "unit/evaluation.parquet", "--json"];
@@ -90,7 +90,7 @@ fn a_hidden_effect_is_named_added_and_taken_back() {
 }
 
 #[test]
-fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
+fn holds_out_the_last_part_without_an_evaluation_log() {
     let folder = with_hidden("temp_linear", "bench", "4");
     let folder = folder.path();
     done(folder, &[&["add", "unit.json", "--best"][..], &FIELD].concat());
@@ -108,7 +108,7 @@ fn a_log_keeps_its_last_part_back_where_none_is_there_to_judge_on() {
 }
 
 #[test]
-fn an_effect_of_ones_own_goes_through_the_same_door() {
+fn accepts_a_user_defined_effect() {
     let folder = with_hidden("outside:temp_times_supply", "desk", "5");
     let folder = folder.path();
     let diagnose = [&["diagnose", "unit.json", "--json"][..], &FIELD].concat();
@@ -137,14 +137,14 @@ fn an_effect_of_ones_own_goes_through_the_same_door() {
     let refined = refinement(folder);
     let added = refined.added().next().expect("added");
     assert!(added.measured_reduction > 0.5, "{}", added.measured_reduction);
-    // the study holds the effect: what was added is known without the file
+    // the study contains the effect, so the file is no longer needed
     std::fs::remove_file(folder.join("own.toml")).expect("removed");
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["history", "unit.json"]).contains("temp_times_supply"));
 }
 
 #[test]
-fn what_cannot_be_added_says_why() {
+fn rejected_additions_state_the_reason() {
     let folder = with_hidden("temp_linear", "bench", "6");
     let folder = folder.path();
     for (effect, reason) in [
@@ -154,27 +154,31 @@ fn what_cannot_be_added_says_why() {
         ("lever_arm", "does not strike"),
         ("temp_lineer", "did you mean \"temp_linear\""),
     ] {
-        let said = fails(folder, 1, &[&["add", "unit.json", effect][..], &FIELD].concat());
-        assert!(said.contains(reason), "{effect}: {said}");
+        let message = fails(folder, 1, &[&["add", "unit.json", effect][..], &FIELD].concat());
+        assert!(message.contains(reason), "{effect}: {message}");
     }
     assert!(fails(folder, 1, &["add", "unit.json", "temp_linear"]).contains("--from"));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
-/// One orientation does not determine an effect of gravity; the bias of the gyro went from 2e-4 to -2.6e-3 rad/s.
+/// One orientation does not determine an effect of gravity; the bias of the gyro used to change from 2e-4 to -2.6e-3
+/// rad/s.
 #[test]
-fn an_effect_that_the_log_does_not_determine_leaves_the_study_as_it_was() {
+fn undetermined_effect_leaves_the_study_unchanged() {
     let folder = with_hidden("thermal_lag", "desk", "5");
     let folder = folder.path();
     let before = std::fs::read(folder.join("unit.json")).expect("a study");
-    let said = fails(folder, 1, &[&["add", "unit.json", "g_sensitivity"][..], &FIELD, &LATER].concat());
-    assert!(said.contains("not identifiable from this log") && said.contains("help: record"), "{said}");
+    let message = fails(folder, 1, &[&["add", "unit.json", "g_sensitivity"][..], &FIELD, &LATER].concat());
+    assert!(
+        message.contains("not identifiable from this log") && message.contains("help: record"),
+        "{message}"
+    );
     assert_eq!(std::fs::read(folder.join("unit.json")).expect("a study"), before);
 }
 
 #[test]
-fn a_batch_answers_every_case_and_goes_on_where_it_was() {
+fn interrupted_batch_resumes_and_answers_every_case() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     for (name, effect) in [("one", "mag_sensitivity"), ("two", "bias_ramp")] {
@@ -214,13 +218,13 @@ fn a_batch_answers_every_case_and_goes_on_where_it_was() {
     // nothing has changed: the same answers, seconds included
     fails(folder, 1, &batch);
     assert_eq!(read(), answers);
-    // a correction that is gone is made again
+    // a missing correction is computed again
     std::fs::remove_file(&corrections[0]).expect("removed");
     fails(folder, 1, &batch);
     assert!(corrections[0].exists());
 }
 
-/// Without line breaks.
+/// Replaces line breaks by spaces.
 fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -242,7 +246,7 @@ fn every_effect_explains_itself() {
 }
 
 #[test]
-fn a_calibration_counts() {
+fn counts_calibration_outcomes() {
     let folder = tempfile::tempdir().expect("a folder");
     let printed =
         done(folder.path(), &["calibrate", "--cases", "3", "--seed", "77", "--outcomes", "out.json"]);

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::session::{done, fails};
 use serde_json::Value;
 
-/// Ten minutes at rest, and all that is written of it.
+/// Simulates ten minutes at rest, and writes all outputs.
 fn written(folder: &Path) -> Value {
     done(
         folder,
@@ -14,15 +14,15 @@ fn written(folder: &Path) -> Value {
     );
     let files = ["--csv", "a.csv", "--svg", "a.svg", "--imu-yaml", "imu.yaml", "--orb-slam3", "orb.yaml"];
     let more = ["--vins", "vins.yaml", "--rostopic", "/my imu", "--json"];
-    let told = done(folder, &[&["noise", "rest.parquet"][..], &files, &more].concat());
-    serde_json::from_str(&told).expect("JSON and nothing else")
+    let report = done(folder, &[&["noise", "rest.parquet"][..], &files, &more].concat());
+    serde_json::from_str(&report).expect("JSON and nothing else")
 }
 
 fn text(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).expect("written")
 }
 
-/// `key: number` of every line that is not a comment; those of a block under the block's name.
+/// Parses `key: number` of every line that is not a comment; keys of a block are prefixed by the block's name.
 fn numbers(text: &str) -> BTreeMap<String, f64> {
     let mut block = String::new();
     let mut found = BTreeMap::new();
@@ -42,9 +42,9 @@ fn numbers(text: &str) -> BTreeMap<String, f64> {
     found
 }
 
-/// The largest of a level over three axes, or of its limits where no axis shows it.
-fn worst(told: &Value, triad: &str, level: &str) -> f64 {
-    let axes = told["axes"].as_array().expect("axes").iter();
+/// Largest level over three axes, or largest limit if no axis determines it.
+fn worst(report: &Value, triad: &str, level: &str) -> f64 {
+    let axes = report["axes"].as_array().expect("axes").iter();
     let three: Vec<&Value> =
         axes.filter(|axis| axis["column"].as_str().unwrap().starts_with(triad)).collect();
     assert_eq!(three.len(), 3);
@@ -53,13 +53,13 @@ fn worst(told: &Value, triad: &str, level: &str) -> f64 {
 }
 
 #[test]
-fn files_of_other_stacks_have_the_numbers_of_the_table_in_their_units() {
+fn exports_table_values_in_the_units_of_other_stacks() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let told = written(folder);
-    let rate = told["rate_hz"].as_f64().expect("a rate");
+    let report = written(folder);
+    let rate = report["rate_hz"].as_f64().expect("a rate");
     let levels = [("a", "white"), ("a", "walk"), ("g", "white"), ("g", "walk")];
-    let expected = levels.map(|(triad, level)| worst(&told, triad, level));
+    let expected = levels.map(|(triad, level)| worst(&report, triad, level));
     let near =
         |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}"); // digits printed
 
@@ -78,7 +78,7 @@ fn files_of_other_stacks_have_the_numbers_of_the_table_in_their_units() {
     near(kalibr["update_rate"], rate);
     assert_eq!(text(folder, "imu.yaml").matches("rostopic: \"/my imu\"").count(), 2);
 
-    // ORB_SLAM3/src/Tracking.cc: sf = √IMU.Frequency; noise·sf and walk/sf are what it adds up per sample
+    // ORB_SLAM3/src/Tracking.cc: sf = √IMU.Frequency; it adds noise·sf and walk/sf per sample
     let orb = numbers(&text(folder, "orb.yaml"));
     for (key, expected) in
         ["IMU.NoiseAcc", "IMU.AccWalk", "IMU.NoiseGyro", "IMU.GyroWalk"].iter().zip(expected)
@@ -100,13 +100,13 @@ fn files_of_other_stacks_have_the_numbers_of_the_table_in_their_units() {
 fn table_and_figure_show_the_same_numbers() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let told = written(folder);
+    let report = written(folder);
     let csv = text(folder, "a.csv");
     let row = |start: &str| -> Vec<String> {
         let found = csv.lines().find(|line| line.starts_with(start)).expect(start);
         found.split(',').map(str::to_owned).collect()
     };
-    let axis = &told["axes"][3];
+    let axis = &report["axes"][3];
     assert_eq!(axis["column"], "gx_rads");
     for (start, level, unit) in [
         ("gx_rads,N,", "white", "rad/s/sqrt(Hz)"),
@@ -132,17 +132,17 @@ fn table_and_figure_show_the_same_numbers() {
 }
 
 #[test]
-fn what_the_log_is_too_short_for_is_said_with_the_length_it_needs() {
+fn short_log_reports_the_required_length() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(
         folder,
         &["simulate", "rest.csv", "--minutes", "10", "--at-rest", "--temperature", "0", "--rate", "20"],
     );
-    let told = done(folder, &["noise", "rest.csv", "--axis", "gx,gy,gz"]);
-    assert!(told.contains("the log is too short for K: 10 min at rest show none"), "{told}");
-    assert!(told.contains("would show half as much"), "{told}");
-    assert!(told.contains("gx_rads: a drift with temperature ("), "{told}");
+    let report = done(folder, &["noise", "rest.csv", "--axis", "gx,gy,gz"]);
+    assert!(report.contains("the log is too short for K: 10 min at rest show none"), "{report}");
+    assert!(report.contains("would show half as much"), "{report}");
+    assert!(report.contains("gx_rads: a drift with temperature ("), "{report}");
 
     let missing = fails(folder, 1, &["noise", "rest.csv", "--axis", "gx", "--imu-yaml", "imu.yaml"]);
     assert!(missing.contains("ax_mps2 is missing") && !folder.join("imu.yaml").exists(), "{missing}");

@@ -1,5 +1,4 @@
-//! Nothing that a command writes takes the place of what it reads: every subcommand, every input, every output, however
-//! it is called.
+//! No output of a command replaces an input: every subcommand, every input, every output, under any path.
 #![cfg(unix)]
 
 use std::collections::BTreeSet;
@@ -16,8 +15,8 @@ use crate::turned_log::turned_log;
 use host_fit::cli::files::{Role, role_of};
 use host_fit::cli::subcommands;
 
-/// A command line that writes to `at` for its argument `output`. Words in braces are arguments that are read, with a
-/// file for each; what has no name is read besides.
+/// A command line that writes to `at` for its argument `output`. Words in braces are input arguments, with a file for
+/// each; inputs without an argument have an empty name.
 struct Line {
     output: &'static str,
     at: &'static str,
@@ -252,14 +251,14 @@ const LINES: [Line; 35] = [
 ];
 
 impl Line {
-    /// The longest that its words begin with: `fleet report`, not `fleet`.
+    /// Longest subcommand at the begin of the words: `fleet report`, not `fleet`.
     fn subcommand(&self) -> String {
         let is_of = |name: &String| format!("{} ", self.words).starts_with(&format!("{name} "));
         let of_line = subcommands().into_iter().map(|(name, _)| name).filter(is_of);
         of_line.max_by_key(String::len).expect("a subcommand")
     }
 
-    /// With the argument `given` naming a file in this way.
+    /// Arguments with `given` naming a file in this way.
     fn arguments(&self, given: (&str, &str)) -> Vec<String> {
         let inputs = |word: &str| {
             let name = word.strip_prefix('{')?.strip_suffix('}')?;
@@ -270,11 +269,11 @@ impl Line {
     }
 }
 
-/// How a file comes to be called as what is written.
+/// Ways in which an output path can lead to an input.
 const SPELLINGS: [&str; 4] = ["as it is", "by another way", "by a symbolic link", "by a hard link"];
 
-/// Makes `output` lead to the file `input` in `folder`; how the input is to be called then. A file that no argument
-/// names cannot have another name.
+/// Makes `output` lead to the file `input` in `folder`; returns the new name of the input. `None` if no argument names
+/// the file, so that it cannot have another name.
 fn lead(folder: &Path, spelling: &str, input: &str, output: &str, is_named: bool) -> Option<String> {
     let (from, to) = (folder.join(input), folder.join(output));
     fs::create_dir_all(to.parent()?).expect("made");
@@ -307,7 +306,7 @@ fn run(folder: &Path, arguments: &[String]) -> Output {
     host_fit.expect("it starts")
 }
 
-/// Everything that the lines read.
+/// Prepares all inputs of the command lines.
 fn prepare(folder: &Path) {
     let write = |name: &str, text: &[u8]| fs::write(folder.join(name), text).expect("written");
     for (log, seed) in [("log.parquet", "1"), ("field.parquet", "2"), ("later.parquet", "3")] {
@@ -348,24 +347,24 @@ fn copy_all(from: &Path, to: &Path) {
     }
 }
 
-/// Whether the file at `output` still holds `before` after a command that `ended` so; else what is wrong.
-fn kept(folder: &Path, output: &str, before: &[u8], ended: &Output) -> Result<(), String> {
-    let said = String::from_utf8_lossy(&ended.stderr);
+/// Checks that the file at `output` still holds `before` after a command with this output.
+fn check_unchanged(folder: &Path, output: &str, before: &[u8], ended: &Output) -> Result<(), String> {
+    let message = String::from_utf8_lossy(&ended.stderr);
     let now = fs::read(folder.join(output)).unwrap_or_default();
     match ended.status.code() {
         _ if now != before => Err(format!("the input is lost, exit code {:?}", ended.status.code())),
-        Some(1) if said.contains("help: ") && said.contains("another file") => Ok(()),
-        code => Err(format!("exit code {code:?}: {said}")),
+        Some(1) if message.contains("help: ") && message.contains("another file") => Ok(()),
+        code => Err(format!("exit code {code:?}: {message}")),
     }
 }
 
-/// The arguments of a subcommand that have one of these roles, by their names in the program.
+/// Arguments of a subcommand with one of these roles, by their names in the program.
 fn arguments_of(subcommand: &clap::Command, roles: &[Role]) -> BTreeSet<String> {
     let of_role = |argument: &&clap::Arg| role_of(argument).is_some_and(|role| roles.contains(&role));
     subcommand.get_arguments().filter(of_role).map(|argument| argument.get_id().to_string()).collect()
 }
 
-/// A new argument that is a path has to come into the table.
+/// Every new path argument must be added to the table.
 #[test]
 fn the_table_has_every_input_and_every_output() {
     let mut outputs = 0;
@@ -373,7 +372,7 @@ fn the_table_has_every_input_and_every_output() {
         let read = arguments_of(&subcommand, &[Role::Input]);
         let written = arguments_of(&subcommand, &[Role::OutputFile, Role::OutputFolder]);
         outputs += written.len();
-        // a server goes on for ever; what it writes has names of its own (workbench/folders.rs)
+        // a server never ends; it chooses the names of its outputs itself (workbench/folders.rs)
         if name == "serve" || read.is_empty() {
             assert!(!LINES.iter().any(|line| line.subcommand() == name), "{name}");
             continue;
@@ -417,9 +416,9 @@ fn no_output_replaces_an_input() {
                     let before = fs::read(folder.join(line.at)).expect("there");
                     let ended = run(folder, &line.arguments((id, &given)));
                     *tried.lock().expect("whole") += 1;
-                    // what a comparison of names would have let through
+                    // a comparison of names would have missed it
                     *of_names.lock().expect("whole") += usize::from(given != line.at);
-                    if let Err(what) = kept(folder, line.at, &before, &ended) {
+                    if let Err(what) = check_unchanged(folder, line.at, &before, &ended) {
                         let case = format!("{} ({id} {spelling}): {what}", line.words);
                         wrong.lock().expect("whole").push(case);
                     }
@@ -450,7 +449,7 @@ fn no_output_replaces_an_input() {
         replaced += 1;
     }
 
-    // a writer that does not ask is found out
+    // negative control: a writer without the check is detected
     let mut found_out = 0;
     for spelling in SPELLINGS {
         let folder = tempfile::tempdir().expect("a folder");
@@ -463,7 +462,7 @@ fn no_output_replaces_an_input() {
             env!("CARGO_BIN_EXE_fos")
         );
         let ended = Command::new("sh").args(["-c", &script]).current_dir(folder).output().expect("a shell");
-        found_out += usize::from(kept(folder, "out.json", &before, &ended).is_err());
+        found_out += usize::from(check_unchanged(folder, "out.json", &before, &ended).is_err());
     }
     assert_eq!(found_out, SPELLINGS.len());
     println!(
@@ -489,15 +488,16 @@ fn two_outputs_are_two_files() {
         [("new", "new"), ("new", "./real/../new"), ("real/new", "linked/new"), ("old", "hard")]
     {
         for [one, other] in [["--image", "--rust"], ["--rust", "--c"], ["--image", "--c"]] {
-            let said = fails(folder, 1, &["export", "unit.json", one, first, other, second]);
+            let message = fails(folder, 1, &["export", "unit.json", one, first, other, second]);
             assert!(
-                said.contains(&format!("{one} and {other} are one file")) && said.contains("help: "),
-                "{said}"
+                message.contains(&format!("{one} and {other} are one file")) && message.contains("help: "),
+                "{message}"
             );
         }
         for [one, other] in [["--output", "--device-log"], ["--device-log", "--hub-log"]] {
-            let said = fails(folder, 1, &["replay", "unit.fosm", "log.parquet", one, first, other, second]);
-            assert!(said.contains(&format!("{one} and {other} are one file")), "{said}");
+            let message =
+                fails(folder, 1, &["replay", "unit.fosm", "log.parquet", one, first, other, second]);
+            assert!(message.contains(&format!("{one} and {other} are one file")), "{message}");
         }
     }
     assert!(!folder.join("new").exists() && !folder.join("real/new").exists(), "nothing was written");
@@ -507,18 +507,18 @@ fn two_outputs_are_two_files() {
     assert!(written.iter().all(|path| path.exists()));
 }
 
-/// Where files are read apart from the door that notes what was read: none of them reads what a user measured.
+/// Other files that read without recording the input: none of them reads data of the user.
 const OTHER_DOORS: [&str; 10] = [
-    "data/src/file/read.rs",             // the door
-    "data/src/file/paths.rs",            // a folder, to bring its names to the disk
-    "data/src/file/replace.rs",          // what it is about to replace, and what killed writers left
-    "data/src/file/compare_and_swap.rs", // whether a study still is what was read
-    "diagnose/src/batch.rs",             // its own answers of before
-    "fleet/src/fleet.rs",                // its own rows of before
-    "src/bench/commands.rs",             // what the commands wrote that it ran
-    "src/calibration/kept.rs",           // its own outcomes of before
+    "data/src/file/read.rs",             // the module that records inputs
+    "data/src/file/paths.rs",            // a folder, to sync its names to the disk
+    "data/src/file/replace.rs",          // the file to be replaced, and leftovers of killed writers
+    "data/src/file/compare_and_swap.rs", // whether a study is unchanged
+    "diagnose/src/batch.rs",             // its own previous answers
+    "fleet/src/fleet.rs",                // its own previous rows
+    "src/bench/commands.rs",             // outputs of the commands that it ran
+    "src/calibration/kept.rs",           // its own previous outcomes
     "src/record/kept.rs",                // whether another recording runs
-    "src/record/end.rs",                 // what the system says of this process
+    "src/record/end.rs",                 // state of this process by the system
 ];
 
 fn opens_a_file(source: &str) -> bool {
@@ -529,7 +529,7 @@ fn opens_a_file(source: &str) -> bool {
 }
 
 #[test]
-fn files_come_in_through_one_door() {
+fn only_one_module_opens_user_files() {
     let all = sources(&[
         "src",
         "data/src",

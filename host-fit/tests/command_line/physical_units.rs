@@ -1,4 +1,4 @@
-//! What `fit --physical` prints of a log whose coefficients are known, in the units of the log.
+//! Output of `fit --physical` for a log with known coefficients, in the units of the log.
 
 use crate::session::done;
 use fos_core::{Transform, Transformer};
@@ -6,7 +6,7 @@ use fos_core::{Transform, Transformer};
 const RATE_HZ: f64 = 50.0;
 const ROWS: usize = 30_000;
 
-/// White, of no pattern that the search could find, between −1 and 1.
+/// White noise between −1 and 1, without a pattern that the search could find.
 fn noise(row: usize, of: u64) -> f64 {
     let mut x = (row as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ of.wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -14,7 +14,7 @@ fn noise(row: usize, of: u64) -> f64 {
     (x ^ (x >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
-/// The coefficient and its standard error of the term that ends so.
+/// Coefficient and standard error of the term that ends with `of`.
 fn coefficient(printed: &str, of: &str) -> (f64, f64) {
     let (before, _) = printed.split_once(of).unwrap_or_else(|| panic!("no {of}:\n{printed}"));
     let line = before.rsplit(['\n', ';', ':']).next().expect("a term");
@@ -23,7 +23,7 @@ fn coefficient(printed: &str, of: &str) -> (f64, f64) {
 }
 
 #[test]
-fn coefficients_are_those_that_made_the_log() {
+fn prints_the_true_coefficients() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut rate = Transformer::new(&Transform::Rate { tau_s: 5.0 }, 1.0 / RATE_HZ);

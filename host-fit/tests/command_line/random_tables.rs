@@ -1,7 +1,7 @@
 //! Every command on random tables: an answer or a clear refusal, never a panic, within bounded processor time and memory.
 //!
-//! `FOS_RANDOM_TABLES=5000 cargo test --workspace --test command_line random_tables::` tries as many tables instead of a few, from
-//! `FOS_RANDOM_SEED` on. A failure names its seed.
+//! `FOS_RANDOM_TABLES=5000 cargo test --workspace --test command_line random_tables::` runs that many tables, starting
+//! at seed `FOS_RANDOM_SEED`. A failure reports its seed.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,15 +15,15 @@ use rayon::prelude::*;
 use fos_data::column::AXES;
 use fos_testkit::is_thorough;
 
-/// Tables of an ordinary and of a thorough run.
+/// Number of tables in an ordinary and in a thorough run.
 const TABLES: u64 = 3;
 const THOROUGH: u64 = 12;
 
-/// Processor time that a command may take, s; the slowest takes a tenth of it, and the time does not depend on what else
-/// the machine does.
+/// Limit of the processor time of a command, s; the slowest takes a tenth of it, and the time does not depend on other
+/// load of the machine.
 const CPU_S: u32 = 60;
 
-/// Address space that a command may take, kilobytes.
+/// Limit of the address space of a command, kilobytes.
 const MEMORY_KB: u32 = 4_000_000;
 
 const OTHERS: [&str; 10] = [
@@ -94,7 +94,7 @@ impl Table {
         Self { columns }
     }
 
-    /// Of six axes of noise at 200 Hz, changed.
+    /// Six axes of noise, with values replaced by `change`.
     fn regular(rows: usize, rate_hz: f64, change: impl Fn(&str, usize, f64) -> f64) -> Self {
         let draw = &mut Draw::of(1);
         let time = ("t_s".to_owned(), (0..rows).map(|row| row as f64 / rate_hz).collect());
@@ -235,19 +235,19 @@ fn empty(draw: &mut Draw, values: &mut [f64], (kind, every, share): (usize, usiz
     }
 }
 
-/// How a command ended.
+/// End of a command.
 #[derive(Debug, PartialEq)]
 enum End {
     Done,
-    /// With what is wrong and what to do.
+    /// Refusal with the problem and a remedy.
     Refused,
-    /// Over its processor time.
+    /// Exceeded its processor time.
     Endless,
-    /// In any other way, with what it printed.
+    /// Any other end, with its output.
     Broken(String),
 }
 
-/// Runs a program in a folder, within bounds.
+/// Runs a program in a folder, within the limits.
 fn run(folder: &Path, cpu_s: u32, program: &str, arguments: &[&str]) -> End {
     let limited = format!("ulimit -v {MEMORY_KB}; ulimit -t {cpu_s}; exec \"$0\" \"$@\"");
     let output = Command::new("sh")
@@ -264,17 +264,17 @@ fn run(folder: &Path, cpu_s: u32, program: &str, arguments: &[&str]) -> End {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     match output.status.code() {
         _ if text.contains("panicked") => End::Broken(text),
-        // what one command writes the next can read
+        // each command must be able to read the output of the previous one
         _ if text.contains("not a study") => End::Broken(text),
         Some(0) => End::Done,
         Some(1 | 2) if text.contains("error: ") && text.contains("help: ") => End::Refused,
-        // by a signal: SIGXCPU, and SIGKILL a second later
+        // ended by a signal: SIGXCPU, and SIGKILL a second later
         None | Some(152 | 137) if !text.contains("memory allocation") => End::Endless,
         _ => End::Broken(text),
     }
 }
 
-/// The commands on a table, in order, and how each ended that broke the promise.
+/// Runs the commands on a table in order, and returns those that neither answered nor refused.
 fn failures(table: &Table, seed: u64) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("log.csv"), table.csv()).expect("written");
@@ -328,7 +328,7 @@ fn every_command_answers_or_refuses_random_tables() {
         .into_par_iter()
         .flat_map_iter(|seed| {
             let failed = failures(&Table::random(seed, longest), seed);
-            // of a long run, as soon as it is known
+            // in a long run, print at once
             failed.iter().for_each(|failed| println!("{failed}"));
             failed
         })
@@ -341,7 +341,7 @@ fn every_command_answers_or_refuses_random_tables() {
     );
 }
 
-/// Tables that a command fell on.
+/// Tables that once broke a command.
 #[test]
 fn every_command_answers_or_refuses_tables_that_broke_one() {
     let nan = f64::NAN;
@@ -354,13 +354,13 @@ fn every_command_answers_or_refuses_tables_that_broke_one() {
         // between 5 and 10 samples a second
         Table::regular(600, 6.0, |_, _, value| value),
         Table::regular(600, 9.9, |_, _, value| value),
-        // a hand-merged log, and one axis hardly ever
+        // a log merged by hand, and an axis with few values
         Table::regular(2000, 200.0, sparse(2)),
         Table::regular(2000, 200.0, sparse(20)),
         Table::regular(2000, 200.0, |_, row, value| if (row * row + row / 3) % 11 > 0 { nan } else { value }),
         // slower than a stretch whose power is compared
         Table::regular(2500, 0.1, |_, row, value| value + 0.1 * (2.0 * row as f64).sin()),
-        // constant: nothing is left of any regressor
+        // constant: every regressor vanishes
         Table::regular(1500, 50.0, |_, _, _| 1.0),
     ];
     let failed: Vec<String> =
@@ -369,7 +369,7 @@ fn every_command_answers_or_refuses_tables_that_broke_one() {
 }
 
 #[test]
-fn a_panic_a_loop_and_a_refusal_without_help_are_noticed() {
+fn detects_a_panic_a_loop_and_a_refusal_without_help() {
     let folder = tempfile::tempdir().expect("a folder");
     let end = |script: &str| run(folder.path(), 1, "sh", &["-c", script]);
     assert!(matches!(end("echo 'thread main panicked at x.rs' >&2; exit 101"), End::Broken(_)));

@@ -1,10 +1,10 @@
-//! The reference pages that follow from the program: docs/command-line.md and docs/effects.md.
+//! Reference pages generated from the program: docs/command-line.md and docs/effects.md.
 
 use clap::{Arg, ArgAction, Command};
 use fos_diagnose::effects::{Band, Effect, Library};
 use fos_testkit::page;
 
-/// `--axis AXIS`, `-o, --output OUTPUT`, or `LOG`.
+/// Spelling of an argument: `--axis AXIS`, `-o, --output OUTPUT`, or `LOG`.
 fn spelled(argument: &Arg) -> String {
     let takes_value = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
     let names = argument.get_value_names().unwrap_or_default();
@@ -40,7 +40,7 @@ fn line_of(argument: &Arg) -> String {
     line + "\n"
 }
 
-/// An option that all commands that read logs share.
+/// Returns true for an option common to all commands that read logs.
 fn is_of_reading(argument: &Arg) -> bool {
     ["columns", "map_file", "format", "topic", "rate_hz", "strict", "keep_moved"]
         .contains(&argument.get_id().as_str())

@@ -1,4 +1,4 @@
-//! The same samples give the same study and the same diagnosis to the last bit, whatever format they came in.
+//! The same samples give the same study and the same diagnosis to the last bit, in any format.
 
 use std::fs;
 use std::path::Path;
@@ -7,19 +7,19 @@ use crate::session::done;
 use fos_testkit::foreign::{Flight, Rate, mcap, ulog};
 use serde_json::Value;
 
-/// Without what says where the data came from.
-fn but_sources(value: &mut Value) {
+/// Removes the sources of the data.
+fn remove_sources(value: &mut Value) {
     match value {
         Value::Object(fields) => {
             fields.remove("sources");
-            fields.values_mut().for_each(but_sources);
+            fields.values_mut().for_each(remove_sources);
         }
-        Value::Array(items) => items.iter_mut().for_each(but_sources),
+        Value::Array(items) => items.iter_mut().for_each(remove_sources),
         _ => {}
     }
 }
 
-/// The study of a log, and what is missing from it on the log, in a folder of their own.
+/// Study of a log, and its diagnosis on the log, in a separate folder.
 fn study_and_diagnosis(folder: &Path, log: &str) -> (Value, String) {
     let fit =
         ["fit", log, "--axis", "ax,az,gy", "--physical", "temp_c", "--max-terms", "4", "-o", "unit.json"];
@@ -27,7 +27,7 @@ fn study_and_diagnosis(folder: &Path, log: &str) -> (Value, String) {
     let text = fs::read_to_string(folder.join("unit.json")).expect("written");
     let mut study: Value = serde_json::from_str(&text).expect("JSON");
     assert!(!study["data"]["sources"].is_null(), "{study:#}");
-    but_sources(&mut study);
+    remove_sources(&mut study);
     let diagnosis = done(folder, &["diagnose", "unit.json", "--from", log, "--axis", "gy", "--json"]);
     (study, diagnosis)
 }

@@ -1,8 +1,8 @@
-//! From a file that somebody else's program wrote to a diagnosis of all its axes: one command, no option.
+//! From a file written by a foreign program to a diagnosis of all its axes: one command, no option.
 
 use std::fs;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 use fos_data::recording::KNOWN_FORMATS;
 use fos_testkit::foreign::{
     Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
@@ -32,12 +32,12 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
     let folder = tempfile::tempdir().expect("a folder");
     for (id, name, bytes) in files {
         fs::write(folder.path().join(name), bytes).expect("written");
-        let said = done(folder.path(), &["diagnose", name, "--json"]);
+        let message = done(folder.path(), &["diagnose", name, "--json"]);
         let answers: Value =
-            serde_json::from_str(&said).unwrap_or_else(|error| panic!("{id}: {error}: {said}"));
+            serde_json::from_str(&message).unwrap_or_else(|error| panic!("{id}: {error}: {message}"));
         let of = |answer: &Value| answer["target"].as_str().expect("a name").to_owned();
         let targets: Vec<String> = answers.as_array().expect("one for each axis").iter().map(of).collect();
-        // whole degrees a second round the noise of this gyro away: an axis that stands still is left out
+        // whole degrees a second round the noise of this gyro away: an axis that does not change is excluded
         let all = &fos_data::column::AXES;
         let expected = if ["betaflight", "geneactiv"].contains(&id) { &all[..3] } else { &all[..] };
         assert_eq!(targets, expected, "{id}");
@@ -48,20 +48,20 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
             );
         }
     }
-    let said = done(folder.path(), &["diagnose", "a.ulg"]);
-    assert!(fos_data::column::AXES.iter().all(|axis| said.contains(axis)), "{said}");
-    assert!(said.starts_with("a.ulg: read as PX4 ULog: sensor_accel 0"), "{said}");
-    assert!(said.contains("rows are the samples of "), "{said}");
+    let message = done(folder.path(), &["diagnose", "a.ulg"]);
+    assert!(fos_data::column::AXES.iter().all(|axis| message.contains(axis)), "{message}");
+    assert!(message.starts_with("a.ulg: read as PX4 ULog: sensor_accel 0"), "{message}");
+    assert!(message.contains("rows are the samples of "), "{message}");
 }
 
 #[test]
-fn an_axis_that_stands_still_is_left_out_unless_it_is_asked_for() {
+fn excludes_a_constant_axis_unless_requested() {
     let mut flight = Flight::new(3000, 5000, 4);
     flight.rate.iter_mut().for_each(|rate| rate[0] = 0.0);
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");
-    let told = said(folder.path(), &["diagnose", "a.csv", "--json"]);
-    assert!(told.contains("excluded: gx_rads repeats one value, 0.0"), "{told}");
+    let report = stderr_of(folder.path(), &["diagnose", "a.csv", "--json"]);
+    assert!(report.contains("excluded: gx_rads repeats one value, 0.0"), "{report}");
     let refused = fails(folder.path(), 1, &["diagnose", "a.csv", "--axis", "gx"]);
     assert!(refused.contains("gx_rads repeats one value, 0.0"), "{refused}");
     flight.rate.iter_mut().for_each(|rate| *rate = [0.0; 3]);

@@ -1,4 +1,4 @@
-//! What a study file must hold, and what it remembers of its logs.
+//! Required content of a study file, and the stored options of its logs.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use fos_diagnose::study::Study;
 use serde_json::{Value, json};
 
 #[test]
-fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
+fn rejects_an_inconsistent_study_with_the_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("study.json");
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/study_v1.json");
@@ -49,12 +49,12 @@ fn a_study_that_contradicts_itself_is_refused_with_what_is_wrong() {
 }
 
 #[test]
-fn a_study_remembers_how_its_logs_are_read() {
+fn study_stores_the_options_of_its_logs() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, &["simulate", "plain.csv", "--minutes", "5", "--seed", "3", "--at-rest"]);
     let plain = fs::read_to_string(folder.join("plain.csv")).expect("written");
-    // no stamps, and a name that only quotes can say
+    // no timestamps, and a name that needs quotes
     let without_stamps: String =
         plain.lines().filter_map(|line| line.split_once(',')).fold(String::new(), |mut text, (_, rest)| {
             text.push_str(&rest.replace("gx_rads", "gyro:x"));
@@ -96,8 +96,8 @@ fn a_study_remembers_how_its_logs_are_read() {
 #[test]
 fn flags_of_a_log_need_a_log() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = fails(folder.path(), 1, &["serve", "--strict"]);
-    assert!(said.contains("there is no log") && said.contains("help: "), "{said}");
-    let said = fails(folder.path(), 1, &["serve", "absent/log.csv"]);
-    assert!(said.contains("absent: cannot read it"), "{said}");
+    let message = fails(folder.path(), 1, &["serve", "--strict"]);
+    assert!(message.contains("there is no log") && message.contains("help: "), "{message}");
+    let message = fails(folder.path(), 1, &["serve", "absent/log.csv"]);
+    assert!(message.contains("absent: cannot read it"), "{message}");
 }

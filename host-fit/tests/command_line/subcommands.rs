@@ -1,10 +1,9 @@
-//! What every subcommand owes its user: an example, JSON, a manual page, completion; and plain output where no terminal
-//! is.
+//! Requirements on every subcommand: an example, JSON, a manual page, completion; and plain output without a terminal.
 
 use crate::session::{done, fails};
 use crate::sources::sources;
 
-/// The subcommands that the help lists, and those of them.
+/// Subcommands listed in the help, including nested ones.
 fn subcommands() -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let help = done(folder.path(), &["--help"]);
@@ -25,13 +24,13 @@ fn every_subcommand_has_an_example_and_speaks_json() {
     for name in subcommands() {
         let help = done(folder.path(), &name.split(' ').chain(["--help"]).collect::<Vec<_>>());
         assert!(help.contains("Example: ") && help.contains(&format!("fos {name}")), "{name}: {help}");
-        // a script for a shell and a server have nothing to say in JSON
+        // a completion script and a server have no JSON output
         let has_none = ["completions", "serve"].contains(&name.as_str());
         assert_eq!(help.contains("--json"), !has_none, "{name}");
     }
-    let told = done(folder.path(), &["simulate", "unit.csv", "--minutes", "0.1", "--json"]);
-    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
-    assert_eq!(told[0]["path"], "unit.csv");
+    let printed = done(folder.path(), &["simulate", "unit.csv", "--minutes", "0.1", "--json"]);
+    let printed: serde_json::Value = serde_json::from_str(&printed).expect("JSON and nothing else");
+    assert_eq!(printed[0]["path"], "unit.csv");
 }
 
 #[test]
@@ -52,48 +51,54 @@ fn every_subcommand_has_a_manual_page_and_is_completed() {
 }
 
 #[test]
-fn fos_alone_shows_the_commands_that_most_people_need() {
+fn fos_without_arguments_lists_the_main_commands() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_fos")).output().expect("it starts");
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("fos diagnose LOG") && text.contains("fos --help"), "{text}");
-    let said = fails(folder.path(), 2, &["diagnos"]);
-    assert!(said.contains("'diagnose'"), "{said}");
+    let stderr = fails(folder.path(), 2, &["diagnos"]);
+    assert!(stderr.contains("'diagnose'"), "{stderr}");
 }
 
-/// Each file goes with other commands: the message names one that takes it.
+/// Files are accepted by different commands: the message names one that takes this file.
 #[test]
-fn a_log_in_the_place_of_a_study_and_the_reverse_are_recognised() {
+fn recognises_a_log_passed_as_a_study_and_the_reverse() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, &["simulate", "log.csv", "--minutes", "1", "--at-rest"]);
     done(folder, &["fit", "log.csv", "--axis", "gx", "--max-terms", "2", "-o", "unit.json"]);
-    let said = fails(folder, 1, &["noise", "unit.json"]);
-    assert!(said.contains("a study, not a log") && said.contains("`fos compare unit.json LOG`"), "{said}");
-    let said = fails(folder, 1, &["compare", "log.csv"]);
-    assert!(said.contains("a log, not a study") && said.contains("`fos fit log.csv -o unit.json`"), "{said}");
-    let said = fails(folder, 1, &["replay", "unit.json", "log.csv"]);
-    assert!(said.contains("`fos export unit.json --image unit.fosm`"), "{said}");
-    let said = fails(folder, 1, &["diagnose", "log.csv", "--axis", "gX"]);
-    assert!(said.contains("did you mean \"gx\"?"), "{said}");
-    let said = fails(folder, 1, &["add", "unit.json", "temp_linear", "--axis", "gX", "--from", "log.csv"]);
-    assert!(said.contains("did you mean gx_rads?"), "{said}");
-    let said = fails(folder, 2, &["fit", "log.csv", "--train", "50"]);
-    assert!(said.contains("50% or 50s"), "{said}");
-    let said = fails(folder, 1, &["fit", "log.csv", "--axis", "gx", "--physical", "Temperature"]);
-    assert!(said.contains("did you mean \"temp_c\"?"), "{said}");
+    let stderr = fails(folder, 1, &["noise", "unit.json"]);
+    assert!(
+        stderr.contains("a study, not a log") && stderr.contains("`fos compare unit.json LOG`"),
+        "{stderr}"
+    );
+    let stderr = fails(folder, 1, &["compare", "log.csv"]);
+    assert!(
+        stderr.contains("a log, not a study") && stderr.contains("`fos fit log.csv -o unit.json`"),
+        "{stderr}"
+    );
+    let stderr = fails(folder, 1, &["replay", "unit.json", "log.csv"]);
+    assert!(stderr.contains("`fos export unit.json --image unit.fosm`"), "{stderr}");
+    let stderr = fails(folder, 1, &["diagnose", "log.csv", "--axis", "gX"]);
+    assert!(stderr.contains("did you mean \"gx\"?"), "{stderr}");
+    let stderr = fails(folder, 1, &["add", "unit.json", "temp_linear", "--axis", "gX", "--from", "log.csv"]);
+    assert!(stderr.contains("did you mean gx_rads?"), "{stderr}");
+    let stderr = fails(folder, 2, &["fit", "log.csv", "--train", "50"]);
+    assert!(stderr.contains("50% or 50s"), "{stderr}");
+    let stderr = fails(folder, 1, &["fit", "log.csv", "--axis", "gx", "--physical", "Temperature"]);
+    assert!(stderr.contains("did you mean \"temp_c\"?"), "{stderr}");
 }
 
 #[test]
 fn refuses_figures_and_reports_with_an_ending_that_cannot_be_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let said = fails(folder, 1, &["noise", "log.csv", "--svg", "allan.png"]);
-    assert!(said.contains("help: --svg allan.svg"), "{said}");
-    let said = fails(folder, 1, &["report", "unit.json", "-o", "unit.pdf"]);
-    assert!(said.contains("help: --output unit.html"), "{said}");
-    let said = fails(folder, 1, &["fleet", "report", "population.json", "-o", "fleet.pdf"]);
-    assert!(said.contains("help: --output fleet.html"), "{said}");
+    let stderr = fails(folder, 1, &["noise", "log.csv", "--svg", "allan.png"]);
+    assert!(stderr.contains("help: --svg allan.svg"), "{stderr}");
+    let stderr = fails(folder, 1, &["report", "unit.json", "-o", "unit.pdf"]);
+    assert!(stderr.contains("help: --output unit.html"), "{stderr}");
+    let stderr = fails(folder, 1, &["fleet", "report", "population.json", "-o", "fleet.pdf"]);
+    assert!(stderr.contains("help: --output fleet.html"), "{stderr}");
 }
 
 #[test]
@@ -109,24 +114,24 @@ fn prints_field_units_by_default_and_si_on_request() {
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     assert!(done(folder, &["inspect", "unit.fosm"]).contains("\ngyro x: reference 0 rad/s"));
     let unit = |units: &str| {
-        let told = done(folder, &["replay", "unit.fosm", "log.csv", "--units", units]);
+        let printed = done(folder, &["replay", "unit.fosm", "log.csv", "--units", units]);
         let row =
-            told.lines().find(|line| line.starts_with("   gx_rads")).expect("a row").trim_end().to_owned();
+            printed.lines().find(|line| line.starts_with("   gx_rads")).expect("a row").trim_end().to_owned();
         row.rsplit(' ').next().expect("a unit").to_owned()
     };
     assert!(["°/s", "°/h"].contains(&unit("field").as_str()) && unit("si") == "rad/s");
 }
 
 #[test]
-fn nothing_is_coloured_where_no_terminal_is() {
+fn output_without_a_terminal_has_no_colours() {
     let folder = tempfile::tempdir().expect("a folder");
-    let said = fails(folder.path(), 1, &["diagnose", "none.csv", "--axis", "gx"]);
-    assert!(said.starts_with("error: none.csv: cannot open it"), "{said:?}");
-    assert!(!said.contains('\u{1b}'), "{said:?}");
+    let stderr = fails(folder.path(), 1, &["diagnose", "none.csv", "--axis", "gx"]);
+    assert!(stderr.starts_with("error: none.csv: cannot open it"), "{stderr:?}");
+    assert!(!stderr.contains('\u{1b}'), "{stderr:?}");
 }
 
-/// Words in backticks in the messages of the libraries: an option of the program, which shows it by its flag, or what
-/// stands in a log.
+/// Words in backticks in the messages of the libraries: an option, which the program shows as its flag, or a column of a
+/// log.
 fn unknown_words(line: &str, options: &[String]) -> Vec<String> {
     const IN_LOGS: [&str; 4] = ["still", "segment", "ref_…", "t_s"];
     if !line.contains("help: ") && !line.contains("#[error(") {
@@ -170,7 +175,7 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
         );
     }
     assert_eq!(found, [""; 0]);
-    // negative control: messages of before
+    // negative control: former messages
     for before in [
         "\"help: or give the sample rate (rate_hz) if there is none\"",
         "\"help: leave the column out (!t_s)\"",
@@ -185,24 +190,24 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
 }
 
 #[test]
-fn a_log_without_times_is_answered_with_flags() {
+fn error_for_missing_times_names_flags() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("log.csv"), "gx_rads\n0.1\n0.2\n0.3\n").expect("written");
-    let said = fails(folder.path(), 1, &["diagnose", "log.csv"]);
-    assert!(said.contains("--rate") && said.contains("with --map, as in t_s=time:ms"), "{said}");
-    assert!(!said.contains("rate_hz") && !said.contains('`'), "{said}");
+    let stderr = fails(folder.path(), 1, &["diagnose", "log.csv"]);
+    assert!(stderr.contains("--rate") && stderr.contains("with --map, as in t_s=time:ms"), "{stderr}");
+    assert!(!stderr.contains("rate_hz") && !stderr.contains('`'), "{stderr}");
 }
 
-/// The crates under the program are used without it, from a page or from another program: what to do is said in their
-/// own words, options by the names of their fields.
+/// The libraries are also used without the program, from a page or from another program: their messages name options by
+/// the names of their fields.
 #[test]
 fn no_library_names_a_flag_or_a_subcommand() {
     let all = host_fit::cli::subcommands();
     let flags = all.iter().flat_map(|(_, subcommand)| subcommand.get_arguments());
-    let mut said: Vec<String> =
+    let mut stderr: Vec<String> =
         flags.filter_map(|flag| flag.get_long()).map(|flag| format!("--{flag}")).collect();
-    said.extend(all.iter().map(|(words, _)| format!("fos {words}")));
-    let named = |line: &str| said.iter().find(|said| line.contains(said.as_str())).cloned();
+    stderr.extend(all.iter().map(|(words, _)| format!("fos {words}")));
+    let named = |line: &str| stderr.iter().find(|stderr| line.contains(stderr.as_str())).cloned();
     assert_eq!(named("\"help: a larger --train\"").as_deref(), Some("--train"));
 
     let libraries = sources(&["data/src", "fit/src", "calibrate/src", "simulate/src", "diagnose/src"]);
@@ -210,7 +215,7 @@ fn no_library_names_a_flag_or_a_subcommand() {
     let mut found = Vec::new();
     for (path, text) in &libraries {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-        found.extend(code.filter_map(named).map(|said| format!("{path}: {said}")));
+        found.extend(code.filter_map(named).map(|stderr| format!("{path}: {stderr}")));
     }
     assert_eq!(found, [""; 0]);
 }

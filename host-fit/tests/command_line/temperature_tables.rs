@@ -1,12 +1,12 @@
-//! Temperature tables for autopilots: a log corrected by the written file, with the autopilot's own formula, keeps the error
-//! that was told.
+//! Temperature tables for autopilots: a log corrected by the written file, with the autopilot's own formula, has the
+//! reported error.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::session::{done, fails, said};
+use crate::session::{done, fails, stderr_of};
 
 const RATE_HZ: usize = 20;
 const ROWS: usize = 20 * 1200;
@@ -16,7 +16,7 @@ const ROWS: usize = 20 * 1200;
 fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
     let mut state = seed;
     let mut noise = || {
-        // the sum of four even ones is nearly normal
+        // the sum of four uniform numbers is nearly normal
         (0..4).fold(-2.0, |sum, _| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             sum + f64::from(state >> 8) / f64::from(1 << 24)
@@ -55,7 +55,7 @@ fn write(path: &Path, rows: &[[f64; 8]]) {
     std::fs::write(path, text).expect("written");
 }
 
-/// A study of a log that warms and cools by 18 K, and another log of the unit that goes a little further.
+/// Writes a study of a log that warms and cools by 18 K, and another log of the device with a slightly larger range.
 fn study(folder: &Path) -> Vec<[f64; 8]> {
     write(&folder.join("warm.csv"), &rows(1.5, 18.0, 1));
     let later = rows(1.3, 20.0, 2);
@@ -64,7 +64,7 @@ fn study(folder: &Path) -> Vec<[f64; 8]> {
     later
 }
 
-/// Root mean square of 1-s means less their mean.
+/// RMS of 1-s means minus their mean.
 fn left(rows: &[[f64; 8]], column: usize, correction: impl Fn(f64) -> f64) -> f64 {
     let corrected: Vec<f64> = rows.iter().map(|row| row[column + 1] - correction(row[7])).collect();
     let means: Vec<f64> =
@@ -73,8 +73,9 @@ fn left(rows: &[[f64; 8]], column: usize, correction: impl Fn(f64) -> f64) -> f6
     (means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / means.len() as f64).sqrt()
 }
 
-/// As `src/modules/temperature_compensation/TemperatureCompensation.cpp` of PX4-Autopilot, `calc_thermal_offsets_3D`: the
-/// difference to TREF clipped, X0 to X3 in its powers; what comes out is subtracted from the sensor.
+/// Formula of `src/modules/temperature_compensation/TemperatureCompensation.cpp` of PX4-Autopilot,
+/// `calc_thermal_offsets_3D`: the difference from TREF is clipped, X0 to X3 are coefficients of its powers; the result
+/// is subtracted from the measurement.
 fn px4(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
     let (sensor, axis) = (["A0", "G0"][column / 3], column % 3);
     let of = |name: &str| parameters[&format!("TC_{sensor}_{name}")];
@@ -82,8 +83,8 @@ fn px4(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
     (0..4).map(|power| of(&format!("X{power}_{axis}")) * d.powi(power)).sum()
 }
 
-/// As `libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp` of ardupilot, `correct_sensor` and `polynomial_eval`:
-/// three orders about 35 °C, times 10⁻⁶, less the same at the temperature of the calibration.
+/// Formula of `libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp` of ardupilot, `correct_sensor` and
+/// `polynomial_eval`: three orders about 35 °C, times 10⁻⁶, minus the value at the temperature of the calibration.
 fn ardupilot(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) -> f64 {
     let (sensor, axis) = (["ACC", "GYR"][column / 3], ["X", "Y", "Z"][column % 3]);
     let of = |name: &str| parameters[&format!("INS_TCAL1_{name}")];
@@ -94,7 +95,7 @@ fn ardupilot(parameters: &BTreeMap<String, f64>, column: usize, celsius: f64) ->
     polynomial(celsius) - polynomial(21.5)
 }
 
-/// Lines of five columns as QGroundControl reads them, or of a name and a value.
+/// Parses lines of five columns as read by QGroundControl, or of a name and a value.
 fn parameters(text: &str) -> BTreeMap<String, f64> {
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     lines
@@ -115,29 +116,29 @@ fn parameters(text: &str) -> BTreeMap<String, f64> {
 }
 
 #[test]
-fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
+fn written_table_gives_the_reported_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let later = study(folder);
     let export =
         ["export", "unit.json", "--px4", "u.params", "--device-id", "77,88", "--ardupilot", "u.parm"];
     let rest = ["--instance", "0", "--evaluate-on", "later.csv", "--json"];
-    let told = done(folder, &[&export[..], &rest].concat());
-    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON and nothing else");
-    let told = &told["temperature"];
-    assert_eq!(told["corrected_by"], serde_json::json!(["PX4", "ArduPilot"]));
+    let report = done(folder, &[&export[..], &rest].concat());
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON and nothing else");
+    let report = &report["temperature"];
+    assert_eq!(report["corrected_by"], serde_json::json!(["PX4", "ArduPilot"]));
     let read = |name: &str| parameters(&std::fs::read_to_string(folder.join(name)).expect("written"));
     let (for_px4, for_ardupilot) = (read("u.params"), read("u.parm"));
     assert_eq!((for_px4["TC_A0_ID"], for_px4["TC_G0_ID"]), (77.0, 88.0));
     assert_eq!((for_px4["TC_G_ENABLE"], for_ardupilot["INS_TCAL1_ENABLE"]), (1.0, 1.0));
     assert!(for_ardupilot["INS_TCAL1_TMAX"] >= for_ardupilot["INS_TCAL1_TMIN"] + 10.0);
     for (column, name) in COLUMNS.iter().enumerate() {
-        let axis = &told["axes"][column];
+        let axis = &report["axes"][column];
         assert_eq!(axis["column"], *name);
-        // offsets are single: 6e-8 of up to 0.1 m/s² or 0.02 rad/s, against errors of 1e-3 and 1e-4
-        let same = |told: &serde_json::Value, found: f64| {
-            let told = told.as_f64().expect("a number");
-            assert!((told / found - 1.0).abs() < 1e-4, "{name}: {told} told, {found} found");
+        // offsets are single precision: 6e-8 of up to 0.1 m/s² or 0.02 rad/s, against errors of 1e-3 and 1e-4
+        let same = |report: &serde_json::Value, found: f64| {
+            let report = report.as_f64().expect("a number");
+            assert!((report / found - 1.0).abs() < 1e-4, "{name}: {report} told, {found} found");
         };
         same(&axis["nothing"], left(&later, column, |_| 0.0));
         same(&axis["corrected"][0], left(&later, column, |celsius| px4(&for_px4, column, celsius)));
@@ -150,25 +151,25 @@ fn a_log_corrected_by_the_written_file_keeps_the_error_that_was_told() {
             (axis["nothing"].as_f64().unwrap(), axis["corrected"][0].as_f64().unwrap());
         assert!(corrected < 0.8 * nothing, "{name}: {corrected} of {nothing}");
     }
-    // what is a cubic is taken out down to the noise, 0.001·0.577/√20 and what the clipped ends leave
-    assert!(told["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{told}");
+    // a cubic is corrected down to the noise, 0.001·0.577/√20, and the remainder at the clipped ends
+    assert!(report["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{report}");
 }
 
 #[test]
-fn who_has_no_device_id_is_told_that_px4_ignores_the_table() {
+fn warns_that_px4_ignores_a_table_without_device_id() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     study(folder);
-    let warned = said(folder, &["export", "unit.json", "--instance", "0", "--px4", "u.params"]);
+    let warned = stderr_of(folder, &["export", "unit.json", "--instance", "0", "--px4", "u.params"]);
     assert!(warned.contains("PX4 ignores these tables") && warned.contains("--device-id"), "{warned}");
-    let told = done(folder, &["export", "unit.json", "--instance", "0", "--ardupilot", "u.parm"]);
+    let report = done(folder, &["export", "unit.json", "--instance", "0", "--ardupilot", "u.parm"]);
     for part in ["nothing corrected", "ArduPilot's cubic", "the study", "warm.csv that were not fitted"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(report.contains(part), "{part}: {report}");
     }
 }
 
 #[test]
-fn a_log_without_warmth_or_thermometer_is_refused_with_what_to_record() {
+fn rejects_a_log_without_temperature_change_with_a_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     write(&folder.join("steady.csv"), &rows(1.5, 4.0, 3));
@@ -188,7 +189,8 @@ fn a_log_without_warmth_or_thermometer_is_refused_with_what_to_record() {
     assert!(blind.contains("blind.csv: it has no temperature") && blind.contains("help: log"), "{blind}");
 }
 
-/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, the other way.
+/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, with
+/// opposite sign.
 fn two_imus() -> Vec<u8> {
     let mut log = Vec::new();
     let padded = |text: &str, length: usize| {
@@ -245,7 +247,7 @@ fn the_table_of_an_imu_is_written_for_that_imu() {
         let refused =
             fails(folder, 1, &["export", "unit.json", "--instance", other, "--ardupilot", "other.parm"]);
         assert!(refused.contains(&format!("it is of IMU {topic}, but IMU {other} was stated")), "{refused}");
-        // numbers of ArduPilot's IMUs are not those of PX4's
+        // ArduPilot numbers its IMUs differently from PX4
         let refused = fails(folder, 1, &["export", "unit.json", "--px4", "other.params"]);
         assert!(refused.contains("which of its IMUs the log is of is not known"), "{refused}");
         assert!(!folder.join("other.parm").exists() && !folder.join("other.params").exists());
@@ -297,7 +299,7 @@ fn px4_log(is_combined: bool) -> Vec<u8> {
         message(b'A', &[&[instance], &id.to_le_bytes(), name.as_bytes()]);
     }
     for (n, row) in rows(0.5, 12.0, 5).into_iter().enumerate() {
-        // a little faster than the slowest topic that is read
+        // slightly faster than the slowest topic that is read
         let us = 1_000_000 + 40_000 * n as u64;
         let bytes = |values: &[f64]| -> Vec<u8> {
             values.iter().flat_map(|value| (*value as f32).to_le_bytes()).collect()
@@ -321,7 +323,7 @@ fn px4_log(is_combined: bool) -> Vec<u8> {
 }
 
 #[test]
-fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
+fn corrected_px4_values_make_an_image_but_no_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     std::fs::write(folder.join("combined.ulg"), px4_log(true)).expect("written");
@@ -335,8 +337,8 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     };
     let image = fit("combined.ulg", "0");
     assert_eq!(image["fitted_on"], "FactoryCorrected", "{image}");
-    let told = image["provenance"].as_str().expect("a text");
-    assert!(told.contains("corrected by PX4"), "{told}");
+    let report = image["provenance"].as_str().expect("a text");
+    assert!(report.contains("corrected by PX4"), "{report}");
     let refused = fails(
         folder,
         1,
@@ -348,7 +350,7 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
         "{refused}"
     );
     assert!(!folder.join("u.params").exists());
-    // negative control: a study that says otherwise than its log was not written by this program
+    // negative control: a study that contradicts its log was not written by this program
     let study = std::fs::read_to_string(folder.join("unit.json")).expect("written");
     let doctored = study.replacen("\"fitted_on\": \"FactoryCorrected\"", "\"fitted_on\": \"Raw\"", 2);
     std::fs::write(folder.join("doctored.json"), &doctored).expect("written");
@@ -356,12 +358,12 @@ fn values_that_px4_corrected_make_no_table_and_an_image_of_corrected_values() {
     let refused = fails(folder, 1, &["export", "doctored.json", "--image", "other.fosm"]);
     assert!(refused.contains("was corrected by PX4"), "{refused}");
 
-    // and one whose provenance was cut, as of an earlier version, is read and warned of
+    // and one without provenance, as of an earlier version, is read with a warning
     let mut cut: serde_json::Value = serde_json::from_str(&doctored).expect("JSON");
     let source = cut["data"]["sources"][0]["read_as"].as_object_mut().expect("another format");
     assert!(source.remove("provenance").is_some());
     std::fs::write(folder.join("cut.json"), cut.to_string()).expect("written");
-    let warned = said(folder, &["export", "cut.json", "--image", "cut.fosm"]);
+    let warned = stderr_of(folder, &["export", "cut.json", "--image", "cut.fosm"]);
     assert!(warned.contains("help: fit the log again"), "{warned}");
     let refused = fails(folder, 1, &["export", "cut.json", "--instance", "0", "--px4", "u.params"]);
     assert!(refused.contains("corrected before they were logged"), "{refused}");

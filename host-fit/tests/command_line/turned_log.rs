@@ -1,17 +1,17 @@
-//! A log of a device that lies in 14 orientations for 2 s each and is turned in between, as CSV in the log format.
+//! A log of a device with dwells of 2 s in 14 orientations, turned in between, as CSV in the log format.
 
 use std::fmt::Write as _;
 
 use nalgebra::{Rotation3, Vector3};
 
-/// Bias, m/s², and sensitivity of its accelerometer, and of its gyro (rad/s).
+/// Bias, m/s², and sensitivity of the accelerometer, and of the gyro (rad/s).
 pub(crate) const ACCELEROMETER: [(f64, f64); 3] = [(0.15, 1.012), (-0.22, 0.991), (0.08, 1.004)];
 pub(crate) const GYRO: [(f64, f64); 3] = [(0.01, 1.013), (-0.006, 0.989), (0.003, 0.999)];
 
 pub(crate) fn turned_log() -> String {
     let mut seed = 1_u64;
     let mut noise = move || {
-        // the sum of four uniform numbers of a linear congruential generator: no generator is needed for more
+        // sum of four uniform numbers of a linear congruential generator: a better generator is not needed
         (0..4)
             .map(|_| {
                 seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -37,7 +37,7 @@ pub(crate) fn turned_log() -> String {
         for _ in 0..100 {
             push(attitude * Vector3::z() * 9.80665, Vector3::zeros());
         }
-        // quarter turns reach the faces, thirds of a right angle what lies between
+        // quarter turns reach the faces, thirds of a right angle the orientations between
         let axis = [Vector3::x(), Vector3::y(), Vector3::new(0.6, 0.0, 0.8)][n as usize % 3];
         let whole = axis * if n < 6 { std::f64::consts::FRAC_PI_2 } else { 1.1 };
         let from = attitude;

@@ -1,21 +1,21 @@
-//! The commands of the tutorials, and of the pages for users of other tools on logs made for them.
+//! Runs the commands of the tutorials, and those of the pages for users of other tools on logs generated here.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::session::done;
 
-/// Endings of the logs that the page names, whatever their format.
+/// Endings of the logs named on the page, whatever their format.
 const LOGS: [&str; 5] = ["bag", "csv", "ulg", "bin", "mcap"];
 
-/// The words of every command in blocks of shell.
+/// Words of every command in shell blocks.
 fn commands(page: &str) -> Vec<Vec<String>> {
     let blocks = page.split("```sh\n").skip(1).map(|block| block.split("```").next().expect("an end"));
     let lines = blocks.flat_map(str::lines).flat_map(|line| line.split(" && "));
     lines.map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
 }
 
-/// At rest for 20 minutes, cold to warm and back; the logs at rest at one temperature.
+/// Writes a log at rest for 20 minutes, cold to warm and back; without a swing at a constant temperature.
 fn write_log(path: &Path, seed: u32, swing: f64) {
     let mut state = seed;
     let mut noise = || {
@@ -43,8 +43,8 @@ fn page(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name)).expect("there")
 }
 
-/// Runs the commands of a tutorial and finds every line of its outputs in what they print. A line that ends in … is the
-/// beginning of one.
+/// Runs the commands of a tutorial and finds every line of its sample output in what they print. A line that ends in …
+/// is compared up to there.
 fn runs_as_it_stands(name: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
@@ -83,24 +83,24 @@ fn lines_of(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_first_tutorial_runs_as_it_stands() {
+fn first_tutorial_runs_as_printed() {
     runs_as_it_stands("first-correction.md");
 }
 
 #[test]
-fn the_walk_through_runs_as_it_stands() {
+fn walk_through_runs_as_printed() {
     runs_as_it_stands("finding-a-missing-effect.md");
 }
 
 #[test]
-fn every_command_of_the_pages_does_what_it_says() {
+fn every_command_of_the_pages_succeeds() {
     let pages = ["imu-yaml.md", "coming-from.md", "px4.md", "ardupilot.md"].map(page);
     let page = pages.concat();
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let commands = commands(&page);
     assert!(commands.len() >= 12, "{commands:?}");
-    // logs are written as tables here, under the same names: what opens other formats has tests of its own
+    // logs are written as tables here, under the same names: other tests cover the opening of other formats
     let mut logs: BTreeMap<String, String> = BTreeMap::new();
     for (at, command) in commands.iter().enumerate() {
         assert_eq!(command[0], "fos");
@@ -123,7 +123,7 @@ fn every_command_of_the_pages_does_what_it_says() {
             })
             .collect();
         let mut words: Vec<&str> = named.iter().map(String::as_str).collect();
-        // which IMU it is of stands in a log of the autopilot, and in no table
+        // the number of the IMU is in a log of the autopilot, but not in a table
         if words.iter().any(|word| ["--px4", "--ardupilot"].contains(word)) {
             words.extend(["--instance", "0"]);
         }

@@ -1,4 +1,4 @@
-//! Files that are unusual, or made to hurt: read, or refused with what they are and what to do; and memory stays flat.
+//! Unusual or malicious files: read, or refused with a description and a remedy; with bounded memory.
 
 use std::fs;
 use std::io::Write;
@@ -28,7 +28,7 @@ fn utf16(text: &str, bytes: fn(u16) -> [u8; 2], mark: bool) -> Vec<u8> {
     mark.into_iter().chain(text.encode_utf16()).flat_map(bytes).collect()
 }
 
-/// A Parquet file that says of its columns that this codec packed them: the value of the field after their path.
+/// A Parquet file that states this codec for its columns: the value of the field after their path.
 fn parquet_of(folder: &Path, codec: u8) -> Vec<u8> {
     let path = folder.join("sound.parquet");
     let (time, values): (Vec<f64>, Vec<f64>) =
@@ -37,12 +37,12 @@ fn parquet_of(folder: &Path, codec: u8) -> Vec<u8> {
     let mut bytes = fs::read(path).expect("written");
     let path_of_column = [&b"\x19\x18\x07gx_rads\x15"[..]].concat();
     let at = bytes.windows(path_of_column.len()).position(|found| found == path_of_column);
-    // a number with its sign in the lowest bit
+    // a zigzag number, with its sign in the lowest bit
     bytes[at.expect("the column is there") + path_of_column.len()] = 2 * codec;
     bytes
 }
 
-/// What a file must come to: rows, or what is said of it.
+/// Expected result of a file: number of rows, or words of the error.
 type Expected = Result<usize, [&'static str; 2]>;
 
 fn files(folder: &Path) -> Vec<(&'static str, Vec<u8>, Expected)> {
@@ -52,10 +52,10 @@ fn files(folder: &Path) -> Vec<(&'static str, Vec<u8>, Expected)> {
     vec![
         ("ends in LF", lf.clone().into(), Ok(ROWS)),
         ("ends in CRLF", text("\r\n").into(), Ok(ROWS)),
-        // was read as one line, the names of its columns
+        // used to be read as one line, the names of its columns
         ("ends in CR", text("\r").into(), Ok(ROWS)),
         ("gzip of CR", packed(text("\r").as_bytes()), Ok(ROWS)),
-        // was refused as an invalid header
+        // used to be rejected as an invalid header
         ("gzip and zeros", with(&[0; 4096]), Ok(ROWS)),
         (
             "gzip of two members",
@@ -67,7 +67,7 @@ fn files(folder: &Path) -> Vec<(&'static str, Vec<u8>, Expected)> {
             with(b"and this"),
             Err(["after the end of the gzip data comes something else", "help: "]),
         ),
-        // "no column holds numbers"
+        // used to be "no column holds numbers"
         (
             "UTF-16 with a mark",
             utf16(&lf, u16::to_le_bytes, true),
@@ -93,7 +93,7 @@ fn files(folder: &Path) -> Vec<(&'static str, Vec<u8>, Expected)> {
             b"t_s,gx_rads,a\0b\n0,1,2\n".to_vec(),
             Err(["zero bytes", "help: a log is CSV"]),
         ),
-        // "if it was cut short while being written or copied" was the help for all of these
+        // the help for all of these used to be "if it was cut short while being written or copied"
         (
             "Parquet with Brotli",
             parquet_of(folder, 4),
@@ -151,23 +151,22 @@ fn swapped(line: &str) -> String {
 fn fits(found: &Result<usize, String>, expected: &Expected) -> bool {
     match (found, expected) {
         (Ok(found), Ok(expected)) => found == expected,
-        (Err(said), Err(words)) => {
-            said.contains("log.bin")
-                && said.contains("\nhelp: ")
-                && words.iter().all(|word| said.contains(word))
+        (Err(message), Err(words)) => {
+            message.contains("log.bin")
+                && message.contains("\nhelp: ")
+                && words.iter().all(|word| message.contains(word))
         }
         _ => false,
     }
 }
 
-/// Kilobytes of address space that the program may have: more than it needs to begin with, less than the file unpacks
-/// to.
+/// Limit of the address space, kilobytes: more than the program needs at start, less than the decompressed file.
 const LIMIT_KB: u32 = 150_000;
 
-/// Reads what is unpacked to 160 MB; whether it ended with exit code 1.
+/// Reads a file of 160 MB when decompressed; returns true if the exit code is 1.
 #[cfg(unix)]
-fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> bool {
-    // one member of a megabyte, repeated: packing 160 MB takes longer than reading them
+fn rejects_within_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> bool {
+    // one member of a megabyte, repeated: compressing 160 MB takes longer than reading them
     let member = packed(&piece.repeat((1 << 20) / piece.len()));
     fs::write(folder.join("large.csv.gz"), [packed(begin), member.repeat(160)].concat()).expect("written");
     let line = format!("ulimit -v {LIMIT_KB}; exec \"$0\" fit large.csv.gz --axis gx -o unit.json");
@@ -175,7 +174,7 @@ fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> boo
         .args(["-c", &line, env!("CARGO_BIN_EXE_fos")])
         .current_dir(folder)
         .env("RAYON_NUM_THREADS", "2")
-        // each thread would set 64 MB of addresses aside
+        // each thread would reserve 64 MB of addresses
         .env("MALLOC_ARENA_MAX", "1")
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -184,7 +183,7 @@ fn is_refused_in_little_memory(folder: &Path, begin: &[u8], piece: &[u8]) -> boo
 }
 
 #[test]
-fn an_unusual_file_is_read_or_refused_with_what_it_is_and_what_to_do() {
+fn unusual_files_are_read_or_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log.bin");
     let read = |bytes: &[u8]| {
@@ -196,7 +195,7 @@ fn an_unusual_file_is_read_or_refused_with_what_it_is_and_what_to_do() {
     for ((name, _, expected), found) in files.iter().zip(&found) {
         assert!(fits(found, expected), "{name}: {found:?}");
     }
-    // what is said of one file fits no other, and not a damaged one
+    // the words for one file fit no other, and no damaged one
     let damaged = read(&parquet_of(folder.path(), 6)[..2000.min(ROWS)]);
     let refused: Vec<_> =
         files.iter().filter_map(|(name, _, expected)| expected.err().map(|words| (name, words))).collect();
@@ -218,14 +217,17 @@ fn an_unusual_file_is_read_or_refused_with_what_it_is_and_what_to_do() {
         let line = [&b"0,\""[..], &vec![b'x'; (1 << 20) - 10], b"\n"].concat();
         for (name, begin, piece) in [
             ("an open quotation mark", &b"t_s,gx_rads\n0,\""[..], &[b'x'; 4096][..]),
-            // up to a thousand of them were kept: a gigabyte
+            // up to a thousand of them used to be kept: a gigabyte
             ("lines of a megabyte", b"t_s,gx_rads\n", &line),
             ("one in the header", b"\"t_s,gx_rads,", &[b'x'; 4096]),
         ] {
-            assert!(is_refused_in_little_memory(folder.path(), begin, piece), "{name}");
+            assert!(rejects_within_little_memory(folder.path(), begin, piece), "{name}");
         }
-        // rows are kept: the limit is one
-        assert!(!is_refused_in_little_memory(folder.path(), b"t_s,gx_rads\n", b"1,2\n"), "the limit is none");
+        // negative control: rows are kept, so the limit is reached
+        assert!(
+            !rejects_within_little_memory(folder.path(), b"t_s,gx_rads\n", b"1,2\n"),
+            "the limit is none"
+        );
         format!(
             "3 texts of 160 MB without a row in them refused within {} MB of address space",
             LIMIT_KB / 1000

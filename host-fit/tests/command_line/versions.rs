@@ -1,4 +1,4 @@
-//! A file of another version is refused by name: the file, its version, and what this program reads.
+//! A file of another version is refused with its name, its version, and the version that this program reads.
 
 use std::fs;
 use std::path::Path;
@@ -12,22 +12,22 @@ fn fixture(name: &str) -> Vec<u8> {
 }
 
 fn refused(folder: &Path, arguments: &[&str], words: [&str; 3]) {
-    let said = fails(folder, 1, arguments);
+    let message = fails(folder, 1, arguments);
     for word in words {
-        assert!(said.contains(word), "{arguments:?}: {word:?} is not in: {said}");
+        assert!(message.contains(word), "{arguments:?}: {word:?} is not in: {message}");
     }
 }
 
 #[test]
-fn a_file_of_another_version_is_refused_by_name() {
+fn rejects_a_file_of_another_version_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let write = |name: &str, bytes: &[u8]| fs::write(folder.join(name), bytes).expect("written");
 
     let mut image = fixture("model_v1.fosm");
     write("read.fosm", &image);
-    let said = done(folder, &["inspect", "read.fosm"]);
-    assert!(said.contains("format version 1"), "what is refused is the version: {said}");
+    let message = done(folder, &["inspect", "read.fosm"]);
+    assert!(message.contains("format version 1"), "what is refused is the version: {message}");
     image[4] = 2;
     write("later.fosm", &image);
     refused(folder, &["inspect", "later.fosm"], ["later.fosm", "version 2", "reads version 1"]);

@@ -1,5 +1,5 @@
-//! Whole cases, read from their folders and diagnosed: three of our own simulator, and three of another one where they
-//! are at hand.
+//! Complete cases, read from their folders and diagnosed: three of our own simulator, and three of another one if
+//! available.
 
 use fos_data::case::Case;
 use fos_diagnose::case::question;
@@ -8,13 +8,13 @@ use fos_diagnose::effects::Library;
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Planted, Setup, simulate_case};
 use fos_testkit::outside;
 
-/// The case of another simulator, diagnosed.
+/// Diagnosis of a case of another simulator.
 fn answer(name: &str) -> Option<Diagnosis> {
     let case = Case::read(&outside::path(&format!("cases/{name}"))?).expect("a case");
     Some(diagnose(&question(&case, &Library::built_in())).expect("an answer"))
 }
 
-/// A case of our own with this planted, diagnosed; and what it came out as.
+/// Diagnosis of a simulated case with these effects planted, and the planted effects with their resulting values.
 fn simulated(seed: u64, setup: Setup, target: Axis, planted: &[Plant]) -> (Diagnosis, Vec<Planted>) {
     let mut plan = CasePlan::new(seed, "bmi160", setup, target);
     plan.planted = planted.to_vec();
@@ -36,7 +36,7 @@ fn assert_nothing_missing(diagnosis: &Diagnosis) {
     assert!(diagnosis.findings.is_empty() && diagnosis.leads.is_empty());
 }
 
-/// The planted time constant, s, and sensitivity, mg/K, lie in the intervals of the finding.
+/// Checks that the planted time constant, s, and sensitivity, mg/K, lie in the intervals of the finding.
 fn assert_thermal_lag(finding: &Finding, tau_s: f64, mg_per_k: f64) {
     let [low, high] = finding.params_interval["tau_s"];
     assert!((low..=high).contains(&tau_s), "{tau_s}: {low} … {high}");
@@ -48,19 +48,19 @@ fn assert_thermal_lag(finding: &Finding, tau_s: f64, mg_per_k: f64) {
 }
 
 #[test]
-fn a_strong_g_sensitivity_that_was_planted_is_named() {
+fn identifies_a_planted_strong_g_sensitivity() {
     let strong = Plant { effect: Effect::GSensitivity, parameter: None, size: 150.0 };
     let (diagnosis, _) = simulated(1, Setup::PoseRig, Axis::Gx, &[strong]);
     assert_missing(&diagnosis, "g_sensitivity");
 }
 
 #[test]
-fn where_nothing_was_planted_nothing_is_named() {
+fn reports_no_effect_without_a_planted_one() {
     assert_nothing_missing(&simulated(2, Setup::Bench, Axis::Gz, &[]).0);
 }
 
 #[test]
-fn a_thermal_lag_that_was_planted_is_named_with_its_time_constant_and_size() {
+fn identifies_a_planted_thermal_lag_with_its_time_constant_and_size() {
     let medium = Plant { effect: Effect::ThermalLag, parameter: Some(75.0), size: 30.0 };
     let (diagnosis, planted) = simulated(3, Setup::Bench, Axis::Ay, &[medium]);
     assert_missing(&diagnosis, "thermal_lag");
@@ -69,19 +69,19 @@ fn a_thermal_lag_that_was_planted_is_named_with_its_time_constant_and_size() {
 }
 
 #[test]
-fn a_strong_g_sensitivity_is_named() {
+fn identifies_a_strong_g_sensitivity_of_another_simulator() {
     let Some(diagnosis) = answer("case_001") else { return };
     assert_missing(&diagnosis, "g_sensitivity");
 }
 
 #[test]
-fn where_nothing_is_missing_nothing_is_named() {
+fn reports_no_effect_in_a_clean_log_of_another_simulator() {
     let Some(diagnosis) = answer("case_002") else { return };
     assert_nothing_missing(&diagnosis);
 }
 
 #[test]
-fn a_thermal_lag_is_named_with_its_time_constant_and_size() {
+fn identifies_a_thermal_lag_of_another_simulator() {
     let Some(diagnosis) = answer("case_006") else { return };
     assert_missing(&diagnosis, "thermal_lag");
     // planted: 73.9 s and 0.108 mg/K, 23 standard errors

@@ -1,5 +1,5 @@
-//! Every effect of the library, the user's whole path: a quiet log is fitted, the effect is hidden in the next one,
-//! named, added, exported, and what the device then makes of a third log is nearer to the truth.
+//! The user's whole path for every effect of the library: a reference log is fitted, the effect is hidden in the next
+//! log, identified, added and exported, and the output of the device on a third log is closer to the truth.
 
 use fos_core::{AxisParameters, Image, Input, Range, Sample, Validity};
 use fos_data::column::Column;
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use std::collections::BTreeSet;
 
-/// The case that shows an effect: the first set-up and axis that suit it.
+/// Case that shows an effect: the first set-up and axis that suit it.
 fn plan(id: &str, seed: u64) -> CasePlan {
     let effect = fos_simulate::Effect::named(id).expect("an effect");
     let setups = [Setup::Bench, Setup::Desk, Setup::PoseRig, Setup::Shaker, Setup::RateTable];
@@ -32,7 +32,7 @@ fn plan(id: &str, seed: u64) -> CasePlan {
     plan
 }
 
-/// Which error.
+/// Measure of the error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Left {
     /// Variance of the samples.
@@ -65,7 +65,7 @@ impl Logs {
         }
     }
 
-    /// The study's axis before anything is added.
+    /// Axis of the study before anything is added.
     fn begin(&self, refiner: &Refiner<'_>) -> Refinement {
         let options = FitOptions::default();
         let fit =
@@ -85,16 +85,16 @@ impl Logs {
         }
     }
 
-    /// What the device leaves of the later log when it coasts throughout. `model` goes through the image and runs in
-    /// f32.
-    fn left_on_the_device(&self, model: &UnitModel, of: Left) -> f64 {
+    /// Remaining error of the later log on the device, with the model running on its own output throughout. `model` is
+    /// converted to an image and runs in f32.
+    fn residual_on_the_device(&self, model: &UnitModel, of: Left) -> f64 {
         let bytes = image(model, "simulated", "").expect("an image");
         let columns: Vec<String> = model.axes.iter().map(|axis| axis.column.clone()).collect();
         let model = model_of(&Image::parse(&bytes).expect("whole"), &columns).expect("a model");
         let still = vec![true; self.later.n_rows()];
         let playback = Playback::new(&self.later, &model, &still).expect("a playback");
         let trace = trace::<f32>(&model, &playback, 0..self.later.n_rows(), |_| {}).expect("a trace");
-        // where it moved nobody knows the true value, unless it was logged
+        // in motion the true value is unknown, unless it was logged
         let known = match self.later.channel(&Column::named(&self.target).reference()) {
             Ok(_) => still.clone(),
             Err(_) => self.later.still.clone().unwrap_or(still.clone()),
@@ -118,8 +118,8 @@ impl Logs {
     }
 }
 
-/// An effect alone is limited by the ranges of its inputs and by nothing else: f32, on any quantities, with p limited as
-/// stored and not at all. Returns how far p came outside its stored range, in widths of that.
+/// Checks that an effect alone is limited only by the ranges of its inputs: f32, for arbitrary quantities, with p
+/// limited as stored and unlimited. Returns by how much p exceeds its stored range, in widths of the range.
 fn widths_outside(model: &UnitModel) -> f64 {
     let bits = |model: &UnitModel| -> Vec<(f32, u32, Validity)> {
         let mut predictor = model.predictor::<f32>().expect("it runs");
@@ -127,7 +127,7 @@ fn widths_outside(model: &UnitModel) -> f64 {
         let mut quantities = vec![0.0; model.quantities.len()];
         let samples = (0..20_000).map(|sample| {
             for (index, quantity) in quantities.iter_mut().enumerate() {
-                // held for a while, for what has a memory; one changes each time
+                // held for a while, for effects with a memory; one changes each time
                 if random.share() < [0.5, 0.02, 0.001][sample % 3] {
                     let inputs = model.inputs.iter().map(|named| &named.input);
                     let of = |input: &&Input<f64>| input.source == fos_core::Source::Quantity(index as u8);
@@ -144,17 +144,21 @@ fn widths_outside(model: &UnitModel) -> f64 {
     };
     let mut free = model.clone();
     free.axes[0].parameters.physical_range = Range::unlimited();
-    let said = bits(&free);
-    assert!(bits(model) == said, "{:?}", model.inputs.iter().map(|named| &named.name).collect::<Vec<_>>());
+    let unlimited = bits(&free);
+    assert!(
+        bits(model) == unlimited,
+        "{:?}",
+        model.inputs.iter().map(|named| &named.name).collect::<Vec<_>>()
+    );
     let AxisParameters { offset, scale, physical_range: Range { low, high }, .. } = model.axes[0].parameters;
     let outside = |(predicted, ..): &(f32, u32, Validity)| {
         let p = (f64::from(*predicted) - offset) / scale;
         (p - high).max(low - p) / (high - low)
     };
-    said.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
+    unlimited.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
 }
 
-/// x ← 6364136223846793005·x + 1442695040888963407 (Knuth).
+/// Linear congruential generator x ← 6364136223846793005·x + 1442695040888963407 (Knuth).
 struct Random(u64);
 
 impl Random {
@@ -164,7 +168,7 @@ impl Random {
     }
 }
 
-/// How an effect is searched for, and the transforms of its inputs.
+/// Kind of search for an effect, and the transforms of its inputs.
 fn kind(effect: &Effect) -> String {
     let transforms = effect.terms.iter().flat_map(|term| term.regressor.split(" * ")).map(|input| {
         let (_, transform) = input.split_once(':').unwrap_or_default();
@@ -173,20 +177,20 @@ fn kind(effect: &Effect) -> String {
     format!("{:?} {:?} {:?}", effect.band, effect.search, transforms.collect::<BTreeSet<_>>())
 }
 
-/// What became of an effect on its way.
+/// Result for one effect.
 struct Outcome {
     id: String,
     named: Vec<String>,
     predicted: [f64; 2],
     measured: f64,
-    /// By how much the bias was off, before and after.
+    /// Error of the bias, before and after.
     bias: [Option<f64>; 2],
     /// Error after over before, in f32, of the effect's band.
     ratio: f64,
     one_step: f64,
-    /// How far p comes outside its stored range on the wildest of quantities, in widths of that.
+    /// Largest excess of p over its stored range for extreme quantities, in widths of the range.
     outside: f64,
-    /// The same with the level of the whole step on top of the field log's mean, as it was.
+    /// The same with the former defect: the level of the whole step added to the mean of the log to explain.
     wrong: Option<f64>,
 }
 
@@ -201,13 +205,13 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
         (_, Detector::Step) => Left::AboutBias,
         _ => Left::Means,
     };
-    let before = logs.left_on_the_device(&refinement.steps[0].model, of);
+    let before = logs.residual_on_the_device(&refinement.steps[0].model, of);
     let added = step.added.as_ref().expect("added");
     let wrong = (effect.search == Detector::Step).then(|| {
         let mut model = step.model.clone();
         model.axes[0].parameters.offset =
             refinement.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
-        logs.left_on_the_device(&model, of) / before
+        logs.residual_on_the_device(&model, of) / before
     });
     Outcome {
         id: effect.id.clone(),
@@ -215,15 +219,15 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
         predicted: added.finding.predicted_reduction_interval,
         measured: added.measured_reduction,
         bias: [refinement.steps[0].left.bias, step.left.bias],
-        ratio: logs.left_on_the_device(&step.model, of) / before,
+        ratio: logs.residual_on_the_device(&step.model, of) / before,
         one_step: step.errors.one_step_mse / refinement.steps[0].errors.one_step_mse,
         outside: widths_outside(&step.model),
         wrong,
     }
 }
 
-/// `add bias_step` put the mean of the field log and the whole step into the offset: the error rose, "measured 0.0 %",
-/// and no test had ever added one.
+/// `add bias_step` used to put the mean of the log to explain and the whole step into the offset: the error rose,
+/// "measured 0.0 %", and no test added a step.
 #[test]
 fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let library = Library::built_in();
@@ -264,7 +268,7 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
         assert!(outcome.ratio < 1.0 - 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.ratio);
         assert!(outcome.measured > 0.5 * outcome.predicted[0], "{}: {}", outcome.id, outcome.measured);
     }
-    // the control: without the room that an effect's inputs need, a width would be too little for some
+    // negative control: without the margin for an effect's inputs, a width would be too small for some
     assert!(outcomes.iter().any(|outcome| outcome.outside > 0.9), "p never came near its limit");
     let wrong: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.wrong).collect();
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();

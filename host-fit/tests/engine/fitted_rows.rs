@@ -1,5 +1,4 @@
-//! What a fit learns, it learns from the rows that it is fitted to; and a rival knows those rows, and nothing of the
-//! model's.
+//! A fit uses only the rows that it is fitted to; and a rival uses those rows, and no part of the model.
 
 use fos_core::{Range, Validity};
 use fos_data::column::AXES;
@@ -19,8 +18,8 @@ const RATE_HZ: f64 = 100.0;
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Six axes and a temperature, at rest throughout and saying so; the temperature steady until `warm_from`, then 4 K in
-/// 3 minutes.
+/// Six axes and a temperature, marked as at rest throughout; the temperature is steady until `warm_from`, then rises by
+/// 4 K in 3 minutes.
 fn log(rows: usize, warm_from: usize, seed: u64) -> Columns {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -52,26 +51,26 @@ fn fitted(columns: Columns, options: &FitOptions) -> AxisFit {
     fit_axis(&recording, &rest(&recording, options.train), "gx", options).expect("a fit")
 }
 
-/// The model and how it was found, as a study keeps them.
+/// Model and report, as stored in a study.
 fn text(fit: &AxisFit) -> String {
     serde_json::to_string(&(&fit.model, &fit.report)).expect("JSON")
 }
 
-/// Inputs were centred and scaled over the whole log: a warm-up that was not fitted moved the centre, and an
-/// insignificant coefficient times that distance went into the remainder's constant, which fades after a minute of
-/// motion.
+/// Inputs used to be centred and scaled over the whole log: a warm-up outside of the fit shifted the centre, and an
+/// insignificant coefficient times that distance entered the constant of the stochastic part, which fades after a minute
+/// of motion.
 #[test]
-fn nothing_is_learnt_from_rows_that_are_not_fitted() {
+fn unfitted_rows_have_no_influence() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 3);
-    // something to be learnt: an autoregression and a temperature coefficient
+    // a signal to fit: an autoregression and a temperature coefficient
     let temp_c = columns[6].1.clone();
     let gyro = &mut columns[3].1;
     for row in 1..ROWS {
         gyro[row] += 0.6 * gyro[row - 1];
     }
     gyro.iter_mut().zip(&temp_c).for_each(|(rate, temp)| *rate += 0.8 * (temp - 30.0));
-    // all that a log may do afterwards
+    // arbitrary values after the fitted rows
     let mut other = columns.clone();
     for (index, (name, values)) in other.iter_mut().enumerate().filter(|(_, (name, _))| *name != "still") {
         let (gain, shift) = if name == "temp_c" { (-9.0, 40.0) } else { (57.0, 3.0 + index as f64) };
@@ -103,10 +102,10 @@ fn nothing_is_learnt_from_rows_that_are_not_fitted() {
     );
 }
 
-/// Two thermometers that cannot be told apart but for their noise: each has a coefficient, and together they say what one
-/// would. p is stored as it was on the fitted rows, whatever came after.
+/// Two thermometers that differ only in their noise: each has a coefficient, and their sum is that of a single one. p is
+/// stored as on the fitted rows, whatever follows.
 #[test]
-fn the_range_of_p_is_that_over_the_fitted_rows() {
+fn range_of_p_covers_the_fitted_rows() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 5);
     let temp_c = columns[6].1.clone();
@@ -129,11 +128,11 @@ fn the_range_of_p_is_that_over_the_fitted_rows() {
         let playback = Playback::new(&recording, model, &stillness.still).expect("a playback");
         let mut predictor = model.predictor::<f64>().expect("a model");
         let mut feed = playback.feed();
-        let said = (0..ROWS).map(|row| {
-            let said = feed.coast(&mut predictor, row)[0];
-            ((said.predicted - parameters.offset) / parameters.scale, said.validity)
+        let outputs = (0..ROWS).map(|row| {
+            let output = feed.coast(&mut predictor, row)[0];
+            ((output.predicted - parameters.offset) / parameters.scale, output.validity)
         });
-        said.collect()
+        outputs.collect()
     };
     let limited = p(&physical);
     let fitted = &limited[..ROWS / 2];
@@ -155,7 +154,7 @@ fn the_range_of_p_is_that_over_the_fitted_rows() {
     assert!(limited[after].iter().all(|(_, validity)| validity.contains(Validity::INPUT_OUT_OF_RANGE)));
 }
 
-/// The study of a fit, judged on the rows after it.
+/// Study of a fit, evaluated on the rows after it.
 fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     let recording = recording(columns);
     let stillness = rest(&recording, options.train);
@@ -165,10 +164,10 @@ fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     (study.expect("a study"), fit)
 }
 
-/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models coasted
-/// worse than the mean, "valid 100.0 %".
+/// White noise, a steady temperature in the fitted half and 4 K of warm-up in the other: 8 of 24 such models used to
+/// coast worse than the mean, "valid 100.0 %".
 #[test]
-fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean() {
+fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
     const ROWS: usize = 60_000;
     let (mut left_out, mut worst) = (0, 0.0_f64);
     for seed in 0..24 {
@@ -187,9 +186,10 @@ fn a_coefficient_that_is_noise_is_left_out_and_no_coast_is_worse_than_the_mean()
     assert!(worst < 1.01, "{worst}");
 }
 
-/// The rival's constant was what the physical part leaves, its range that of the remainder: the model seemed to win.
+/// The rival's constant used to be the residual of the physical part, its range that of the stochastic part: the model
+/// seemed better.
 #[test]
-fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
+fn rival_depends_on_the_fitted_rows_only() {
     const ROWS: usize = 12_000;
     let mut columns = log(ROWS, 0, 9);
     let clock: Vec<f64> = (0..ROWS).map(|row| 30.0 * (-(row as f64) / 3000.0).exp()).collect();
@@ -204,7 +204,7 @@ fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
     };
     let by_hand = judged.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / judged.len() as f64;
     assert!((of(Rival::Mean.name()) / by_hand - 1.0).abs() < 1e-9, "{} {by_hand}", of(Rival::Mean.name()));
-    // the first judged row has no row before it in the trace
+    // the first evaluated row has no row before it in the trace
     let steps = judged.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     let held = steps.sum::<f64>() / (judged.len() - 1) as f64;
     assert!(
@@ -215,7 +215,7 @@ fn a_rival_knows_the_fitted_rows_and_nothing_of_the_model() {
 }
 
 #[test]
-fn an_input_that_is_steady_or_unknown_where_it_is_fitted_is_refused_by_name() {
+fn rejects_a_constant_or_missing_input_by_name() {
     const ROWS: usize = 4000;
     let mut columns = log(ROWS, ROWS / 2, 1);
     let refused = |columns: &Columns| {

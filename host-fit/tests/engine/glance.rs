@@ -1,7 +1,7 @@
-//! What a person would see at a glance in a log is said, or the log is refused; of sound logs nothing is said.
+//! Implausible logs cause a warning or are rejected; plausible ones cause no warning.
 
 use fos_data::column::AXES;
-use fos_data::recording::{LoadOptions, Oddity, Recording, Source, load};
+use fos_data::recording::{LoadOptions, LogWarning, Recording, Source, load};
 use fos_data::stillness;
 use fos_diagnose::detect::{Question, diagnose};
 use fos_diagnose::effects::Library;
@@ -33,7 +33,7 @@ fn recording(rate_hz: f64, columns: Columns) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording")
 }
 
-fn oddities(recording: &Recording) -> Vec<Oddity> {
+fn oddities(recording: &Recording) -> Vec<LogWarning> {
     recording.oddities(&stillness::find(recording).still)
 }
 
@@ -43,9 +43,9 @@ fn refused(text: &str, rate_hz: Option<f64>) -> String {
     load(file.path(), &LoadOptions { rate_hz, ..LoadOptions::default() }).expect_err("refused").to_string()
 }
 
-/// "Nothing is missing" was said of a stuck axis.
+/// A stuck axis used to be diagnosed as "Nothing is missing".
 #[test]
-fn a_stuck_axis_is_refused_by_name() {
+fn rejects_a_stuck_axis_by_name() {
     let mut columns = log(1.0, 1);
     columns[3].1.fill(0.5);
     let field = recording(100.0, columns);
@@ -53,13 +53,13 @@ fn a_stuck_axis_is_refused_by_name() {
     let question = Question::new(&field, "gx", &library);
     let error = diagnose(&question).expect_err("refused").to_string();
     assert!(error.contains("gx_rads") && error.contains("0.5") && error.contains("stuck"), "{error}");
-    assert!(oddities(&field).iter().any(|oddity| matches!(oddity, Oddity::Stuck { .. })));
+    assert!(oddities(&field).iter().any(|oddity| matches!(oddity, LogWarning::Stuck { .. })));
 }
 
-/// One sample of −32768 in 10,000 moved the offset by 3.3 standard deviations and the scale 328-fold, without a word.
+/// One sample of −32768 in 10,000 used to shift the offset by 3.3 standard deviations and the scale 328-fold, silently.
 #[test]
-fn a_wild_sample_is_left_out_and_said() {
-    // one axis alone: nothing else tells that the unit was at rest
+fn excludes_and_reports_an_outlier() {
+    // a single axis: no other one shows that the device was at rest
     let columns: Columns = log(1.0, 2).drain(3..4).collect();
     let mut wild = columns.clone();
     wild[0].1[4321] = -32.768;
@@ -69,21 +69,24 @@ fn a_wild_sample_is_left_out_and_said() {
             fit_axis(&recording, &stillness::find(&recording), "gx", &FitOptions::default()).expect("a fit");
         (fit.model.axes[0].parameters, fit.report.spikes, oddities(&recording))
     };
-    let ((whole, none, nothing), (without, one, said)) = (fitted(&columns), fitted(&wild));
+    let ((whole, none, nothing), (without, one, warnings)) = (fitted(&columns), fitted(&wild));
     assert_eq!((none, one), (0, 1));
     assert!(nothing.is_empty(), "{nothing:?}");
-    assert!(said.iter().any(|oddity| oddity.to_string().contains("excluded 1 outlier (")), "{said:?}");
+    assert!(
+        warnings.iter().any(|oddity| oddity.to_string().contains("excluded 1 outlier (")),
+        "{warnings:?}"
+    );
     assert!((without.offset - whole.offset).abs() < 0.01 * whole.scale);
     assert!((without.scale / whole.scale - 1.0).abs() < 0.01);
-    // the negative control: what the mean of all ten thousand fitted rows is
+    // negative control: the mean of all ten thousand fitted rows
     let fitted_rows = &wild[0].1[..ROWS / 2];
     let naive = fitted_rows.iter().sum::<f64>() / fitted_rows.len() as f64;
     assert!((naive - whole.offset).abs() > 3.0 * whole.scale);
 }
 
-/// "2736.8 Hz, 41 times the stamps go back", exit code 0; and `--rate 50` was ignored where the stamps mean 0.8533 Hz.
+/// Used to print "2736.8 Hz, 41 times the stamps go back" with exit code 0, and to ignore `--rate 50` for 0.8533 Hz.
 #[test]
-fn refuses_stamps_out_of_order_and_follows_a_stated_rate_instead_of_another_one() {
+fn rejects_unordered_timestamps_and_prefers_a_stated_rate() {
     let mut rows: Vec<usize> = (0..1000).collect();
     rows.shuffle(&mut ChaCha8Rng::seed_from_u64(3));
     let csv = |rows: &[usize], period_s: f64| {
@@ -102,27 +105,30 @@ fn refuses_stamps_out_of_order_and_follows_a_stated_rate_instead_of_another_one(
     std::fs::write(&path, csv(&in_order, 1.0 / 0.8533)).expect("written");
     let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };
     let log = load(&path, &options).expect("a log");
-    let said = oddities(&log).iter().map(ToString::to_string).collect::<String>();
-    assert!(log.rate.true_hz == 50.0 && said.contains("50 Hz replaces") && said.contains("0.8533"), "{said}");
+    let warnings = oddities(&log).iter().map(ToString::to_string).collect::<String>();
+    assert!(
+        log.rate.true_hz == 50.0 && warnings.contains("50 Hz replaces") && warnings.contains("0.8533"),
+        "{warnings}"
+    );
 }
 
 #[test]
-fn logs_that_do_not_go_together_are_pooled_with_a_word() {
+fn warns_when_pooling_logs_that_differ() {
     let stamped = |rate_hz: f64, gain: f64, seed| {
         let mut columns = log(gain, seed);
         columns.push(("t_s".to_owned(), (0..ROWS).map(|row| row as f64 / rate_hz).collect()));
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default())
             .expect("a recording")
     };
-    let said = |logs: Vec<Recording>| oddities(&Recording::join(logs).expect("joined"));
-    assert!(said(vec![stamped(100.0, 1.0, 1), stamped(100.0, 1.0, 2)]).is_empty());
-    let rates = said(vec![stamped(100.0, 1.0, 1), stamped(101.0, 1.0, 2)]);
-    assert!(matches!(rates[..], [Oddity::RatesDiffer { .. }]), "{rates:?}");
-    let noise = said(vec![stamped(100.0, 1.0, 1), stamped(100.0, 57.0, 2)]);
+    let warnings_of_joined = |logs: Vec<Recording>| oddities(&Recording::join(logs).expect("joined"));
+    assert!(warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(100.0, 1.0, 2)]).is_empty());
+    let rates = warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(101.0, 1.0, 2)]);
+    assert!(matches!(rates[..], [LogWarning::RatesDiffer { .. }]), "{rates:?}");
+    let noise = warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(100.0, 57.0, 2)]);
     let ratios: Vec<f64> = noise
         .iter()
         .filter_map(|oddity| match oddity {
-            Oddity::NoiseDiffers { ratio, .. } => Some(*ratio),
+            LogWarning::NoiseDiffers { ratio, .. } => Some(*ratio),
             _ => None,
         })
         .collect();
@@ -130,29 +136,30 @@ fn logs_that_do_not_go_together_are_pooled_with_a_word() {
 }
 
 #[test]
-fn columns_in_another_unit_or_twice_are_said() {
+fn warns_of_wrong_units_and_duplicated_columns() {
     let mut columns = log(1.0, 5);
     for axis in &mut columns[..3] {
         axis.1.iter_mut().for_each(|value| *value /= 9.806_65);
     }
     columns[4].1.iter_mut().for_each(|rate| *rate = 57.3 * (*rate + 0.05));
     columns[5].1 = columns[3].1.clone();
-    let said: Vec<String> = oddities(&recording(100.0, columns)).iter().map(ToString::to_string).collect();
+    let warnings: Vec<String> =
+        oddities(&recording(100.0, columns)).iter().map(ToString::to_string).collect();
     for word in ["gravity is 9.81", "gy_rads shows 2.8", "gx_rads and gz_rads hold the same values"] {
-        assert!(said.iter().any(|line| line.contains(word)), "{word}: {said:?}");
+        assert!(warnings.iter().any(|line| line.contains(word)), "{word}: {warnings:?}");
     }
 }
 
-/// Of simulated units, with effects and without, nothing is said.
+/// Simulated devices, with effects and without, cause no warning.
 #[test]
-fn nothing_is_said_of_sound_logs() {
+fn plausible_logs_cause_no_warning() {
     let is_sound = |plan: &CasePlan| {
         let faults = ["saturation", "dropped_samples", "quantisation"];
         plan.kind != Kind::Outside
             && plan.planted.iter().all(|plant| !faults.contains(&plant.effect.description().name))
     };
     let plans: Vec<CasePlan> = suite(20_261_122, 60).into_iter().filter(is_sound).collect();
-    let said: Vec<String> = plans
+    let warnings: Vec<String> = plans
         .par_iter()
         .flat_map(|plan| {
             let durations = Durations { baseline_s: 120.0, field_s: 400.0, eval_s: 120.0 };
@@ -164,13 +171,13 @@ fn nothing_is_said_of_sound_logs() {
                 .flat_map(|columns| {
                     let log = Recording::from_columns(Source::made_by("test"), columns, &options);
                     let setup = plan.setup;
-                    let said = oddities(&log.expect("a recording"));
-                    said.into_iter().map(move |oddity| format!("{setup:?}: {oddity}")).collect::<Vec<_>>()
+                    let warnings = oddities(&log.expect("a recording"));
+                    warnings.into_iter().map(move |oddity| format!("{setup:?}: {oddity}")).collect::<Vec<_>>()
                 })
                 .collect::<Vec<_>>()
         })
         .collect();
-    assert!(said.is_empty(), "{said:#?}");
+    assert!(warnings.is_empty(), "{warnings:#?}");
     println!(
         "attack: at a glance | {} sound logs of {} simulated units: nothing is said; a stuck axis, stamps out of order, another \
          rate than stated are refused, a wild sample is left out, and it, units, copies, pooled rates and noises are said | negative \

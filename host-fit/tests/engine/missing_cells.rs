@@ -1,4 +1,4 @@
-//! Cells that are missing at the edges of a log change no diagnosis, and no hypothesis is dropped without a word.
+//! Missing cells at the edges of a log change no diagnosis, and no hypothesis is dropped silently.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::case::question_of_logs;
@@ -9,7 +9,7 @@ use fos_testkit::is_thorough;
 
 const NAN: f64 = f64::NAN;
 
-/// Channels that are slower than the inertial ones in most logs.
+/// Channels with a lower rate than the inertial ones in most logs.
 const SLOW: [&str; 6] = ["temp_c", "supply_v", "load_pct", "mag_x_ut", "mag_y_ut", "mag_z_ut"];
 
 fn case(effect: &str, setup: Setup, seed: u64) -> SimulatedCase {
@@ -22,7 +22,7 @@ fn case(effect: &str, setup: Setup, seed: u64) -> SimulatedCase {
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// The field log with its slow channels changed.
+/// The log to explain with its slow channels changed.
 fn changed(case: &SimulatedCase, change: impl Fn(usize, f64) -> f64) -> Columns {
     let of_column = |(name, values): &(String, Vec<f64>)| {
         let is_slow = SLOW.contains(&name.as_str());
@@ -41,7 +41,7 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
     let answer =
         diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), None, &library)).expect("a diagnosis");
 
-    // every slow effect that can strike this axis stands somewhere
+    // every slow effect that can act on this axis is listed
     let stands = |id: &String| {
         answer.findings.iter().any(|finding| finding.effect == *id)
             || answer.rejected.iter().any(|rejected| rejected.effect == *id)
@@ -58,22 +58,23 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
     answer
 }
 
-/// The effects that were found, with their sizes.
+/// Effects found, with their sizes.
 fn found(answer: &Diagnosis) -> Vec<(String, Vec<f64>)> {
     let sizes =
         |finding: &fos_diagnose::detect::Finding| finding.sizes.iter().map(|size| size.value).collect();
     answer.findings.iter().map(|finding| (finding.effect.clone(), sizes(finding))).collect()
 }
 
-/// Whether two answers name the same effects, of the same sizes to a hundredth: a cell or two tell that little.
+/// Returns true if two diagnoses find the same effects with sizes within 1 %: a few cells have little influence.
 fn alike(one: &Diagnosis, other: &Diagnosis) -> bool {
     let (one, other) = (found(one), found(other));
     let sizes = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.01 * b.abs());
     one.len() == other.len() && one.iter().zip(&other).all(|(a, b)| a.0 == b.0 && sizes(&a.1, &b.1))
 }
 
-/// A log merged from fast and slow channels begins with empty cells. A lag and a play began at 0 °C there, and effects
-/// without a memory were dropped in silence: a thermal hysteresis was named for a plain temperature coefficient.
+/// A log merged from fast and slow channels begins with empty cells. A lag and a backlash used to start at 0 °C there,
+/// and effects without a memory were dropped silently: a thermal hysteresis was reported for a plain temperature
+/// coefficient.
 #[test]
 fn empty_cells_at_the_edges_change_no_diagnosis() {
     let mut cases = vec![("thermal_lag", Setup::Desk, 3)];
@@ -99,11 +100,11 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
             assert!(alike(&cut, &whole), "{lead}: {} for {}", cut.sentence, whole.sentence);
             same += 1;
         }
-        // about what an empty cell was taken for: 0 °C itself, alone, is known for a read that failed
+        // close to 0 °C, the former substitute for an empty cell; exactly 0 °C alone is recognised as a failed read
         let zero = diagnosed(case, changed(case, |row, value| if row == 0 { 0.1 } else { value }));
         control += usize::from(!alike(&zero, &whole));
 
-        // once a second, not from the begin on; a field that turns with the unit is not to be held for a second
+        // once a second, not from the begin on; a field that turns with the device cannot be held for a second
         if whole.findings[0].effect == "mag_sensitivity" {
             continue;
         }
@@ -128,7 +129,7 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
 }
 
 #[test]
-fn what_begins_late_never_changes_or_is_empty_is_listed_as_not_tested() {
+fn lists_unusable_channels_as_not_tested() {
     let case = case("temp_linear", Setup::Bench, 1);
     let rows = case.field[0].1.len();
     for (why, change) in [

@@ -1,5 +1,5 @@
-//! The diagnosis on logs with known temperature, in two orientations: found in one, judged on the other. One log is
-//! made here; the other is other people's, where it is at hand.
+//! Diagnosis of logs with known temperature in two orientations: found in one, evaluated on the other. One log is
+//! synthetic; the other was recorded by other people, and is used if available.
 
 use std::sync::LazyLock;
 
@@ -9,11 +9,11 @@ use fos_diagnose::effects::Library;
 use fos_testkit::noise::{autoregression, white_noise};
 use fos_testkit::outside;
 
-/// What is made: m/s² and rad/s per K, in both orientations.
+/// Temperature coefficients of the synthetic logs, m/s² and rad/s per K, in both orientations.
 const SENSITIVITY: [f64; 6] = [0.0, -0.022, 0.02, 0.0, 4.5e-4, 0.0];
 
-/// A tag that is taken slowly through temperature, twice, and turned in between; one row a second. Its gyro x drifts
-/// the first time, and the second time it dips on the way up, as no law in temperature says.
+/// A device taken slowly through temperature, twice, and turned in between; one row a second. Its gyro x drifts with
+/// temperature the first time; the second time it dips on the way up, which no law in temperature describes.
 static MADE: LazyLock<[Recording; 2]> = LazyLock::new(|| {
     const N: usize = 40_000;
     let gravity = [[0.0, 0.0, 9.81], [0.0, 9.81, 0.0]];
@@ -62,7 +62,7 @@ fn assert_made_linear(axis: usize, name: &str, per_unit: f64) {
 }
 
 #[test]
-fn drifts_that_were_made_are_found_with_their_sizes() {
+fn finds_synthetic_drifts_with_their_sizes() {
     let (per_mg, per_dps) = (1.0 / 9.80665e-3, 1.0_f64.to_degrees());
     assert_made_linear(1, "ay_mps2", per_mg);
     assert_made_linear(2, "az_mps2", per_mg);
@@ -70,13 +70,13 @@ fn drifts_that_were_made_are_found_with_their_sizes() {
 }
 
 #[test]
-fn a_law_in_temperature_that_holds_once_is_none() {
+fn temperature_law_valid_in_one_log_only_is_not_reported() {
     let [field, judged] = &*MADE;
     let diagnosis = diagnosed(field, judged, "gx_rads");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{}", diagnosis.sentence);
 }
 
-/// The two orientations of the tag, each a recording of its own.
+/// The two orientations of the tag, as separate recordings.
 fn orientations() -> Option<[Recording; 2]> {
     let path = outside::path("data/cats_tag_thermal_orient12_1hz.csv.gz")?;
     let columns = ColumnMap::from_specs(["mag_x_ut=mx_ut", "mag_y_ut=my_ut", "mag_z_ut=mz_ut"]).unwrap();
@@ -99,7 +99,7 @@ fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
     with_measured_reduction(diagnose(&question).unwrap(), field, judged, &(0..judged.n_rows())).unwrap()
 }
 
-/// The first finding on an axis of the tag, by its size and the reduction that was measured.
+/// Checks the first finding on an axis of the tag, by its size and the measured reduction.
 fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
     let Some([field, judged]) = orientations() else { return };
     let diagnosis = diagnosed(&field, &judged, axis);
@@ -132,9 +132,9 @@ fn gyro_y_of_the_tag_drifts_with_temperature() {
     assert_linear("gy_rads", 0.020..0.030, "dps/K");
 }
 
-/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and comes back, in the first it does not: no
-/// law in temperature holds in both. Gyro z dips there too; its noise falls from 2.4 to 1.8 mrad/s while it warms, and its means
-/// follow the temperature by 0.12 to 0.14 mrad/s/K.
+/// In the second orientation gyro x dips by 2 mrad/s at 9 °C on the way up and returns; in the first it does not: no
+/// law in temperature holds in both. Gyro z dips there too; its noise falls from 2.4 to 1.8 mrad/s while it warms, and
+/// its means follow the temperature by 0.12 to 0.14 mrad/s/K.
 #[test]
 fn gyro_x_of_the_tag_stays_unexplained_and_gyro_z_follows_temperature() {
     let Some([field, judged]) = orientations() else { return };

@@ -1,5 +1,5 @@
-//! Every loop that searches ends, whatever the data. Steps are counted, not time: the loops say where they are by
-//! [`check`](fos_data::interrupt::check), of which so many are allowed.
+//! Every search loop terminates for any data. Steps are counted, not time: each loop calls
+//! [`check`](fos_data::interrupt::check), and the number of calls is limited.
 
 use rayon::prelude::*;
 
@@ -14,15 +14,15 @@ use fos_fit::signal::{allan, noise_floor};
 use fos_testkit::series::every_kind;
 use host_fit::paper;
 
-/// Steps that no search on these logs needs nearly.
-const MOST_STEPS: u64 = 20_000;
+/// Limit far above the number of steps of any search on these logs.
+const MAX_STEPS: u64 = 20_000;
 
 #[test]
 fn every_search_ends_on_every_kind_of_data() {
     let kinds = every_kind(4000);
-    let searches: Vec<Searches> = kinds.par_iter().map(|kind| Searches::of(kind, MOST_STEPS)).collect();
+    let searches: Vec<Searches> = kinds.par_iter().map(|kind| Searches::of(kind, MAX_STEPS)).collect();
     let endless: Vec<&String> = searches.iter().flat_map(|searches| &searches.endless).collect();
-    assert!(endless.is_empty(), "no end after {MOST_STEPS} steps: {endless:?}");
+    assert!(endless.is_empty(), "no end after {MAX_STEPS} steps: {endless:?}");
     let steps: Vec<u64> = searches.iter().flat_map(|searches| searches.steps.clone()).collect();
     let longest_of = |place: &usize| searches[*place].steps.iter().max().copied().unwrap_or(0);
     let slowest = (0..kinds.len()).max_by_key(longest_of).unwrap();
@@ -31,7 +31,7 @@ fn every_search_ends_on_every_kind_of_data() {
     assert!(!cut_off.is_empty(), "the negative control was not noticed");
     println!(
         "attack: searches end | {} fits, tables, noise floors, diagnoses and additions of effects on every kind of data take at most \
-         {longest} steps of {MOST_STEPS} allowed | negative control: of those of one kind, {} are not done after {} steps",
+         {longest} steps of {MAX_STEPS} allowed | negative control: of those of one kind, {} are not done after {} steps",
         steps.len(),
         cut_off.len(),
         longest / 100,
@@ -49,12 +49,12 @@ fn recording(values: &[f64]) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
 }
 
-/// The search behind every command on one kind of data; errors are ends too.
+/// Search behind every command on one kind of data; an error also counts as an end.
 #[derive(Default)]
 struct Searches {
-    /// Of those that ended.
+    /// Steps of the searches that terminated.
     steps: Vec<u64>,
-    /// What did not end within so many steps as it was allowed.
+    /// Searches that did not terminate within the limit.
     endless: Vec<String>,
 }
 

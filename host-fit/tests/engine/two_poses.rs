@@ -1,6 +1,6 @@
-//! Gravity is one true value in one pose only. Two rest poses in one fit gave a model that turned |a| = 9.8 m/s² into
-//! 3, every sample of it marked valid: each pose has a constant of its own in a fit, what cannot be told apart is refused,
-//! and a model that was made of two poses all the same is flagged wherever it runs.
+//! Gravity has one true value per orientation. Two orientations at rest in one fit used to give a model that turned
+//! |a| = 9.8 m/s² into 3, with every sample valid. Now each orientation has its own constant in a fit, ambiguous logs are
+//! rejected, and a model made of two orientations as one is flagged wherever it runs.
 
 use fos_data::column::AXES;
 use fos_data::column::Column;
@@ -28,7 +28,7 @@ const HELD_S: usize = 30;
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// Rests of 30 s, tilted about y by these angles in turn; a second of turning between.
+/// Rests of 30 s, tilted about y by these angles in turn, with a second of rotation between them.
 fn log(tilts: &[f64]) -> Columns {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let mut columns: Columns =
@@ -65,7 +65,7 @@ fn rest_of(recording: &Recording, options: &FitOptions) -> Stillness {
     rest_in(recording, options.train)
 }
 
-/// A log, and where it is at rest for a fit.
+/// A log, and its rows at rest for a fit.
 fn of_poses(columns: Columns) -> (Recording, Stillness) {
     let recording = recording(columns);
     let rest = rest_of(&recording, &options());
@@ -81,7 +81,7 @@ fn fitted(recording: &Recording, options: &FitOptions) -> UnitModel {
     model
 }
 
-/// What comes of two poses without the guard: the mean of both as a reference, which is what a constant is.
+/// Model of two orientations without the guard: the mean of both as a reference, which is the effect of a constant.
 fn of_two_poses(columns: &Columns) -> UnitModel {
     let mut with_mean = columns.clone();
     let mut means = [0.0; 3];
@@ -98,7 +98,7 @@ fn of_two_poses(columns: &Columns) -> UnitModel {
     model
 }
 
-/// What a replay says of gravity, and the least share of valid rows of an accelerometer.
+/// Gravity check of a replay, and the smallest share of valid rows of an accelerometer.
 fn replayed(model: &UnitModel, recording: &Recording) -> (Gravity, f64) {
     let bytes = export::image(model, "test", "test").unwrap();
     let summary =
@@ -107,7 +107,7 @@ fn replayed(model: &UnitModel, recording: &Recording) -> (Gravity, f64) {
     (summary.gravity.unwrap(), valid)
 }
 
-/// The last output of a hub in each rest.
+/// Last output of a hub in each rest.
 fn on_a_hub(model: &UnitModel, columns: &Columns) -> Vec<Output> {
     let scales = Scales {
         accel_mps2: 0.001,
@@ -142,7 +142,7 @@ fn norm(force: [f32; 3]) -> f32 {
 }
 
 #[test]
-fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
+fn each_orientation_has_a_constant_and_mixed_models_are_flagged() {
     let (mut refused, mut fits) = (0, 0);
     for degrees in [8.0_f64, 15.0, 40.0, 90.0, 180.0] {
         let tilts = [0.0, degrees.to_radians(), 0.0, degrees.to_radians()];
@@ -154,16 +154,16 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
             assert!(turned.len() == 3 && off.fold(0.0, f64::max) < 0.01, "{degrees}°, {axis}: {turned:?}");
             let upright = [0.0, 0.0, GRAVITY][place];
             assert!((model.axes[0].parameters.reference - upright).abs() < 0.01, "{degrees}°, {axis}");
-            // as if it had not been turned: only the noise is left to be explained
+            // as if it had not been turned: only the noise remains to be explained
             assert!((model.axes[0].parameters.scale / 0.02 - 1.0).abs() < 0.05, "{degrees}°, {axis}");
             fits += 1;
         }
         let (gravity, _) = replayed(&fitted(&two, &options()), &two);
         assert_eq!((gravity.rests, gravity.rests_away), (4, 0), "{degrees}°: {gravity:?}");
         if degrees == 180.0 {
-            continue; // x alone shows nothing of it
+            continue; // x alone does not show it
         }
-        // the axis alone, and nothing that says it was moved
+        // the axis alone, without any evidence of motion
         let alone = recording(
             log(&tilts).into_iter().filter(|(name, _)| name == "t_s" || name == "ax_mps2").collect(),
         );
@@ -171,7 +171,7 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
         let AxisError::TwoPoses { train_s, .. } = error else { panic!("{degrees}°: {error}") };
         assert!((HELD_S as u64 - 1..=HELD_S as u64).contains(&train_s), "{degrees}°: {train_s}");
         assert!(error.to_string().contains(&format!("`train` {train_s}s")), "{error}");
-        // and that is a way out
+        // a shorter training range is the remedy
         let first = FitOptions { train: Train::Seconds(train_s as f64), ..options() };
         fit_axis(&alone, &rest_of(&alone, &first), "ax", &first).unwrap();
         refused += 1;
@@ -187,13 +187,13 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
     let turned_into = outputs.iter().map(|output| norm(output.accel())).fold(f32::INFINITY, f32::min);
     for output in &outputs {
         for validity in &output.validity()[..3] {
-            // nothing else speaks against it
+            // no other flag is set
             assert_eq!(*validity, Validity::AWAY_FROM_GRAVITY);
         }
         assert!(output.validity()[3..].iter().all(|validity| validity.is_valid()));
     }
 
-    // a sound model: in the pose of its fit, and in the other
+    // a correct model: in the orientation of its fit, and in the other
     let sound = fitted(&two, &FitOptions { train: Train::Seconds(20.0), ..options() });
     let (gravity, _) = replayed(&sound, &two);
     assert_eq!(gravity.rests_away, 0, "{gravity:?}");
@@ -213,17 +213,17 @@ fn each_pose_has_its_own_constant_and_what_was_made_of_two_as_one_is_flagged() {
     );
 }
 
-/// Simulated logs that were looked at.
+/// Numbers of the simulated logs examined.
 struct Simulated {
-    /// In one pose.
+    /// Logs in one orientation.
     held: usize,
-    /// Of rigs that turn.
+    /// Logs of rigs that turn.
     rigs: usize,
-    /// Kinds of effects on the accelerometers of those in one pose.
+    /// Kinds of effects on the accelerometers of the logs in one orientation.
     effects: usize,
 }
 
-/// Temperature, warm-up, steps, shaking and what else an effect does move no log in one pose into another.
+/// Checks that no effect (temperature, warm-up, steps, shaking) changes the orientation of a log in one orientation.
 fn simulated_logs() -> Simulated {
     let (mut held, mut rigs) = (0, 0);
     let mut look = |columns: Columns, turns: bool, what: &str| {
@@ -232,7 +232,7 @@ fn simulated_logs() -> Simulated {
         for axis in &AXES[..3] {
             let poses = first_two(&recording, &columns_of(&recording, axis), &still);
             assert_eq!(poses.len(), if turns { 2 } else { 1 }, "{what}, {axis}: {poses:?}");
-            // the axis alone: what another shows does not tell
+            // the axis alone: the others give no evidence
             let alone = first_two(&recording, &[axis], &still);
             assert!(turns || alone.len() == 1, "{what}, {axis} alone: {alone:?}");
         }
@@ -266,9 +266,10 @@ fn simulated_logs() -> Simulated {
     Simulated { held, rigs, effects: effects.len() }
 }
 
-/// A bias that warms up while the unit is turned again and again: what the temperature does is learnt within the poses.
+/// A bias that warms up while the device is turned repeatedly: the temperature coefficient is fitted within the
+/// orientations.
 #[test]
-fn what_is_learnt_is_learnt_within_a_pose() {
+fn fits_temperature_within_orientations() {
     const PER_KELVIN: f64 = 0.02;
     let mut columns = log(&[0.0, 0.5, 0.0, 1.2, 0.7, 0.0]);
     let mut random = ChaCha8Rng::seed_from_u64(9);

@@ -1,4 +1,4 @@
-//! The host in place of a board: the same source runs, and nothing is counted.
+//! The host in place of a board: the same source runs without counting.
 
 pub use std::println;
 pub(super) use std::{fs, io};
@@ -17,27 +17,27 @@ pub fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CSt
     core::ffi::CStr::from_bytes_until_nul(buffer).ok()
 }
 
-/// A path as files are opened by.
+/// Path in the form that opens files.
 pub(super) fn as_path(path: &core::ffi::CStr) -> &std::path::Path {
     std::path::Path::new(path.to_str().unwrap_or_else(|error| fail(format_args!("{path:?}: {error}"))))
 }
 
-/// The stack is looked at on the emulated board only.
+/// Runs `work`; the stack is measured on the emulated board only.
 pub fn stack_of(work: impl FnOnce()) -> usize {
     work();
     0
 }
 
-/// Instructions are counted on the emulated board only.
+/// Placeholder; instructions are counted on the emulated board only.
 pub struct Instructions;
 
 impl Instructions {
-    /// There is nothing to start.
+    /// Returns the placeholder.
     pub fn start() -> Self {
         Self
     }
 
-    /// Runs `work`; there is no count.
+    /// Runs `work`; returns NaN.
     pub fn of(&mut self, work: impl FnOnce()) -> f64 {
         work();
         f64::NAN

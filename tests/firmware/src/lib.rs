@@ -1,7 +1,7 @@
-//! What the programs in `bin/` need of the machine they run on: an emulated board, or the host.
+//! Common interface of the programs in `bin/` to their machine: an emulated board, or the host.
 //!
-//! Each is the same source on both, begins in its `run`, and says so by [`firmware!`]. Those that show by linking, or
-//! by their size, need nothing of this.
+//! Each program has the same source on both, and starts in its `run`, given to [`firmware!`]. Programs that are tested
+//! by linking, or by their size, do not use this.
 #![cfg_attr(target_os = "none", no_std)]
 
 #[cfg(target_os = "none")]
@@ -15,7 +15,7 @@ pub use board::*;
 pub use host::*;
 use io::{Read as _, Write as _};
 
-/// The program begins in this function, on the board and on the host.
+/// Defines the entry point of the program on the board and on the host.
 #[macro_export]
 macro_rules! firmware {
     ($run:path) => {
@@ -33,9 +33,9 @@ macro_rules! firmware {
     };
 }
 
-/// How many instructions something took, again and again.
+/// Statistics of the number of instructions over repeated runs.
 pub struct Tally {
-    /// By steps of [`Tally::STEP`].
+    /// Histogram with steps of [`Tally::STEP`].
     counts: [u32; 16_384],
     sum: f64,
     n: u32,
@@ -49,10 +49,10 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// The timer of the Arm boards counts in steps of 1.25 instructions or so: finer is of no use.
+    /// Step of the histogram; the timer of the Arm boards has a resolution of about 1.25 instructions.
     const STEP: usize = 4;
 
-    /// Once more, so many.
+    /// Adds one run.
     pub fn add(&mut self, instructions: f64) {
         let step = (instructions as usize / Self::STEP).min(self.counts.len() - 1);
         self.counts[step] += 1;
@@ -61,12 +61,12 @@ impl Tally {
         self.worst = self.worst.max(instructions);
     }
 
-    /// Instructions, on average; 0 of nothing.
+    /// Mean number of instructions; 0 without runs.
     pub fn mean(&self) -> f64 {
         self.sum / f64::from(self.n.max(1))
     }
 
-    /// Instructions, to the step below; 0 of nothing.
+    /// Median number of instructions, rounded down to the step; 0 without runs.
     pub fn median(&self) -> usize {
         let mut left = self.n / 2;
         for (step, count) in self.counts.iter().enumerate() {
@@ -78,7 +78,7 @@ impl Tally {
         0
     }
 
-    /// Instructions, at most.
+    /// Largest number of instructions.
     pub fn worst(&self) -> usize {
         self.worst as usize
     }
@@ -97,7 +97,7 @@ impl core::fmt::Display for Tally {
 pub struct File(fs::File);
 
 impl File {
-    /// For reading; the program ends if it cannot be.
+    /// Opens a file for reading; ends the program on failure.
     pub fn open(path: &core::ffi::CStr) -> Self {
         match fs::File::open(as_path(path)) {
             Ok(file) => Self(file),
@@ -105,7 +105,7 @@ impl File {
         }
     }
 
-    /// For writing, anew; the program ends if it cannot be.
+    /// Creates or truncates a file for writing; ends the program on failure.
     pub fn create(path: &core::ffi::CStr) -> Self {
         match fs::File::create(as_path(path)) {
             Ok(file) => Self(file),
@@ -113,14 +113,14 @@ impl File {
         }
     }
 
-    /// All of it, or the program ends.
+    /// Writes all bytes; ends the program on failure.
     pub fn write(&mut self, bytes: &[u8]) {
         if let Err(error) = self.0.write_all(bytes) {
             fail(format_args!("cannot write: {error}"));
         }
     }
 
-    /// Fills as much of `buffer` as the file has left; how much.
+    /// Fills `buffer` as far as the file reaches; returns the number of bytes.
     pub fn read(&mut self, buffer: &mut [u8]) -> usize {
         let mut filled = 0;
         while filled < buffer.len() {

@@ -8,7 +8,7 @@ use fos_embedded::hub::Hub;
 use fos_embedded::test_vector::{Expected, TestVector};
 use host_fit::export::{ExportError, c_source, image, test_vector};
 
-/// As much of fos.h as an exported header uses.
+/// The part of fos.h that an exported header uses.
 const FOS_H: &str = "
 #ifndef FOS_H
 #define FOS_H
@@ -56,8 +56,8 @@ fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
 #endif
 ";
 
-/// A hub that answers as the test vector says: it shows that the check compares what it should, and nothing of the
-/// library.
+/// A hub that returns the expected outputs of the test vector: it verifies the comparison of the check, and nothing of
+/// the library.
 const ECHO: &str = "
 #include \"unit.h\"
 #include <stdio.h>
@@ -120,7 +120,7 @@ fn header() -> String {
     c_source(&model(), "unit", "a sensor", "made for a test\nwith a backslash \\").expect("exported")
 }
 
-/// Runs the C compiler in `folder`; none, with the reason printed, if there is none.
+/// Runs the C compiler in `folder`; `None`, with the reason printed, if there is none.
 fn cc(folder: &Path, arguments: &[&str]) -> Option<(bool, String)> {
     let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
     let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
@@ -146,31 +146,31 @@ fn the_header_is_c99_without_a_warning() {
     let folder = folder();
     let alone = "#include \"unit.h\"\nint main(void) { return unit_check(NULL, 0); }\n";
     std::fs::write(folder.path().join("alone.c"), alone).expect("writable");
-    let Some((compiled, said)) = cc(folder.path(), &["-fsyntax-only", "alone.c"]) else { return };
-    assert!(compiled, "{said}");
+    let Some((compiled, printed)) = cc(folder.path(), &["-fsyntax-only", "alone.c"]) else { return };
+    assert!(compiled, "{printed}");
 
-    // a library whose hub is too small is found out when compiling
+    // a library whose hub is too small is detected at compile time
     let small = FOS_H.replace("FOS_MAX_TERMS 128", "FOS_MAX_TERMS 4");
     std::fs::write(folder.path().join("fos.h"), small).expect("writable");
-    let (compiled, said) = cc(folder.path(), &["-fsyntax-only", "alone.c"]).expect("there a moment ago");
-    assert!(!compiled && said.contains("too large for this library's hub"), "{said}");
+    let (compiled, printed) = cc(folder.path(), &["-fsyntax-only", "alone.c"]).expect("there a moment ago");
+    assert!(!compiled && printed.contains("too large for this library's hub"), "{printed}");
 }
 
 #[test]
 fn the_check_compares_every_bit() {
     let folder = folder();
     let samples = test_vector(&model()).expect("a hub takes it").vector().samples.len();
-    let Some((compiled, said)) = cc(folder.path(), &["echo.c", "-o", "echo"]) else { return };
-    assert!(compiled, "{said}");
+    let Some((compiled, printed)) = cc(folder.path(), &["echo.c", "-o", "echo"]) else { return };
+    assert!(compiled, "{printed}");
     for wrong in [1, 40, samples] {
         let run = Command::new(folder.path().join("echo")).arg(wrong.to_string()).output().expect("runs");
-        let said = String::from_utf8_lossy(&run.stdout).into_owned();
-        // as expected; the sample that is wrong by one bit; too little memory, by its status; what was given
-        assert_eq!(said, format!("0 {wrong} -1 {}", samples + wrong), "{wrong}");
+        let printed = String::from_utf8_lossy(&run.stdout).into_owned();
+        // as expected; the sample that differs by one bit; too little memory, by its status; the given samples
+        assert_eq!(printed, format!("0 {wrong} -1 {}", samples + wrong), "{wrong}");
     }
 }
 
-/// The numbers of a table of the header.
+/// Numbers of a table of the header.
 fn table(header: &str, start: &str) -> Vec<i64> {
     let (_, rest) = header.split_once(start).unwrap_or_else(|| panic!("no {start}"));
     let (_, rest) = rest.split_once('{').expect("a table");
@@ -187,7 +187,7 @@ fn table(header: &str, start: &str) -> Vec<i64> {
 }
 
 #[test]
-fn its_image_comes_to_the_bits_of_its_vector() {
+fn image_reproduces_its_test_vector() {
     let header = header();
     let bytes: Vec<u8> = table(&header, "uint8_t unit_image[]").into_iter().map(|byte| byte as u8).collect();
     let exported = image(&model(), "a sensor", "made for a test\nwith a backslash \\").expect("exported");
@@ -221,7 +221,7 @@ fn its_image_comes_to_the_bits_of_its_vector() {
 }
 
 #[test]
-fn the_header_says_what_the_model_is() {
+fn header_describes_the_model() {
     let header = header();
     for words in [
         "// provenance   made for a test",
@@ -236,7 +236,7 @@ fn the_header_says_what_the_model_is() {
 }
 
 #[test]
-fn a_name_that_c_does_not_have_is_refused_or_made_one() {
+fn invalid_c_names_are_rejected_or_converted() {
     for name in ["7th", "", "fos"] {
         assert!(matches!(c_source(&model(), name, "", ""), Err(ExportError::Name(_))), "{name}");
     }

@@ -11,7 +11,7 @@ const N: f64 = 1.2e-4;
 const B: f64 = 4e-5;
 const K: f64 = 4e-6;
 
-/// A gyro of `n` samples at rest, beside `others`.
+/// A gyro of `n` samples at rest, with other columns.
 fn log(values: Vec<f64>, others: Vec<(String, Vec<f64>)>) -> Recording {
     let time: Vec<f64> = (0..values.len()).map(|row| row as f64 / RATE_HZ).collect();
     let mut columns = vec![("t_s".to_owned(), time), ("gx_rads".to_owned(), values)];
@@ -53,7 +53,7 @@ fn intervals_of_an_hour_hold_the_truth_in_nine_of_ten_logs() {
     assert!(4 * seen > 3 * logs, "{seen} of {logs}");
 }
 
-/// A warm-up by 15 K drifts the bias by 250 times its random walk over a second; the sensor follows the thermometer late.
+/// A warm-up by 15 K drifts the bias by 250 times its random walk over a second; the sensor lags behind the thermometer.
 #[test]
 fn a_drift_with_temperature_is_no_random_walk() {
     let n = 24_000;
@@ -66,7 +66,7 @@ fn a_drift_with_temperature_is_no_random_walk() {
             1.2e-4 * (of_sensor - 25.0) + 3e-6 * (of_sensor - 25.0).powi(2)
         })
         .collect();
-    // a thermometer of steps of 0.5 K that answers every third time, too
+    // also with a thermometer of steps of 0.5 K and a value in every third row
     let coarse = |(row, measured): (usize, &f64)| {
         if row % 3 == 0 { (measured / 0.5).round() * 0.5 } else { f64::NAN }
     };
@@ -89,7 +89,7 @@ fn a_drift_with_temperature_is_no_random_walk() {
 }
 
 #[test]
-fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
+fn invisible_random_walk_gives_a_limit_and_a_log_length() {
     let (mut named, mut held) = (0, 0);
     let logs = if is_thorough() { 30 } else { 5 };
     for seed in 100..100 + logs {
@@ -106,7 +106,7 @@ fn a_walk_that_takes_hours_to_show_is_a_limit_and_a_length() {
 }
 
 #[test]
-fn what_is_no_rest_and_no_measurement_counts_for_nothing() {
+fn motion_and_outliers_have_no_influence() {
     let quiet = simulated(K, 72_000, 7);
     let mut shaken = quiet.clone();
     let mut still = vec![1.0; quiet.len()];
@@ -129,7 +129,7 @@ fn what_is_no_rest_and_no_measurement_counts_for_nothing() {
 }
 
 #[test]
-fn a_log_too_short_and_one_without_noise_are_refused_with_what_to_do() {
+fn rejects_short_and_noiseless_logs_with_a_remedy() {
     let short = noise_of(&log(simulated(0.0, 300, 1), Vec::new())).unwrap_err().to_string();
     assert!(
         short.contains("15.0 s at rest in stretches") && short.contains("help: record a longer log"),

@@ -21,7 +21,7 @@ fn recording(columns: Vec<(String, Vec<f64>)>) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &options).expect("a sound recording")
 }
 
-/// r(n) = 1.2 r(n−1) − 0.5 r(n−2) + 0.015 r(n−1) r(n−2) + e(n), 60,000 samples, about 9.81 with 1e-3. It would run away
+/// r(n) = 1.2 r(n−1) − 0.5 r(n−2) + 0.015 r(n−1) r(n−2) + e(n), 60,000 samples, about 9.81 with 1e-3. It would diverge
 /// from r = 20, ten standard deviations out.
 fn quadratic_plant(seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -37,14 +37,14 @@ fn quadratic_plant(seed: u64) -> Vec<f64> {
 }
 
 #[test]
-fn a_known_plant_is_recovered_whatever_its_offset_and_unit() {
+fn recovers_a_known_plant_for_any_offset_and_unit() {
     let recording = recording(vec![("az_mps2".into(), quadratic_plant(5))]);
     let stillness = stillness::find(&recording);
     // the plant's own units: offset and scale known, so that coefficients compare
     let options = FitOptions {
         offset: Some(9.81),
         scale: Some(1e-3),
-        // all of it: r(n−2)² follows r(n−1) r(n−2) with 0.88, and half the rows mistake one for the other now and then
+        // all of it: r(n−2)² correlates with r(n−1) r(n−2) by 0.88, and half the rows sometimes give one for the other
         train: Train::Share(1.0),
         memory_s: vec![],
         max_lag: 5,
@@ -94,7 +94,7 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
     let fit = fit_axis(&recording, &stillness, "gx", &options).expect("fits");
     let mut found: Vec<_> = fit.model.axes[0].stochastic.iter().map(|term| term.factors.clone()).collect();
     found.sort();
-    // u is centred on its mean, not on 3.3 V: of the product a little is left for r(n−1), which is there anyway
+    // u is centred on its mean, not on 3.3 V: the product contributes slightly to r(n−1), which is selected anyway
     assert_eq!(found, [vec![y(1)], vec![y(1), u(0, 1)], vec![u(0, 2)]]);
     let bytes = image(&fit.model, "simulated", "test").expect("exported");
     let replayed = replay(&Image::parse(&bytes).expect("its own image"), &recording, &stillness, &[]);
@@ -103,7 +103,7 @@ fn lagged_inputs_and_their_products_with_the_output_are_found_and_run() {
 }
 
 #[test]
-fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where_there_is_not() {
+fn beats_the_constant_mean_only_on_predictable_axes() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let white: Vec<f64> = (0..60_000).map(|_| StandardNormal.sample(&mut random)).collect();
     let recording = recording(vec![("gx_rads".into(), white), ("gy_rads".into(), quadratic_plant(6))]);
@@ -130,7 +130,7 @@ fn the_constant_mean_is_beaten_where_there_is_something_to_predict_and_not_where
     assert!(!study.steps.iter().any(|step| step.errors[1].below_noise_floor));
 }
 
-/// A short log of a simulated unit and the image of a model of all its axes.
+/// A short log of a simulated device, and the image of a model of all its axes.
 fn simulated_unit() -> (Recording, Vec<u8>) {
     let log = simulate(&Simulation { duration_s: 300.0, seed: 3, ..Simulation::default() });
     let recording = recording(log.columns);
@@ -151,7 +151,7 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
 }
 
 #[test]
-fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
+fn firmware_log_gives_the_digest_of_the_replay() {
     let (recording, bytes) = simulated_unit();
     let stillness = stillness::find(&recording);
     let stored = Image::parse(&bytes).expect("its own image");
@@ -176,7 +176,7 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
     let digest = through(&mut predictor, &log);
     assert_eq!(digest.innovations(), host.summary.innovations_digest);
     assert_eq!(digest.corrections(), host.summary.corrections_digest);
-    // and the digest sees a change of one bit
+    // and the digest detects a change of one bit
     let mut changed = log.clone();
     changed[PredictorLogHeader::LENGTH + 8] ^= 1;
     let mut predictor = stored.predictor::<f32, 6, 16, 64, 256>().expect("fits the device");
@@ -185,7 +185,7 @@ fn what_the_firmware_reads_gives_the_digest_of_the_hosts_replay() {
 }
 
 #[test]
-fn rounding_the_model_to_f32_costs_next_to_nothing() {
+fn rounding_to_f32_is_negligible() {
     let (recording, bytes) = simulated_unit();
     let stillness = stillness::find(&recording);
     let host =

@@ -1,4 +1,4 @@
-//! The series of `tests/fixtures/reference`, from their seeds: what is checked in is what comes out here.
+//! Series of `tests/fixtures/reference`, computed from their seeds and compared with the stored ones.
 
 use std::fs;
 use std::path::Path;
@@ -8,8 +8,7 @@ use fos_testkit::reference;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A series of every fixture that has one: its channels, and what one step of its codes is worth if it is stored in 16
-/// bits.
+/// Series of a fixture: its channels, and the value of one step of its codes if it is stored in 16 bits.
 struct Series {
     name: &'static str,
     channels: Vec<Vec<f64>>,
@@ -47,7 +46,7 @@ fn all() -> Vec<Series> {
         "narx_bilinear",
         narx(bilinear, 0.05, 18, |y, x| 0.3 * y[0] + 0.2 * y[0] * x[1] + 0.8 * x[2]),
     ));
-    // nothing but its terms: 17 digits must come back
+    // exact, without noise: 17 digits must be recovered
     all.push(of(
         "narx_exact",
         narx(exact, 0.0, 19, |y, x| {
@@ -66,7 +65,7 @@ fn sine(length: usize, cycles_per_sample: f64) -> Vec<f64> {
     (0..length).map(|n| (std::f64::consts::TAU * cycles_per_sample * n as f64).sin()).collect()
 }
 
-/// Two lines that turn against one another, and noise: real and imaginary part.
+/// Two complex lines of opposite direction, and noise: real and imaginary part.
 fn complex() -> Vec<Vec<f64>> {
     let (re, im) = (white_noise(2, 64), white_noise(3, 64));
     let lines = |n: usize| {
@@ -79,13 +78,13 @@ fn complex() -> Vec<Vec<f64>> {
     ]
 }
 
-/// A slow resonance around a mean that is large beside it.
+/// A slow resonance about a mean that is much larger.
 fn with_mean() -> Vec<f64> {
     autoregression(20, 300, &[1.4, -0.7], 1.0).iter().map(|x| 50.0 + 10.0 * x).collect()
 }
 
-/// Four lags, two products that a search finds hard (each looks like others), and noise: what the fixtures `selection`,
-/// `gaps` and `prediction` are about.
+/// Four lags, two products that are difficult for a search (each resembles others), and noise: the subject of the
+/// fixtures `selection`, `gaps` and `prediction`.
 fn quadratic(seed: u64, length: usize) -> Vec<f64> {
     let run_in = 500;
     let mut y = white_noise(seed, run_in + length);
@@ -98,7 +97,7 @@ fn quadratic(seed: u64, length: usize) -> Vec<f64> {
     y.split_off(run_in)
 }
 
-/// Missing: the start, one sample alone, stretches shorter and longer than the lags.
+/// Gaps at the start, of a single sample, and shorter and longer than the lags.
 fn with_holes(mut series: Vec<f64>) -> Vec<f64> {
     for hole in [0..2, 300..420, 700..701, 703..705, 900..911] {
         series[hole].fill(f64::NAN);
@@ -106,7 +105,7 @@ fn with_holes(mut series: Vec<f64>) -> Vec<f64> {
     series
 }
 
-/// With a little memory, and with bursts: every test of whiteness has something to say.
+/// Residuals with a short memory and with bursts, so that every whiteness test has a result.
 fn residuals() -> Vec<f64> {
     let noise = white_noise(7, 1501);
     let mut x = vec![noise[0]];
@@ -129,8 +128,8 @@ fn uniform(seed: u64, low: f64) -> Vec<f64> {
     (0..800).map(|_| random.random_range(low..1.0)).collect()
 }
 
-/// Input and output of a system that begins at rest: `next` of the past outputs, latest first, and of the inputs, this
-/// one first.
+/// Input and output of a system that begins at rest: `next` is a function of the past outputs, latest first, and of the
+/// inputs, the present one first.
 fn narx(input: Vec<f64>, noise: f64, seed: u64, next: impl Fn(&[f64; 2], &[f64; 4]) -> f64) -> Vec<Vec<f64>> {
     let added = white_noise(seed, input.len());
     let mut output = vec![0.0; input.len()];
@@ -141,13 +140,13 @@ fn narx(input: Vec<f64>, noise: f64, seed: u64, next: impl Fn(&[f64; 2], &[f64; 
     vec![input, output]
 }
 
-/// A gyro with a memory, and four channels logged beside it: one of them shifts it, the same noise in all three.
+/// A gyro with a memory, and four channels logged with it: one of them shifts it, the same noise in all three.
 fn effects() -> Vec<Series> {
     const N: usize = 6000;
     let of_unit_size = |seed, ar: &[f64], variance| autoregression(seed, N, ar, variance);
     let temperature: Vec<f64> = sum(&sine(N, 0.8 / N as f64), 0.1, &of_unit_size(21, &[0.999], 0.002));
     let temperature: Vec<f64> = temperature.iter().map(|x| 30.0 + 6.0 * x).collect();
-    // resonates as a hull does, louder in the middle
+    // resonates like a hull, louder in the middle
     let shaken = of_unit_size(22, &[1.2, -0.8], 0.2);
     let loudness: Vec<f64> = sine(N, 0.5 / N as f64).iter().map(|x| 0.3 + x).collect();
     let acceleration: Vec<f64> = shaken.iter().zip(&loudness).map(|(x, loud)| x * loud).collect();
@@ -177,7 +176,7 @@ fn effects() -> Vec<Series> {
 }
 
 #[test]
-fn the_series_that_are_checked_in_are_those_of_the_seeds() {
+fn stored_series_match_their_seeds() {
     for Series { name, channels, .. } in all() {
         let stored = reference::own(name);
         assert_eq!(stored.channels.len(), channels.len(), "{name}");
@@ -193,7 +192,7 @@ fn the_series_that_are_checked_in_are_those_of_the_seeds() {
     }
 }
 
-/// Writes the series; then `tests/fixtures/reference/make.py` computes the answers anew.
+/// Writes the series; then `tests/fixtures/reference/make.py` computes the answers again.
 #[test]
 #[ignore = "writes the fixtures"]
 fn make() {

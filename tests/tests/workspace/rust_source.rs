@@ -1,5 +1,5 @@
-//! A model as Rust source compiles, is the model of its image to the last bit, and comes with a test vector that
-//! notices when it is not.
+//! A model as Rust source compiles, equals the model of its image to the last bit, and has a test vector that detects a
+//! difference.
 
 use std::process::Command;
 
@@ -49,7 +49,7 @@ fn the_model_comes_to_the_bits_of_its_test_vector() {
     assert_eq!(exported::check(), Ok(()));
 }
 
-/// What `check` says of another model than the one that was exported.
+/// Result of `check` for a model other than the exported one.
 fn check(model: &Model<'_, f32>, vector: &TestVector<'_>) -> Result<(), usize> {
     let mut hub = exported::ModelHub::new(vector.scales);
     hub.load_model(model).expect("as large as the exported one");
@@ -72,7 +72,7 @@ fn a_coefficient_changed_in_its_last_bit_is_noticed() {
             }
         }
     }
-    // a term of 1e-7 beside others of 1: its last bit is rounded away whatever the samples, and the comment says so
+    // a term of 1e-7 among others of 1: its last bit is rounded away for any samples, as the comment states
     println!("not noticed: {unnoticed:?}");
     assert!(unnoticed.len() <= 4, "{unnoticed:?}");
     assert!(!unnoticed.contains(&(0, 0)) && !unnoticed.contains(&(1, 0)), "{unnoticed:?}");
@@ -101,7 +101,7 @@ fn a_model_for_another_sensor_does_not_pass_the_check() {
 }
 
 #[test]
-fn the_hub_says_how_much_the_noise_has_grown() {
+fn hub_reports_excess_noise() {
     let vector = exported::TEST_VECTOR;
     let mut hub = exported::ModelHub::new(vector.scales);
     assert_eq!(hub.deviation_ratio(Axis::Gx), None, "without a model");
@@ -117,7 +117,7 @@ fn the_hub_says_how_much_the_noise_has_grown() {
     assert_eq!(hub.deviation_ratio(Axis::Ay), None, "no model of this axis");
 }
 
-/// Compiles `source` against fos-core as this test was; what the compiler says if it does not compile.
+/// Compiles `source` against fos-core, built like this test; returns the message of the compiler if it fails.
 fn compile(source: &str) -> Option<Result<(), String>> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("model.rs");
@@ -131,7 +131,7 @@ fn compile(source: &str) -> Option<Result<(), String>> {
             name.starts_with("libfos_core-") && name.ends_with(".rlib")
         })
         .collect();
-    // there may be some of other builds; that of this test is the latest
+    // there may be libraries of other builds; that of this test is the latest
     candidates.sort_by_key(|path| std::cmp::Reverse(path.metadata().and_then(|file| file.modified()).ok()));
     let library = candidates.first()?;
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
@@ -145,8 +145,8 @@ fn compile(source: &str) -> Option<Result<(), String>> {
         .arg(&file)
         .output()
         .ok()?;
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    Some(if output.status.success() { Ok(()) } else { Err(said) })
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some(if output.status.success() { Ok(()) } else { Err(stderr) })
 }
 
 #[test]
@@ -155,8 +155,8 @@ fn source_with_an_output_at_lag_zero_does_not_compile() {
     let (model, _) = source.split_once("// From here on").expect("the part that needs fos-core only");
     match compile(model) {
         Some(Ok(())) => {}
-        Some(Err(said)) => {
-            println!("skipped: the unchanged source does not compile outside of cargo: {said}");
+        Some(Err(stderr)) => {
+            println!("skipped: the unchanged source does not compile outside of cargo: {stderr}");
             return;
         }
         None => {
@@ -166,6 +166,6 @@ fn source_with_an_output_at_lag_zero_does_not_compile() {
     }
     let wrong = model.replacen("&[y(1)]", "&[y(0)]", 1);
     assert_ne!(wrong, model);
-    let said = compile(&wrong).expect("compiled a moment ago").expect_err("an output at lag 0");
-    assert!(said.contains("no output at lag 0"), "{said}");
+    let stderr = compile(&wrong).expect("compiled a moment ago").expect_err("an output at lag 0");
+    assert!(stderr.contains("no output at lag 0"), "{stderr}");
 }

@@ -1,5 +1,5 @@
-//! The loop from the field back to the host: a device sends what it measures, the host makes a log of it and names what
-//! is missing from the model.
+//! The loop from the device back to the host: a device sends its measurements, the host converts them to a log and
+//! identifies the missing effect.
 
 use std::io::BufReader;
 
@@ -15,7 +15,7 @@ use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
 use host_fit::export::image;
 use host_fit::record::record;
 
-/// A cable that loses a byte now and then.
+/// A cable that occasionally loses a byte.
 struct Cable {
     bytes: Vec<u8>,
     sent: usize,
@@ -48,7 +48,7 @@ fn recording(name: &str, columns: Vec<(String, Vec<f64>)>) -> Recording {
 }
 
 #[test]
-fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
+fn identifies_a_hidden_effect_from_telemetry() {
     let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
     let case = simulate_case(&plan).expect("a case");
@@ -115,7 +115,7 @@ fn a_hidden_effect_is_named_from_the_telemetry_of_the_device() {
     assert!(named.contains(&"thermal_lag"), "{named:?}");
 }
 
-/// A stream that takes nothing more.
+/// A stream that accepts no more bytes.
 struct Full;
 
 impl ErrorType for Full {
@@ -133,7 +133,7 @@ impl Write for Full {
 }
 
 #[test]
-fn what_cannot_be_sent_is_counted_and_does_no_harm() {
+fn counts_unsent_frames() {
     let start = StartFrame { version: VERSION, period_s: 0.005, axes: "gx_rads", quantities: "" };
     let (measured, validity) = ([0.1], [Validity::VALID]);
     let frame = |tick| SampleFrame {
@@ -146,8 +146,8 @@ fn what_cannot_be_sent_is_counted_and_does_no_harm() {
     };
     let mut full: Recorder<_, 128> = Recorder::new(Full);
     for tick in 0..3 {
-        let said = full.sample(&start, frame(tick));
-        assert_eq!(said, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
+        let result = full.sample(&start, frame(tick));
+        assert_eq!(result, Err(TelemetryError::Stream(ErrorKind::OutOfMemory)));
     }
     assert_eq!(full.failed(), 6, "every sample, and with it what it holds");
     let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: usize::MAX };

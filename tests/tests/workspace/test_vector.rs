@@ -1,4 +1,4 @@
-//! The test vector of an exported model notices what can be wrong with it.
+//! The test vector of an exported model detects its possible errors.
 
 use crate::exported_model::model;
 use fos_core::{Axis, Transform, Validity};
@@ -13,7 +13,7 @@ fn change(name: impl Into<String>, change: impl Fn(&mut UnitModel) + 'static) ->
     (name.into(), Box::new(change))
 }
 
-/// By which a number is changed: a thousandth, far above rounding, far below what anyone would see.
+/// Factor by which a number is changed: a thousandth, far above rounding and too small to notice in the output.
 const BY: f64 = 1.001;
 
 fn changes(model: &UnitModel) -> Vec<Change> {
@@ -63,7 +63,7 @@ fn changes(model: &UnitModel) -> Vec<Change> {
             };
         }));
         if !transform.is_clock() || matches!(transform, Transform::Time) {
-            // what lags behind lags behind the same from everywhere
+            // a backlash follows its input from any centre in the same way
             if !matches!(transform, Transform::Backlash { .. }) {
                 changes
                     .push(change(format!("{name}: centre"), move |m| m.inputs[input].input.centre += 0.01));
@@ -79,7 +79,7 @@ fn changes(model: &UnitModel) -> Vec<Change> {
 }
 
 #[test]
-fn every_number_that_shapes_a_correction_is_noticed() {
+fn detects_a_change_of_every_relevant_number() {
     let model = model();
     let vector = test_vector(&model).expect("a hub takes it");
     assert!(vector.is_met_by(&model));
@@ -99,7 +99,7 @@ fn every_number_that_shapes_a_correction_is_noticed() {
 }
 
 #[test]
-fn everything_that_a_device_meets_is_in_it() {
+fn covers_every_condition_of_a_device() {
     let vector = test_vector(&model()).expect("a hub takes it");
     let vector = vector.vector();
     let seen = vector.expected.iter().fold(0, |seen, expected| seen | expected.validity);
@@ -120,7 +120,7 @@ fn everything_that_a_device_meets_is_in_it() {
     assert_eq!(count(|sample| sample.temperature.is_none()), 1);
     let given: Vec<f32> = vector.given_bits.iter().map(|bits| f32::from_bits(*bits)).collect();
     assert_eq!(given.iter().filter(|value| value.is_nan()).count(), 1);
-    // most of the samples are plain: the model itself is what is tested
+    // most of the samples are plain, since the model itself is tested
     for axis in 0..vector.channels.len() {
         let plain = vector.expected.iter().skip(axis).step_by(vector.channels.len());
         let plain = plain.filter(|expected| expected.validity == 0).count();

@@ -1,5 +1,5 @@
-//! Motion by absolute size: what no MEMS sensor at rest shows, however usual it is in a log. A vehicle moves all along,
-//! and nothing in its log stands out from the rest of it.
+//! Motion by absolute size: scatter beyond that of any MEMS sensor at rest, however usual it is in a log. A vehicle
+//! moves all along, and nothing in its log stands out.
 
 use std::ops::Range;
 
@@ -9,29 +9,29 @@ use crate::recording::Recording;
 use crate::statistics::{MAD_TO_SD, finite_median};
 use crate::unit::Unit;
 
-/// Means over so long are compared, s: vibration averages out, and a bias has hardly moved from one to the next.
+/// Averaging time of the compared means, s: vibration averages out, and a bias has hardly moved from one to the next.
 const BLOCK_S: f64 = 1.0;
 
 /// Blocks of a window. The median of its second differences does not follow one or two steps of a bias.
 const WINDOW_BLOCKS: usize = 10;
 
-/// Scatter of the means of 1 s, as the square root of a Hadamard variance, that no gyro at rest has, rad/s: 0.57 °/s.
-/// The bias instability of the worst consumer parts is some 0.05 °/s, their white noise over 1 s too, and the noisiest
-/// of the recorded logs at rest has 0.1 °/s (docs/decisions/motion.md); a car that drives has several °/s.
+/// Upper limit of the scatter of 1-s means of a gyro at rest, as the square root of a Hadamard variance, rad/s: 0.57
+/// °/s. The bias instability of the worst consumer parts is some 0.05 °/s, their white noise over 1 s too, and the
+/// noisiest of the recorded logs at rest has 0.1 °/s (docs/decisions/motion.md); a driving car has several °/s.
 const GYRO_RADS: f64 = 0.01;
 
-/// The same of accelerometers, m/s²: 10 mg. Data sheets have up to 0.3 mg/√Hz and instabilities below 1 mg; the
+/// The same for accelerometers, m/s²: 10 mg. Data sheets state up to 0.3 mg/√Hz and instabilities below 1 mg; the
 /// noisiest log at rest has 3 mg, all of it white.
 const ACCELEROMETER_MPS2: f64 = 0.1;
 
-/// The variance of the means is so many times what the scatter from sample to sample would leave in them if it were
-/// white: a machine that shakes the device, or a wrong unit, makes both large.
+/// Minimum ratio of the variance of the means to that expected from the sample-to-sample scatter if it were white: a
+/// machine that shakes the device, or a wrong unit, makes both large.
 const SLOW_OVER_WHITE: f64 = 4.0;
 
-/// A pause between motions that is shorter is no rest, s.
+/// Minimum duration of a rest between motions, s.
 pub(super) const SHORTEST_REST_S: f64 = 30.0;
 
-/// Scatter above which an axis moves, its unit; `None` for another column.
+/// Scatter above which an axis is in motion, in its unit; `None` for other columns.
 pub(super) fn limit(column: &str) -> Option<f64> {
     match Column::named(column).unit() {
         Unit::RadianPerSecond => Some(GYRO_RADS),
@@ -40,8 +40,8 @@ pub(super) fn limit(column: &str) -> Option<f64> {
     }
 }
 
-/// Stretches in which at least two axes scatter as none at rest does, in order. `axes` are the columns and their values, NaN where
-/// nothing is to be looked at.
+/// Stretches in which at least two axes scatter more than any sensor at rest, in order. `axes` are the columns and their
+/// values, NaN in rows that are not examined.
 pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Range<usize>> {
     let Some(windows) = Windows::of(recording) else { return Vec::new() };
     let limits: Vec<f64> = axes.iter().map(|(column, _)| limit(column).unwrap_or(f64::INFINITY)).collect();
@@ -57,7 +57,7 @@ pub(super) fn find(recording: &Recording, axes: &[(&str, Vec<f64>)]) -> Vec<Rang
     stretches(&moves, (SHORTEST_REST_S / recording.rate.period_s) as usize)
 }
 
-/// Median scatter of the means of an axis within these rows, its unit; 0 if there is none beyond white noise.
+/// Median scatter of the means of an axis within these rows, in its unit; 0 if it does not exceed white noise.
 pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usize>) -> f64 {
     let Some(windows) = Windows::of(recording) else { return 0.0 };
     let scatters = windows.scatters(values, 0.0);
@@ -69,8 +69,8 @@ pub(super) fn scatter(recording: &Recording, values: &[f64], within: &Range<usiz
     finite_median(&inside.map(|(_, scatter)| *scatter).collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
-/// Windows that overlap by half. A few lost samples do not hide a motion; what changed over a longer gap was not
-/// recorded, and is none: a device that is put down in another way between two bursts.
+/// Windows that overlap by half. A few lost samples do not hide a motion; a change across a longer gap was not recorded
+/// and does not count, as of a device put down differently between two bursts.
 struct Windows<'a> {
     time_s: &'a [f64],
     rows: Vec<Range<usize>>,
@@ -78,7 +78,7 @@ struct Windows<'a> {
 }
 
 impl<'a> Windows<'a> {
-    /// `None` in a log that has fewer than three.
+    /// `None` for a log with fewer than three blocks.
     fn of(recording: &'a Recording) -> Option<Self> {
         let n = recording.n_rows();
         let block = (BLOCK_S / recording.rate.period_s).round() as usize;
@@ -89,7 +89,7 @@ impl<'a> Windows<'a> {
         (block > 1 && rows.len() >= 3).then_some(Self { time_s: &recording.time_s, rows, block })
     }
 
-    /// Scatter of the means of an axis, window by window; 0 where it is at most `least`, that of white noise, or not known.
+    /// Scatter of the means of an axis, window by window; 0 if at most `least`, that of white noise, or unknown.
     fn scatters(&self, values: &[f64], least: f64) -> Vec<f64> {
         let of = |rows: &Range<usize>| {
             let mean = |start: usize| {
@@ -106,7 +106,7 @@ impl<'a> Windows<'a> {
             let is_gap = |start: usize| start > rows.start && lasts(start - self.block, 2) > 2.5 * BLOCK_S;
             let mut means: Vec<f64> = Vec::with_capacity(WINDOW_BLOCKS);
             for start in rows.clone().step_by(self.block) {
-                // second differences over a gap are not known
+                // second differences across a gap are unknown
                 if is_gap(start) {
                     means.push(f64::NAN);
                 }
@@ -121,7 +121,7 @@ impl<'a> Windows<'a> {
     }
 }
 
-/// Standard deviation of noise by its second differences, which no level and no drift moves; `None` where fewer than
+/// Standard deviation of noise from its second differences, which are invariant to level and drift; `None` if fewer than
 /// half are known.
 fn deviation(values: &[f64]) -> Option<f64> {
     let seconds = values.windows(3).map(|of| (of[2] - 2.0 * of[1] + of[0]).abs());
@@ -129,6 +129,6 @@ fn deviation(values: &[f64]) -> Option<f64> {
     if 2 * known.len() < values.len() {
         return None;
     }
-    // of white noise of variance 1 a second difference has variance 6
+    // the second difference of white noise of variance 1 has variance 6
     finite_median(&known).map(|median| MAD_TO_SD * median / 6.0_f64.sqrt())
 }

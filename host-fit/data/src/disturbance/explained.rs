@@ -13,15 +13,15 @@ use crate::recording::{Recording, back_filled};
 use crate::statistics::MAD_TO_SD;
 use crate::unit::Unit;
 
-/// A channel changes where its second difference is so many standard deviations of its own noise: noise alone is so
-/// large once in 16,000 blocks.
-const CHANGED: f64 = 4.0;
+/// A channel changes if its second difference exceeds this many standard deviations of its own noise: noise alone does
+/// so once in 16,000 blocks.
+const MIN_SIGMAS: f64 = 4.0;
 
-/// Prediction has to lower the shared excess by so much. Chance does not: a prediction from other windows that is not
-/// of this one adds to its energy.
-const EXPLAINED: f64 = 0.25;
+/// Minimum reduction of the shared excess by the prediction. Chance does not reach it: a prediction from unrelated
+/// windows adds to the energy.
+const MIN_REDUCTION: f64 = 0.25;
 
-/// Coefficients of an axis: of the block before, of the block, of the one after.
+/// Coefficients of an axis: of the previous block, of the block, of the next one.
 const TAPS: usize = 3;
 
 /// The axes on one time scale.
@@ -36,11 +36,10 @@ pub(super) struct Axes<'a> {
 #[derive(Debug)]
 pub(super) struct Explained {
     pub(super) channel: String,
-    /// The rows.
     pub(super) rows: Range<usize>,
 }
 
-/// Stretches of one channel that are less than `within` rows apart are one.
+/// Merges stretches of one channel that are less than `within` rows apart.
 pub(super) fn joined(mut all: Vec<Explained>, within: usize) -> Vec<Explained> {
     all.sort_by(|one, other| (&one.channel, one.rows.start).cmp(&(&other.channel, other.rows.start)));
     let mut stretches: Vec<Explained> = Vec::new();
@@ -55,8 +54,8 @@ pub(super) fn joined(mut all: Vec<Explained>, within: usize) -> Vec<Explained> {
     stretches
 }
 
-/// Names of the channels that may cause an error: those that do not move with the device, as a magnetometer does, and are
-/// not computed from the axes.
+/// Names of the channels that may cause an error: neither moving with the device, as a magnetometer does, nor computed
+/// from the axes.
 pub(super) fn possible_causes(recording: &Recording) -> Vec<&str> {
     let may_cause = |name: &str| {
         let column = Column::named(name);
@@ -70,7 +69,7 @@ pub(super) fn possible_causes(recording: &Recording) -> Vec<&str> {
 }
 
 /// Lowers the score of the windows that one of `causes` explains.
-pub(super) fn spare(
+pub(super) fn lower_explained_scores(
     recording: &Recording,
     axes: &Axes<'_>,
     causes: &[&str],
@@ -102,7 +101,7 @@ pub(super) fn spare(
                 axes.usual[axis].excess(window, energy)
             });
             let remaining = sum_but_most(excess);
-            if remaining < FAR && remaining < EXPLAINED * score[window] {
+            if remaining < FAR && remaining < MIN_REDUCTION * score[window] {
                 if score[window] >= FAR {
                     explained.push(Explained { channel: (*name).to_owned(), rows });
                 }
@@ -153,7 +152,7 @@ impl<'a> Changes<'a> {
             .filter(|mean| mean.is_finite())
             .fold(0.0, |most: f64, mean| most.max(mean.abs()));
         // a sum of equal values may be off by rounding
-        let limit = (CHANGED * MAD_TO_SD * median_of_known(&sizes)).max(1e-9 * largest);
+        let limit = (MIN_SIGMAS * MAD_TO_SD * median_of_known(&sizes)).max(1e-9 * largest);
         let mut of_row = vec![0.0; n];
         let mut end = 0;
         for row in (0..n).filter(|row| second[*row].abs() > limit) {
@@ -189,7 +188,7 @@ impl<'a> Changes<'a> {
         })
     }
 
-    /// Normal equations of an axis. A piece counts the less the more energy it has: one that was moved hardly counts.
+    /// Normal equations of an axis. A piece is weighted down by its energy: one with motion hardly counts.
     fn folds(&self, axes: &Axes<'_>, axis: usize) -> Vec<Fold> {
         let length = axes.scale.window;
         let mut folds: Vec<Fold> = Vec::new();
@@ -216,7 +215,7 @@ impl<'a> Changes<'a> {
         folds
     }
 
-    /// ln of the energy of an axis in a window, the channel's share subtracted.
+    /// ln of the energy of an axis in a window after subtraction of the channel's share.
     fn energy_without(&self, means: &[f64], rows: Range<usize>, coefficients: [f64; TAPS]) -> f64 {
         let length = rows.len();
         let (mut sum, mut count) = (0.0, 0);
@@ -230,8 +229,8 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Coefficients of an axis from all pieces that lie a window's length off these rows; `None` if the channel does not
-/// change in any of them.
+/// Coefficients of an axis from all pieces at least a window's length away from these rows; `None` if the channel does
+/// not change in any of them.
 fn coefficients(folds: &[Fold], rows: &Range<usize>, apart: usize) -> Option<[f64; TAPS]> {
     let is_apart = |fold: &&Fold| fold.rows.start >= rows.end + apart || fold.rows.end + apart <= rows.start;
     let (mut normal, mut right) = ([[0.0; TAPS]; TAPS], [0.0; TAPS]);
@@ -245,7 +244,7 @@ fn coefficients(folds: &[Fold], rows: &Range<usize>, apart: usize) -> Option<[f6
     if trace <= 0.0 {
         return None;
     }
-    // taps of a slow change are nearly the same: what they share is shared out
+    // taps of a slow change are nearly collinear: a ridge shares their common part among them
     (0..TAPS).for_each(|i| normal[i][i] += 1e-6 * trace);
     Some(solved(normal, right))
 }

@@ -1,4 +1,4 @@
-//! What a motion looks like, from its length, how far the unit turned, and the levels before and after it.
+//! Classification of a motion by its length, the rotation of the device, and the levels before and after it.
 
 use std::ops::Range;
 
@@ -7,34 +7,33 @@ use crate::pose;
 use crate::recording::Recording;
 use crate::statistics::median;
 
-/// A stretch of a log in which the unit was moved.
+/// Stretch of a log in which the device was moved.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Disturbance {
-    /// Its rows, the margins of the sensor's ring-down included.
+    /// Rows of the motion, including the ring-down of the sensor.
     pub rows: Range<usize>,
     pub kind: Kind,
-    /// Turned by so much, rad, by its gyros; `None` without all three.
+    /// Rotation by the gyros, rad; `None` without all three.
     pub turned_rad: Option<f64>,
-    /// Gravity may have another direction after it than before: each rest has a level of its own.
+    /// Gravity may have a different direction afterwards: each rest has its own level.
     pub is_tilted: bool,
-    /// The logged channel that explains it: [`Kind::Explained`] alone has one.
+    /// Logged channel that explains it, of [`Kind::Explained`] only.
     pub channel: Option<String>,
 }
 
 impl Disturbance {
-    /// Neither turned nor tilted.
+    /// A disturbance without rotation or tilt.
     pub(super) fn level(rows: Range<usize>, kind: Kind) -> Self {
         Self { rows, kind, turned_rad: None, is_tilted: false, channel: None }
     }
 
-    /// Returns true if its rows are excluded: not those of lasting vibration, which is a state of the device's surroundings and
-    /// may cause an effect, nor those that a logged channel explains.
-    pub fn is_left_out(&self) -> bool {
+    /// Returns true if its rows are excluded: neither those of lasting vibration, a state of the surroundings that may
+    /// cause an effect, nor those that a logged channel explains.
+    pub fn is_excluded(&self) -> bool {
         !matches!(self.kind, Kind::Vibration | Kind::Explained)
     }
 }
 
-/// What a motion looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -42,7 +41,7 @@ pub enum Kind {
     Knock,
     /// Seconds of shaking: steps, a motor.
     Shaking,
-    /// Taken into the hand, or turned.
+    /// Picked up, or turned.
     Handling,
     /// Slow, of small size, for long: a building that sways.
     Sway,
@@ -68,21 +67,21 @@ impl Kind {
     }
 }
 
-/// Blows ring no longer, s.
+/// Longest ringing of a blow, s.
 const KNOCK_S: f64 = 2.0;
 
-/// Shaking by steps or a motor lasts no longer, s.
+/// Longest shaking by steps or a motor, s.
 const SHAKING_S: f64 = 25.0;
 
-/// Whoever takes a unit into the hand turns it by more than this, rad: 10°. Blows that a gyro cannot follow seem to turn
-/// it by some degrees.
+/// Minimum rotation by a hand that picks up a device, rad: 10°. A blow that a gyro cannot follow seems to turn the
+/// device by some degrees.
 const TURNED_RAD: f64 = 0.17;
 
-/// If it lies in another pose afterwards it was turned by more than this: 2°.
+/// Minimum rotation if the orientation differs afterwards, rad: 2°.
 const TILTED_RAD: f64 = 0.035;
 
-/// What the motion in these rows looks like.
-pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
+/// Classifies the motion in these rows.
+pub(super) fn classify(recording: &Recording, rows: Range<usize>, rest: &[bool]) -> Disturbance {
     let period_s = recording.rate.period_s;
     let seconds = rows.len() as f64 * period_s;
     let beside = beside(recording, &rows, rest);
@@ -99,11 +98,11 @@ pub(super) fn described(recording: &Recording, rows: Range<usize>, rest: &[bool]
         Kind::Sway
     };
     let rows = if kind == Kind::Handling { with_margin(recording, rows) } else { rows };
-    // who had it in the hand does not put it down exactly as it lay
+    // a device held in the hand is not put down exactly as it lay
     Disturbance { rows, kind, turned_rad, is_tilted: is_tilted || kind == Kind::Handling, channel: None }
 }
 
-/// A hand comes and goes without a jerk: so much before and after, s.
+/// Margin before and after handling, s: a hand starts and stops smoothly.
 const HAND_MARGIN_S: f64 = 1.0;
 
 fn with_margin(recording: &Recording, rows: Range<usize>) -> Range<usize> {
@@ -111,7 +110,7 @@ fn with_margin(recording: &Recording, rows: Range<usize>) -> Range<usize> {
     rows.start.saturating_sub(margin)..(rows.end + margin).min(recording.n_rows())
 }
 
-/// The rows at rest before and after, of [`pose::LEVEL_S`] each, within the segment.
+/// Rows at rest before and after, of [`pose::LEVEL_S`] each, within the segment.
 fn beside(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<[Range<usize>; 2]> {
     let length = (pose::LEVEL_S / recording.rate.period_s) as usize;
     let segment = recording.segments.iter().find(|segment| segment.rows.contains(&rows.start))?;
@@ -121,7 +120,7 @@ fn beside(recording: &Recording, rows: &Range<usize>, rest: &[bool]) -> Option<[
     (is_known(&before) && is_known(&after)).then_some([before, after])
 }
 
-/// The largest angle away from the begin, by the gyros without their level before; rad.
+/// Largest angle from the initial orientation, rad, from the gyros minus their level before.
 fn turned(recording: &Recording, rows: &Range<usize>, before: &Range<usize>) -> Option<f64> {
     let mut angle = vec![[0.0_f64; 3]; rows.len()];
     for (axis, name) in GYROS.into_iter().enumerate() {

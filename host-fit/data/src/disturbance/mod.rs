@@ -1,17 +1,17 @@
-//! True motion in a log that is meant to be at rest: knocks, steps, motors, hands, a building that sways.
+//! True motion in a log that should be at rest: knocks, steps, motors, hands, a building that sways.
 //!
-//! The noise of the axes is independent; what moves the unit shows on several of them at the same time. So the energy
-//! of each axis is held against its own usual energy, window by window and on time scales from a sample to seconds, and
-//! where several axes have too much of it at once the unit was moved. What is too much is told from each log itself, so
-//! that strange noise is no motion.
+//! The noise of the axes is independent; a motion of the device shows on several of them at the same time. So the energy
+//! of each axis is compared with its own usual energy, window by window and on time scales from a sample to seconds;
+//! excess energy on several axes at once is motion. The threshold comes from each log itself, so that unusual noise is
+//! not taken for motion.
 //!
 //! | file | subject |
 //! |---|---|
-//! | `scale` | energy of one axis on one time scale, and by how much it is more than usual |
-//! | `shared` | where several axes have too much at once |
+//! | `scale` | energy of one axis on one time scale, and its excess |
+//! | `shared` | excess on several axes at once |
 //! | `explained` | shared steps that a logged channel explains, which are no motion |
-//! | `absolute` | scatter that no sensor at rest has: a vehicle that drives all along |
-//! | `kind` | what it looks like |
+//! | `absolute` | scatter beyond that of any sensor at rest: a vehicle that drives all along |
+//! | `kind` | classification of a motion |
 
 mod absolute;
 mod explained;
@@ -33,18 +33,18 @@ use crate::unit::Unit;
 
 pub use kind::{Disturbance, Kind};
 
-/// Disturbances that are told one by one; of more, the longest.
-const MOST_TOLD: usize = 12;
+/// Maximum number of disturbances listed individually, the longest first.
+const MAX_LISTED: usize = 12;
 
-/// Detected motion: when, how long, and what it looks like, one line each; of many the longest, in order. Then the number
-/// of stretches that a logged channel explains, one line for each channel.
-pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> {
+/// Describes detected motion by time, duration and kind, one line each; of more than 12 the longest, in order of time.
+/// Then the number of stretches that a logged channel explains, one line for each channel.
+pub fn describe_disturbances(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> {
     let seconds = |one: &Disturbance| one.rows.len() as f64 * recording.rate.period_s;
     let (explained, moved): (Vec<&Disturbance>, Vec<&Disturbance>) =
         disturbances.iter().partition(|one| one.channel.is_some());
     let mut longest = moved.clone();
     longest.sort_by_key(|one| std::cmp::Reverse(one.rows.len()));
-    longest.truncate(MOST_TOLD);
+    longest.truncate(MAX_LISTED);
     longest.sort_by_key(|one| one.rows.start);
     let mut lines: Vec<String> = longest
         .into_iter()
@@ -58,14 +58,14 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
                 recording.time_s[one.rows.start],
                 seconds(one),
                 if one.is_tilted { ", perhaps in another orientation afterwards" } else { "" },
-                if one.is_left_out() { "; excluded" } else { "" },
+                if one.is_excluded() { "; excluded" } else { "" },
             )
         })
         .collect();
-    if moved.len() > MOST_TOLD {
-        let excluded = moved.iter().filter(|one| one.is_left_out());
+    if moved.len() > MAX_LISTED {
+        let excluded = moved.iter().filter(|one| one.is_excluded());
         let all = excluded.fold(0.0, |sum, one| sum + seconds(one));
-        lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MOST_TOLD));
+        lines.push(format!("and {} shorter ones; {all:.1} s excluded in total", moved.len() - MAX_LISTED));
     }
     let mut channels: Vec<&str> = explained.iter().filter_map(|one| one.channel.as_deref()).collect();
     channels.sort_unstable();
@@ -79,8 +79,8 @@ pub fn told(recording: &Recording, disturbances: &[Disturbance]) -> Vec<String> 
     lines
 }
 
-/// Refuses a log that moves all along: less than half a minute of `rows` is left at rest (`rest`, without what was
-/// `found`).
+/// Rejects a log in nearly continuous motion: less than half a minute of `rows` is at rest (`rest`, with the rows of
+/// `found` already excluded).
 ///
 /// # Errors
 ///
@@ -124,31 +124,31 @@ pub fn check_rest(
     })
 }
 
-/// Refuses a log of which less than half a minute is at rest because the device moves; none where motion is kept.
+/// Rejects a log with less than half a minute at rest because the device moves; accepts any log whose motion is kept.
 ///
 /// # Errors
 ///
 /// [`RecordingError::Moves`].
 pub fn check(recording: &Recording) -> Result<(), RecordingError> {
-    let marks = recording.once(Marks::of);
+    let marks = recording.cached(Marks::of);
     check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))
 }
 
-/// The same log with the rows in which the unit was moved marked as not at rest, and when it was: where there is no
-/// column `still`, all others are.
+/// The same log with the rows of detected motion marked as not at rest, and the detected motion. Without a column
+/// `still` all other rows count as at rest.
 pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
-    let marks = recording.once(Marks::of);
+    let marks = recording.cached(Marks::of);
     let found = marks.found.clone();
-    if marks.turns.is_empty() && !found.iter().any(Disturbance::is_left_out) {
+    if marks.turns.is_empty() && !found.iter().any(Disturbance::is_excluded) {
         return (Cow::Borrowed(recording), found);
     }
     (Cow::Owned(recording.with_rests(marks.rest.clone(), marks.turns.clone())), found)
 }
 
-/// When a recording was moved where it should be at rest, by its own word: all of it if it does not say.
+/// Detected motion within the rows that a recording states are at rest, or within all rows without that statement.
 struct Marks {
     found: Vec<Disturbance>,
-    /// The rows that are left.
+    /// Rows at rest without detected motion.
     rest: Vec<bool>,
     turns: Vec<usize>,
 }
@@ -157,44 +157,43 @@ impl Marks {
     fn of(recording: &Recording) -> Self {
         let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
         let found = find(recording, &rest);
-        leave_out(&mut rest, &found);
+        exclude(&mut rest, &found);
         let turns = pose::turns(recording, &rest, &tilted(&found));
         Self { found, rest, turns }
     }
 }
 
-/// As [`find`] of the rows that the recording itself says are at rest, and all if it does not say.
+/// Result of [`find`] within the rows that the recording states are at rest, or within all rows.
 pub(crate) fn find_at_rest(recording: &Recording) -> Vec<Disturbance> {
-    recording.once(Marks::of).found.clone()
+    recording.cached(Marks::of).found.clone()
 }
 
-/// Rows of the motions that tilted the unit.
+/// Rows of the motions that tilted the device.
 pub(crate) fn tilted(disturbances: &[Disturbance]) -> Vec<Range<usize>> {
     let tilts = disturbances.iter().filter(|disturbance| disturbance.is_tilted);
     tilts.map(|disturbance| disturbance.rows.clone()).collect()
 }
 
-/// Takes the rows in which the unit was moved off those at rest.
-pub fn leave_out(rest: &mut [bool], disturbances: &[Disturbance]) {
-    let left_out = disturbances.iter().filter(|disturbance| disturbance.is_left_out());
+/// Marks the rows of excluded disturbances as not at rest.
+pub fn exclude(rest: &mut [bool], disturbances: &[Disturbance]) {
+    let left_out = disturbances.iter().filter(|disturbance| disturbance.is_excluded());
     left_out.for_each(|disturbance| rest[disturbance.rows.clone()].fill(false));
 }
 
-/// More than this share of a log is its usual state and no disturbance, unless no sensor at rest can show it.
-const MOST: f64 = 0.5;
+/// Motion in more than this share of a log is its usual state and no disturbance, unless no sensor at rest can show it.
+const MAX_SHARE: f64 = 0.5;
 
-/// Where the unit was moved, in order, among the rows that `rest` marks; none in a log with fewer than two inertial
-/// columns, or that is to be taken as it is. An axis with a reference is judged by its error: known motion is no
-/// disturbance.
+/// Detected motion, in order, among the rows marked by `rest`. Empty for a log with fewer than two inertial columns, and
+/// for one whose motion is kept. Of an axis with a reference the error is examined: known motion is no disturbance.
 pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
     if recording.keeps_moved || recording.rate.period_s > shared::LONGEST_PERIOD_S {
         return Vec::new();
     }
     let mut axes = Vec::new();
-    let mut is_vouched = false;
+    let mut has_reference = false;
     for name in AXES {
         let Ok(series) = recording.error_series(name) else { continue };
-        is_vouched |= matches!(series.reference, Reference::Channel(_));
+        has_reference |= matches!(series.reference, Reference::Channel(_));
         let mut values = series.values.into_owned();
         values.iter_mut().zip(rest).filter(|(_, rest)| !**rest).for_each(|(value, _)| *value = f64::NAN);
         axes.push((name, values));
@@ -203,42 +202,43 @@ pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
         return Vec::new();
     }
     let rows_at_rest = rest.iter().filter(|rest| **rest).count() as f64;
-    // at rest a reference is the pose, and what moves there it does not know
-    let is_vouched = is_vouched && (recording.still.is_none() || rows_at_rest < MOST * rest.len() as f64);
-    let lasting = if is_vouched { Vec::new() } else { absolute::find(recording, &axes) };
+    // at rest the reference is the orientation, and does not include motion
+    let has_reference =
+        has_reference && (recording.still.is_none() || rows_at_rest < MAX_SHARE * rest.len() as f64);
+    let lasting = if has_reference { Vec::new() } else { absolute::find(recording, &axes) };
     let lasts =
         |rows: &&Range<usize>| rows.len() as f64 * recording.rate.period_s >= absolute::SHORTEST_REST_S;
-    // the usual scatter is that of the rest of the log, however short it is beside the motion
+    // the usual scatter is that of the remaining log, however short it is compared with the motion
     let mut values: Vec<Vec<f64>> = axes.into_iter().map(|(_, values)| values).collect();
     for rows in lasting.iter().filter(lasts) {
         values.iter_mut().for_each(|values| values[rows.clone()].fill(f64::NAN));
     }
-    let found = shared::find(recording, values, is_vouched);
+    let found = shared::find(recording, values, has_reference);
     let share = |stretches: &[Range<usize>]| {
         let at_rest = |rows: &Range<usize>| rest[rows.clone()].iter().filter(|rest| **rest).count();
         stretches.iter().map(at_rest).sum::<usize>() as f64 / rows_at_rest.max(1.0)
     };
-    let is_usual = share(&found.moved) > MOST;
-    // an event is detected by what is usual, and more precisely; what lasts as long as a rest has to is motion whatever is
+    let is_usual = share(&found.moved) > MAX_SHARE;
+    // an event is detected more precisely against the usual energy; a stretch as long as a rest is motion in any case
     let lasting: Vec<Range<usize>> = lasting.iter().filter(|rows| is_usual || lasts(rows)).cloned().collect();
     let is_inside = |rows: &Range<usize>, all: &[Range<usize>]| {
         all.iter().any(|outer| outer.start <= rows.start && rows.end <= outer.end)
     };
     let events = found.moved.iter().filter(|rows| !is_usual && !is_inside(rows, &lasting));
-    // what was not looked at is not judged
+    // rows that were not examined get no verdict
     let first = rest.iter().position(|rest| *rest).unwrap_or(0);
     let end = rest.iter().rposition(|rest| *rest).map_or(0, |last| last + 1);
     let within = |one: Disturbance| Disturbance {
         rows: one.rows.start.clamp(first, end)..one.rows.end.clamp(first, end),
         ..one
     };
-    let moved = events.map(|rows| kind::described(recording, rows.clone(), rest));
+    let moved = events.map(|rows| kind::classify(recording, rows.clone(), rest));
     let lasting = lasting
         .iter()
         .map(|rows| Disturbance { is_tilted: true, ..Disturbance::level(rows.clone(), Kind::Motion) });
     let moved: Vec<Disturbance> = moved.chain(lasting).map(within).collect();
     let vibration = found.shaken.iter().map(|rows| Disturbance::level(rows.clone(), Kind::Vibration));
-    // what is excluded for another reason is not kept
+    // rows excluded for another reason stay excluded
     let is_kept =
         |rows: &Range<usize>| !moved.iter().any(|one| is_inside(rows, std::slice::from_ref(&one.rows)));
     let explained = found.explained.iter().filter(|one| is_kept(&one.rows)).map(|one| Disturbance {

@@ -1,45 +1,45 @@
-//! The energy of one axis on one time scale: second differences of block means, which no level and no steady drift
-//! moves.
+//! Energy of one axis on one time scale: second differences of block means, which are invariant to level and steady
+//! drift.
 //!
-//! Blocks begin at every row and windows overlap by 15 sixteenths, so that a detection does not depend on the row that
-//! a log happens to begin with.
+//! Blocks begin at every row and windows overlap by 15 sixteenths, so that a detection does not depend on the first row
+//! of a log.
 
 use std::ops::Range;
 
 use crate::recording::{Segment, runs};
 use crate::statistics::{MAD_TO_SD, finite_median};
 
-/// Blocks of a window: enough for its energy to be known to a third.
+/// Blocks of a window: enough to determine its energy to a third.
 const WINDOW_BLOCKS: usize = 8;
 
-/// And so long at least, s: a knock rings for about that.
+/// Minimum length of a window, s: about the ringing of a knock.
 const SHORTEST_WINDOW_S: f64 = 0.25;
 
-/// Sum of the squares of the excess of all axes but the one with most: chance reaches 30 less often than once in a million
-/// windows. Of windows that overlap as much as these do, some four times as many are independent: 2 ln 4 more.
+/// Limit of the sum of the squared excess of all axes but the largest: chance reaches 30 less often than once in a
+/// million windows. With this overlap some four times as many windows are independent: 2 ln 4 more.
 pub(super) const FAR: f64 = 33.0;
 
-/// Score from which on the windows before and after one above [`FAR`] belong to it.
+/// Score from which the windows before and after one above [`FAR`] belong to it.
 pub(super) const NEAR: f64 = 7.0;
 
-/// Windows begin so many times in the length of one.
+/// Number of window starts in the length of one window.
 const OVERLAP: usize = 16;
 
 /// The windows of one time scale.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
-    /// Rows of a block.
+    /// Length of a block, rows.
     pub(super) block: usize,
-    /// Rows of a window.
+    /// Length of a window, rows.
     pub(super) window: usize,
-    /// Rows from the begin of a window to that of the next.
+    /// Distance of consecutive windows, rows.
     pub(super) stride: usize,
-    /// Rows on either side of what only just stands out that belong to it.
+    /// Margin of a barely detected event on either side, rows.
     pub(super) margin: usize,
 }
 
 impl Scale {
-    /// Of blocks of 2^`level` rows.
+    /// Scale with blocks of 2^`level` rows.
     pub(super) fn new(level: u32, period_s: f64) -> Self {
         let block = 1 << level;
         let rows = (SHORTEST_WINDOW_S / period_s).ceil() as usize;
@@ -53,7 +53,7 @@ impl Scale {
         n.checked_sub(self.window).map_or(0, |room| room / self.stride + 1)
     }
 
-    /// Rows of a window.
+    /// Rows of the window with this index.
     pub(super) fn rows(&self, window: usize) -> Range<usize> {
         window * self.stride..window * self.stride + self.window
     }
@@ -101,7 +101,7 @@ impl Scale {
         means
     }
 
-    /// Makes every block unknown that holds one of these rows.
+    /// Sets the means of all blocks that contain one of these rows to NaN.
     pub(super) fn forget(&self, means: &mut [f64], rows: &Range<usize>) {
         means[(rows.start + 1).saturating_sub(self.block)..rows.end].fill(f64::NAN);
     }
@@ -112,8 +112,8 @@ pub(super) fn log_mean(sum: f64, count: usize, of: usize) -> f64 {
     if 2 * count >= of && sum > 0.0 { (sum / count as f64).ln() } else { f64::NAN }
 }
 
-/// The usual level around each window: medians of pieces of `piece` windows, and the median of five of them. What lasts
-/// for less than two and a half pieces does not move it, what lasts longer is followed to the edge.
+/// Usual level around each window: medians of pieces of `piece` windows, and the running median of five of them. An
+/// event shorter than two and a half pieces does not change it; a longer one is followed to its edge.
 pub(super) fn local_level(log_energy: &[f64], piece: usize) -> Vec<f64> {
     let medians: Vec<f64> = log_energy.chunks(piece.max(1)).map(median_of_known).collect();
     let around = |at: usize| median_of_known(&medians[at.saturating_sub(2)..(at + 3).min(medians.len())]);
@@ -121,15 +121,15 @@ pub(super) fn local_level(log_energy: &[f64], piece: usize) -> Vec<f64> {
     (0..log_energy.len()).map(|window| smooth[window / piece.max(1)]).collect()
 }
 
-/// Median of what is known; NaN of nothing.
+/// Median of the finite values; NaN if there are none.
 pub(super) fn median_of_known(values: &[f64]) -> f64 {
     finite_median(values).unwrap_or(f64::NAN)
 }
 
-/// Scatter below this is that of too few values.
-const LEAST_SCATTER: f64 = 0.1;
+/// Lower limit of the scatter, below which an estimate comes from too few values.
+const MIN_SCATTER: f64 = 0.1;
 
-/// The usual energy of one axis on one time scale.
+/// Usual energy of one axis on one time scale.
 #[derive(Debug)]
 pub(super) struct Usual {
     level: Vec<f64>,
@@ -137,34 +137,34 @@ pub(super) struct Usual {
 }
 
 impl Usual {
-    /// About `level`, window by window.
+    /// Scatter of the energy about `level`, window by window.
     pub(super) fn about(level: Vec<f64>, log_energy: &[f64]) -> Self {
         let off: Vec<f64> =
             log_energy.iter().zip(&level).map(|(energy, level)| (energy - level).abs()).collect();
-        let scatter = (MAD_TO_SD * median_of_known(&off)).max(LEAST_SCATTER);
+        let scatter = (MAD_TO_SD * median_of_known(&off)).max(MIN_SCATTER);
         Self { level, scatter }
     }
 
-    /// By how many standard deviations the energy of a window is above its level; an unknown energy is not.
+    /// Excess of the energy of a window above its level, in standard deviations; 0 if below or unknown.
     pub(super) fn excess(&self, window: usize, log_energy: f64) -> f64 {
         let above = (log_energy - self.level[window]) / self.scatter;
         if above.is_finite() { above.max(0.0) } else { 0.0 }
     }
 
-    /// Its level, window by window.
+    /// Level, window by window.
     pub(super) fn level(&self) -> &[f64] {
         &self.level
     }
 }
 
-/// Sum of the squares of the excess of all axes but the one that has most.
+/// Sum of the squared excess of all axes but the largest.
 pub(super) fn sum_but_most(excess: impl Iterator<Item = f64>) -> f64 {
     let squares = excess.map(|excess| excess.powi(2));
     let (sum, most) = squares.fold((0.0, 0.0_f64), |(sum, most), square| (sum + square, most.max(square)));
     sum - most
 }
 
-/// Stretches of flagged rows; those less than `within` rows apart are one.
+/// Merges stretches of flagged rows less than `within` rows apart.
 pub(super) fn stretches(flags: &[bool], within: usize) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = Vec::new();
     for rows in runs(0..flags.len(), |row| flags[row]) {

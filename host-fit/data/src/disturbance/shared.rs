@@ -1,4 +1,4 @@
-//! Where several axes have more energy than usual at the same time.
+//! Finds excess energy on several axes at the same time.
 
 use std::ops::Range;
 
@@ -7,58 +7,58 @@ use super::scale::{FAR, NEAR, Scale, Usual, local_level, median_of_known, stretc
 use crate::interrupt::in_parallel;
 use crate::recording::{Recording, runs};
 
-/// Slower logs have no time scale on which a knock could be told from noise, s.
+/// Longest sampling period, s: slower logs have no time scale on which a knock stands out from noise.
 pub(super) const LONGEST_PERIOD_S: f64 = 0.2;
 
-/// The longest blocks, s: the slowest sway of a building takes ten seconds.
+/// Longest blocks, s: the slowest sway of a building takes ten seconds.
 const LONGEST_BLOCK_S: f64 = 2.6;
 
-/// Up to here a block is of vibration, s; beyond it of motion. In a log slower than this the single samples stand for
-/// vibration: the scales of motion are judged against the level of a shorter one.
+/// Longest blocks that resolve vibration, s; longer ones resolve motion. In a log slower than this the single samples
+/// stand for vibration: the scales of motion are compared with the level of a shorter one.
 const VIBRATION_BLOCK_S: f64 = 0.1;
 
-/// Pieces of the local level of vibration, s: what lasts for less than two and a half of them is an event.
+/// Pieces of the local level of vibration, s: an event is shorter than two and a half of them.
 const PIECE_S: f64 = 5.0;
 
-/// Vibration that lasts for so long is a state, s.
+/// Minimum duration of vibration that counts as a state, s.
 const LASTING_S: f64 = 28.0;
 
-/// Motions closer than this are one, s.
-const ONE_S: f64 = 0.75;
+/// Motions closer than this are merged, s.
+const MERGE_S: f64 = 0.75;
 
-/// The level of vibration in a lasting stretch is so much above that of the quietest tenth: half as much again in
+/// Minimum excess of the level of vibration in a lasting stretch above that of the quietest tenth: half as much again in
 /// deviation.
 const SHAKEN: f64 = 0.8;
 
-/// What is so much above it is violent, and an event unless it lasts: ten times the deviation.
+/// Excess from which vibration is violent, and an event unless it lasts: ten times the deviation.
 const VIOLENT: f64 = 4.6;
 
-/// Where the unit was moved.
+/// Stretches of motion.
 #[derive(Debug, Default)]
 pub(super) struct Shared {
-    /// For a while: events and slow motion.
+    /// Temporary motion: events and slow motion.
     pub(super) moved: Vec<Range<usize>>,
     pub(super) shaken: Vec<Range<usize>>,
     /// Stretches that a logged channel explains: no motion.
     pub(super) explained: Vec<Explained>,
 }
 
-/// Looks on all time scales at all axes. Where a reference says how the unit moves, slow motion is not looked for: what
-/// is left of it is the error.
-pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: bool) -> Shared {
+/// Searches all axes on all time scales. With a reference for the motion, slow motion is not searched: its remaining
+/// part is the error.
+pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_reference: bool) -> Shared {
     let period_s = recording.rate.period_s;
     let n = recording.n_rows();
     let mut moved = vec![false; n];
     let mut shaken = vec![false; n];
     let mut violent = vec![false; n];
-    // by how much the slowest vibration of each axis is above its least, window by window
+    // excess of the slowest vibration of each axis above its minimum, window by window
     let mut leaking: Vec<(Scale, Vec<f64>)> = Vec::new();
     let causes = possible_causes(recording);
     let mut explained = Vec::new();
     for level in 0.. {
         let scale = Scale::new(level, period_s);
         let block_s = scale.block as f64 * period_s;
-        if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || is_vouched && block_s > VIBRATION_BLOCK_S {
+        if block_s > LONGEST_BLOCK_S || 4 * scale.window > n || has_reference && block_s > VIBRATION_BLOCK_S {
             break;
         }
         let energies: Vec<Vec<f64>> =
@@ -89,25 +89,25 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
         };
         let mut score: Vec<f64> = (0..energies[0].len()).map(|window| sum_but_most(excess(window))).collect();
         let axes = Axes { scale, means: &means, energies: &energies, usual: &usual };
-        explained.extend(explained::spare(recording, &axes, &causes, &mut score));
+        explained.extend(explained::lower_explained_scores(recording, &axes, &causes, &mut score));
         mark(&mut moved, &scale, &score);
         if is_vibration {
             leaking = usual.iter().map(|usual| (scale, above_least(usual.level()))).collect();
             mark_shaken(&mut shaken, &scale, &leaking, SHAKEN);
             mark_shaken(&mut violent, &scale, &leaking, VIOLENT);
         }
-        // what was found is not found again: a knock that is left in the mean of a second would take the seconds around
-        // it along
+        // stretches found already are removed: a knock within the mean of a second would mark the seconds around it
+        // as well
         let found = runs(0..n, |row| moved[row]);
         means = in_parallel(means, |mut means| {
             found.iter().for_each(|rows| scale.forget(&mut means, rows));
             scale.doubled(means)
         });
     }
-    let joined = (ONE_S / period_s) as usize;
+    let joined = (MERGE_S / period_s) as usize;
     let mut lasting = stretches(&shaken, (PIECE_S / period_s) as usize);
     let lasts = |rows: &Range<usize>| rows.len() as f64 * period_s >= LASTING_S;
-    // what is large and ends sooner is an event, whose middle the local level took for usual
+    // a large excess that ends sooner is an event, although its middle raised the local level
     let events = stretches(&violent, joined);
     events.iter().filter(|rows| !lasts(rows)).for_each(|rows| moved[rows.clone()].fill(true));
     lasting.retain(lasts);
@@ -118,8 +118,8 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, is_vouched: 
     }
 }
 
-/// Marks the middle half of windows that are far off, of their neighbours as long as they are off too, and a margin on
-/// either side: a filter rings. What stands out in the outer quarters of a window stands out more in the next one.
+/// Marks the middle half of windows above the limit, of their neighbours while these have an excess too, and a margin on
+/// either side: a filter rings. An excess in the outer quarters of a window is larger in the next one.
 fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
     let mut window = 0;
     while window < score.len() {
@@ -135,7 +135,7 @@ fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
         while end < score.len() && score[end] >= NEAR {
             end += 1;
         }
-        // what is large is felt for longer than it stands out
+        // a large event rings for longer than its excess shows
         let most = score[first..end].iter().copied().fold(FAR, f64::max);
         let margin = (scale.margin as f64 * (1.0 + (most / FAR).log10())) as usize;
         let (start, until) =
@@ -148,7 +148,7 @@ fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
     }
 }
 
-/// A level above that of its quietest tenth.
+/// Excess of a level above that of its quietest tenth.
 fn above_least(level: &[f64]) -> Vec<f64> {
     let mut known: Vec<f64> = level.iter().copied().filter(|level| level.is_finite()).collect();
     let tenth = known.len() / 10;
@@ -159,7 +159,7 @@ fn above_least(level: &[f64]) -> Vec<f64> {
     level.iter().map(|level| if level.is_finite() { (level - least).max(0.0) } else { 0.0 }).collect()
 }
 
-/// Marks where two axes are shaken at once by more than `least`.
+/// Marks windows in which at least two axes exceed `least` at once.
 fn mark_shaken(shaken: &mut [bool], scale: &Scale, axes: &[(Scale, Vec<f64>)], least: f64) {
     for window in 0..axes[0].1.len() {
         if axes.iter().filter(|(_, above)| above[window] > least).count() >= 2 {

@@ -27,7 +27,7 @@ fn found(columns: Vec<(String, Vec<f64>)>) -> Vec<Disturbance> {
 }
 
 #[test]
-fn noise_of_many_kinds_is_no_motion() {
+fn noise_of_any_kind_is_no_motion() {
     let n = 120_000;
     for seed in 0..4 {
         let heavy = |_: usize, values: &mut [f64]| values.iter_mut().for_each(|value| *value *= value.abs());
@@ -42,7 +42,7 @@ fn noise_of_many_kinds_is_no_motion() {
                 (50_000..50_400).for_each(|row| values[row] *= 20.0);
             }
         };
-        // all axes grow louder, slowly
+        // the noise of all axes rises slowly
         let louder = |_: usize, values: &mut [f64]| {
             values.iter_mut().enumerate().for_each(|(row, value)| *value *= 1.0 + row as f64 / n as f64);
         };
@@ -65,13 +65,13 @@ fn noise_of_many_kinds_is_no_motion() {
         ];
         for (name, shape) in kinds {
             let left_out: Vec<Disturbance> =
-                found(at_rest(seed, n, shape)).into_iter().filter(Disturbance::is_left_out).collect();
+                found(at_rest(seed, n, shape)).into_iter().filter(Disturbance::is_excluded).collect();
             assert_eq!(left_out, [], "{name}, seed {seed}");
         }
     }
 }
 
-/// What is added to the values of an axis.
+/// Addition to the values of an axis.
 type Shape<'a> = dyn Fn(usize, &mut [f64]) + 'a;
 
 /// A damped sine on several axes.
@@ -86,7 +86,7 @@ fn knock(size: f64, at: usize) -> impl Fn(usize, &mut [f64]) {
 }
 
 #[test]
-fn a_knock_is_found_where_it_is_and_how_large_it_is_does_not_matter() {
+fn finds_a_knock_of_any_size_at_its_position() {
     for size in [15.0, 100.0, 3000.0] {
         let found = found(at_rest(7, 60_000, knock(size, 30_000)));
         assert_eq!(found.len(), 1, "{size}: {found:?}");
@@ -97,13 +97,13 @@ fn a_knock_is_found_where_it_is_and_how_large_it_is_does_not_matter() {
 }
 
 #[test]
-fn a_hand_turns_the_unit_and_leaves_it_tilted() {
+fn handling_rotates_and_tilts_the_device() {
     let (from, to) = (30_000, 31_200);
     let shape = |axis: usize, values: &mut [f64]| {
         for (since, value) in values[from..].iter_mut().enumerate() {
             let x = (since as f64 / (to - from) as f64).min(1.0);
             let tilt = 0.5 - 0.5 * (std::f64::consts::PI * x).cos();
-            // in units of the noise: 1 m/s² along two axes; 0.5 rad about one
+            // in multiples of the noise: 1 m/s² along two axes; 0.5 rad about one
             match axis {
                 0 => *value += 100.0 * tilt,
                 2 => *value -= 60.0 * tilt,
@@ -121,7 +121,7 @@ fn a_hand_turns_the_unit_and_leaves_it_tilted() {
 }
 
 #[test]
-fn a_machine_that_runs_for_long_is_a_state_and_a_building_that_sways_is_motion() {
+fn lasting_vibration_is_a_state_and_sway_is_motion() {
     let machine = |axis: usize, values: &mut [f64]| {
         let share = 4.0 / (1.0 + axis as f64);
         (20_000..50_000).for_each(|row| values[row] += share * (row as f64 * 1.3).sin());
@@ -129,7 +129,7 @@ fn a_machine_that_runs_for_long_is_a_state_and_a_building_that_sways_is_motion()
     let found_of_machine = found(at_rest(9, 60_000, machine));
     assert!(found_of_machine.iter().any(|one| one.kind == Kind::Vibration && one.rows.len() > 20_000));
     let left_out: usize =
-        found_of_machine.iter().filter(|one| one.is_left_out()).map(|one| one.rows.len()).sum();
+        found_of_machine.iter().filter(|one| one.is_excluded()).map(|one| one.rows.len()).sum();
     assert!(left_out < 4000, "{found_of_machine:?}");
 
     let sway = |axis: usize, values: &mut [f64]| {
@@ -139,19 +139,19 @@ fn a_machine_that_runs_for_long_is_a_state_and_a_building_that_sways_is_motion()
     };
     let found_of_sway = found(at_rest(10, 240_000, sway));
     let left_out: usize =
-        found_of_sway.iter().filter(|one| one.is_left_out()).map(|one| one.rows.len()).sum();
+        found_of_sway.iter().filter(|one| one.is_excluded()).map(|one| one.rows.len()).sum();
     assert!((45_000..75_000).contains(&left_out), "{found_of_sway:?}");
 }
 
 #[test]
-fn a_log_of_one_axis_tells_nothing() {
+fn one_axis_alone_shows_no_motion() {
     let mut columns = at_rest(11, 20_000, knock(1000.0, 10_000));
     columns.truncate(1);
     assert!(found(columns).is_empty());
 }
 
 #[test]
-fn handling_is_found_beside_a_motion_that_is_longer_than_the_rest() {
+fn finds_handling_next_to_a_longer_motion() {
     let n = 30_000;
     let handled = 7_000..7_800;
     let shape = |_: usize, values: &mut [f64]| {
@@ -160,7 +160,7 @@ fn handling_is_found_beside_a_motion_that_is_longer_than_the_rest() {
         (8_000..26_000).for_each(|row| values[row] += swing(row));
     };
     let all = found(at_rest(3, n, shape));
-    let is_covered = |row: usize| all.iter().any(|one| one.is_left_out() && one.rows.contains(&row));
+    let is_covered = |row: usize| all.iter().any(|one| one.is_excluded() && one.rows.contains(&row));
     assert!(handled.clone().step_by(100).all(is_covered), "{all:?}");
     assert!(is_covered(17_000) && !is_covered(3_000) && !is_covered(29_000), "{all:?}");
 }

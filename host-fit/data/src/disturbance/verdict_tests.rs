@@ -1,5 +1,6 @@
-//! Classes of logs and what must hold for all of them: what a logged channel explains is no motion, leading rows do not
-//! matter, and a vehicle has no rest. Each check has a control in which the promise is broken on purpose.
+//! Classes of logs and the properties that hold for all of them: a step explained by a logged channel is no motion,
+//! leading rows have no influence, and a vehicle has no rest. Each check has a control that breaks the property on
+//! purpose.
 
 use super::*;
 use crate::recording::{LoadOptions, Source};
@@ -7,7 +8,7 @@ use fos_testkit::noise::{random_walk, white_noise};
 
 const RATE_HZ: f64 = 50.0;
 
-/// White noise of an axis, and the share of a common step that it shows.
+/// White noise of each axis, and its share of a common step.
 const DEVIATION: [f64; 6] = [0.012, 0.012, 0.012, 0.0015, 0.0015, 0.0015];
 const SHARE: [f64; 6] = [8.0, -5.6, 4.0, 1.0, 0.8, -0.6];
 
@@ -37,7 +38,7 @@ impl Log {
         self.columns[0].1.len()
     }
 
-    /// Adds to each axis its share of what `of` says of each second.
+    /// Adds to each axis its share of `of`, a function of axis and time in s.
     fn add(mut self, of: impl Fn(usize, f64) -> f64) -> Self {
         for (axis, (_, values)) in self.columns.iter_mut().take(6).enumerate() {
             values.iter_mut().enumerate().for_each(|(row, value)| *value += of(axis, row as f64 / RATE_HZ));
@@ -72,14 +73,14 @@ impl Log {
         find(&recording, &vec![true; recording.n_rows()])
     }
 
-    /// Stretches that are excluded, s.
+    /// Excluded stretches, s.
     fn excluded(&self) -> Vec<[f64; 2]> {
-        let excluded = self.found().into_iter().filter(Disturbance::is_left_out);
+        let excluded = self.found().into_iter().filter(Disturbance::is_excluded);
         excluded.map(|one| [one.rows.start as f64 / RATE_HZ, one.rows.end as f64 / RATE_HZ]).collect()
     }
 }
 
-/// 1 for `length_s` in every [`EVERY_S`], from half of that on.
+/// 1 for `length_s` in every [`EVERY_S`], starting half a period in.
 fn dip(length_s: f64) -> impl Fn(f64) -> f64 {
     move |t| f64::from((t + 0.5 * EVERY_S) % EVERY_S < length_s)
 }
@@ -96,8 +97,8 @@ const CHANNELS: [(&str, f64, f64); 5] = [
     ("current", 0.2, 0.4),
 ];
 
-/// Excluded stretches of logs in which all axes follow one of `channels`, which take turns over lengths and sizes; `logged`
-/// adds what is logged of it.
+/// Excluded stretches of logs in which all axes follow one of `channels`, which alternate over lengths and sizes;
+/// `logged` adds the logged version of the channel.
 fn excluded_of(
     channels: &[(&str, f64, f64)],
     logged: impl Fn(Log, (&str, f64, f64), f64) -> Log,
@@ -121,13 +122,13 @@ fn keeps_steps_that_follow_a_logged_channel() {
         log.with(name, |t| level + change * dip(length_s)(t))
     });
     assert_eq!(excluded, Vec::<String>::new());
-    // the channel withheld, and shifted against the axes
+    // the channel withheld, and shifted in time against the axes
     let withheld = excluded_of(&CHANNELS[..1], |log, _, _| log);
     let shifted = excluded_of(&CHANNELS[..1], |log, (name, level, change), length_s| {
         log.with(name, |t| level + change * dip(length_s)(t + 17.0))
     });
     for excluded in [&withheld, &shifted] {
-        // steps of 1 and 2 mrad/s, and those that cover half of a window, do not stand out
+        // steps of 1 and 2 mrad/s, and those that cover half of a window, are not detected
         assert!(excluded.len() >= 8, "a third of the logs and more: {excluded:?}");
     }
     println!(
@@ -143,7 +144,7 @@ fn keeps_steps_that_follow_a_logged_channel() {
 fn counts_the_stretches_that_follow_a_channel() {
     let log = Log::at_rest(4, 300.0).add(|axis, t| 5e-3 * SHARE[axis] * dip(5.0)(t));
     let log = log.with("supply_v", |t| 3.3 - 0.3 * dip(5.0)(t));
-    let lines = told(&log.recording(), &log.found());
+    let lines = describe_disturbances(&log.recording(), &log.found());
     assert!(lines.len() == 1 && lines[0].ends_with("stretches follow supply_v and were kept"), "{lines:?}");
 }
 
@@ -157,7 +158,7 @@ fn knock(size: f64, at_s: f64) -> impl Fn(usize, f64) -> f64 {
     }
 }
 
-/// Taken into the hand at `at_s` for four seconds, and put down in another way.
+/// Picked up at `at_s` for four seconds and put down in a different orientation.
 fn handling(at_s: f64) -> impl Fn(usize, f64) -> f64 {
     move |axis, t| {
         let x = ((t - at_s) / 4.0).clamp(0.0, 1.0);
@@ -173,18 +174,18 @@ fn handling(at_s: f64) -> impl Fn(usize, f64) -> f64 {
 }
 
 #[test]
-fn excludes_motion_that_coincides_with_a_change_of_a_channel() {
+fn excludes_motion_during_a_channel_change() {
     let at_s = 125.0;
     let is_hit =
         |log: &Log| log.excluded().iter().any(|[start, end]| *start <= at_s + 0.1 && at_s + 0.1 <= *end);
-    // the axes follow the channel, or do not: a motion at one of its changes is one
+    // with and without axes that follow the channel: a motion at one of its changes is still a motion
     for size in [0.0, 3e-3, 1e-2] {
         let log = Log::at_rest(5, 300.0).add(|axis, t| size * SHARE[axis] * dip(8.0)(t));
         let log =
             log.with("supply_v", |t| 3.3 - 0.3 * dip(8.0)(t)).with("load_pct", |t| 20.0 + 60.0 * dip(8.0)(t));
         assert!(is_hit(&log.clone().add(knock(0.05, at_s))), "a knock, {size}");
         assert!(is_hit(&log.clone().add(handling(at_s))), "handling, {size}");
-        // what follows the channel elsewhere is kept all the same
+        // steps that follow the channel elsewhere remain included
         let others = log.add(handling(at_s)).excluded();
         assert!(
             others
@@ -201,7 +202,7 @@ fn excludes_motion_that_coincides_with_a_change_of_a_channel() {
     assert!(!log.excluded().is_empty());
 }
 
-/// Logs with and without disturbances, some of them hardly above what is found.
+/// Logs with and without disturbances, some of them just above the detection limit.
 fn borderline() -> Vec<(&'static str, Log)> {
     let rest = |seed| Log::at_rest(seed, 200.0);
     vec![
@@ -215,7 +216,7 @@ fn borderline() -> Vec<(&'static str, Log)> {
     ]
 }
 
-/// Logs of which `excluded` makes another number of stretches once up to 20 leading rows are dropped.
+/// Logs in which `excluded` counts a different number of stretches once up to 20 leading rows are dropped.
 fn depending_on_leading_rows(excluded: impl Fn(&Log) -> usize) -> Vec<String> {
     let mut depending = Vec::new();
     for (name, log) in borderline() {
@@ -259,7 +260,7 @@ fn leading_rows_change_no_verdict() {
     );
 }
 
-/// A vehicle: white noise through a low-pass of 0.5 Hz, by the second moment of each axis.
+/// A vehicle: white noise through a low-pass of 0.5 Hz, scaled by the second moment of each axis.
 fn vehicle(seed: u64, seconds: f64, size: f64) -> Log {
     let mut log = Log::at_rest(seed, seconds);
     let pole = (-std::f64::consts::TAU * 0.5 / RATE_HZ).exp();
@@ -277,7 +278,7 @@ fn vehicle(seed: u64, seconds: f64, size: f64) -> Log {
 }
 
 #[test]
-fn a_log_that_moves_all_along_has_no_rest() {
+fn rejects_a_log_in_continuous_motion() {
     for log in
         [vehicle(30, 300.0, 1.0), vehicle(31, 120.0, 0.4), vehicle(32, 300.0, 1.0).with("still", |_| 1.0)]
     {
@@ -307,7 +308,7 @@ fn lost_samples_do_not_hide_a_drive() {
 }
 
 #[test]
-fn a_rest_of_a_drive_is_used() {
+fn uses_the_rest_within_a_drive() {
     let drive = vehicle(33, 300.0, 1.0);
     let mut log = Log::at_rest(33, 300.0);
     for ((_, values), (_, driven)) in log.columns.iter_mut().zip(&drive.columns) {
@@ -321,7 +322,7 @@ fn a_rest_of_a_drive_is_used() {
 }
 
 #[test]
-fn a_sensor_at_rest_moves_for_no_effect() {
+fn no_effect_looks_like_motion() {
     let rest = |seed| Log::at_rest(seed, 200.0);
     let walk = random_walk(99, 10_000);
     let logs = [
@@ -330,7 +331,7 @@ fn a_sensor_at_rest_moves_for_no_effect() {
         ("line", rest(42).add(|axis, t| 2.0 * DEVIATION[axis] * (std::f64::consts::TAU * 0.4 * t).sin())),
         ("loud line", rest(43).add(|axis, t| 0.1 * SHARE[axis] * (std::f64::consts::TAU * 17.0 * t).sin())),
         ("random walk", rest(44).add(|axis, t| 0.05 * DEVIATION[axis] * walk[(t * RATE_HZ) as usize])),
-        // of rad/s that are dps
+        // dps labelled as rad/s
         ("wrong unit", {
             let mut log = rest(45);
             log.columns.iter_mut().for_each(|(_, values)| values.iter_mut().for_each(|value| *value *= 57.3));
@@ -348,7 +349,7 @@ fn a_sensor_at_rest_moves_for_no_effect() {
         assert!(!found.iter().any(|one| one.kind == Kind::Motion), "{name}: {found:?}");
         check(&log.recording()).unwrap();
     }
-    // on a shaker or a table whose motion is logged nothing is absolute
+    // where the motion of a shaker or a table is logged there is no absolute limit
     let mut log = vehicle(47, 200.0, 1.0);
     let references =
         vehicle(47, 200.0, 1.0).columns.into_iter().map(|(name, values)| (format!("ref_{name}"), values));

@@ -1,4 +1,4 @@
-//! A file that is read, changed and written back: it goes back only if nobody else has written it meanwhile.
+//! Read, change and write back a file: it is written only if no other process has changed it meanwhile.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -10,13 +10,13 @@ use super::error::FileError;
 use super::paths::{folder_of, followed, is_linked};
 use super::replace::TemporarySibling;
 
-/// A file as it was at a moment.
+/// State of a file at one moment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileVersion {
     path: PathBuf,
-    /// Of its content; none if it was not there.
+    /// SHA-256 of the content; `None` if the file did not exist.
     digest: Option<[u8; 32]>,
-    /// It was read to be changed: what is written back is the same study, and takes its place.
+    /// Read to be changed: the new content is the same study and may replace it.
     is_changed: bool,
 }
 
@@ -25,7 +25,7 @@ pub struct FileVersion {
 pub enum CompareAndSwapError {
     #[error(transparent)]
     File(#[from] FileError),
-    /// Somebody else was quicker.
+    /// Another process wrote the file first.
     #[error(
         "{}: changed meanwhile by another process; nothing was written, what that one wrote is still there\nhelp: run the command again",
         .0.display()
@@ -34,31 +34,30 @@ pub enum CompareAndSwapError {
 }
 
 impl FileVersion {
-    /// `path` as it is now, which may be not there.
+    /// Present state of `path`, which need not exist.
     ///
     /// # Errors
     ///
-    /// It is there and cannot be read.
+    /// The file exists and cannot be read.
     pub fn now(path: &Path) -> Result<Self, FileError> {
         let digest = digest_of(path).map_err(FileError::reading(path))?;
         Ok(Self { path: path.to_owned(), digest, is_changed: false })
     }
 
-    /// `path`, of which `content` was just read, to be changed.
+    /// State of `path` with `content`, which was just read, to be changed.
     pub fn of(path: &Path, content: &[u8]) -> Self {
         Self { path: path.to_owned(), digest: Some(Sha256::digest(content).into()), is_changed: true }
     }
 
-    /// The file that was read, and that is written.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Replaces the file if it still is as it was seen; no other process replaces it between the look and the deed.
+    /// Replaces the file if it is unchanged; no other process replaces it between the comparison and the rename.
     ///
     /// # Errors
     ///
-    /// It is not, or cannot be written; what is there then stays.
+    /// The file changed, or cannot be written. Its present content is then untouched.
     pub fn replace(&self, content: &[u8]) -> Result<(), CompareAndSwapError> {
         let failed = || FileError::writing(&self.path);
         let sibling = TemporarySibling::of(&self.path).map_err(failed())?;
@@ -80,15 +79,15 @@ fn digest_of(path: &Path) -> io::Result<Option<[u8; 32]>> {
     }
 }
 
-/// Keeps other processes from replacing a file. It is the lock of a file beside it, `.fos-NAME.lock`: the file itself
-/// is another one after every rename, and scripts lock it, or its folder, around this very program.
+/// Keeps other processes from replacing a file. It locks a file next to it, `.fos-NAME.lock`: the file itself is a
+/// different one after every rename, and scripts may lock it, or its folder, around this very program.
 struct Lock {
     _file: File,
     path: PathBuf,
 }
 
 impl Lock {
-    /// Waits for its turn: others hold it no longer than a rename takes.
+    /// Waits until the lock is free: others hold it no longer than a rename takes.
     fn of(path: &Path) -> io::Result<Self> {
         let path = followed(path);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -96,11 +95,11 @@ impl Lock {
         loop {
             let file = File::options().create(true).truncate(false).write(true).open(&path)?;
             match file.lock() {
-                // a file system without locks: the look has to do
+                // on a file system without locks the comparison alone must do
                 Err(error) if error.kind() == ErrorKind::Unsupported => {}
                 done => done?,
             }
-            // who held it before has removed it: the next one makes a new one
+            // its last holder has removed it: try again with a new file
             if is_linked(&file)? {
                 return Ok(Self { _file: file, path });
             }
@@ -124,15 +123,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_has_changed_is_not_replaced() {
+    fn does_not_replace_a_changed_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         let absent = FileVersion::now(&path).unwrap();
         absent.replace(b"one").unwrap();
         let one = FileVersion::of(&path, b"one");
         assert_eq!(one.digest, FileVersion::now(&path).unwrap().digest);
-        let said = absent.replace(b"two").unwrap_err().to_string();
-        assert!(said.contains("a.json: changed meanwhile") && said.contains("help: run"), "{said}");
+        let message = absent.replace(b"two").unwrap_err().to_string();
+        assert!(message.contains("a.json: changed meanwhile") && message.contains("help: run"), "{message}");
         one.replace(b"two").unwrap();
         assert!(matches!(one.replace(b"three"), Err(CompareAndSwapError::Changed(_))));
         fs::remove_file(&path).unwrap();
@@ -147,9 +146,9 @@ mod tests {
         );
     }
 
-    /// Each adds a line to what it read, again if somebody else was quicker: no line is lost.
+    /// Each writer adds a line to what it read and retries if another process was first: no line is lost.
     #[test]
-    fn of_many_writers_at_once_none_loses_what_it_added() {
+    fn concurrent_writers_lose_no_line() {
         const WRITERS: usize = 8;
         const LINES: usize = 20;
         let folder = tempfile::tempdir().unwrap();

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct FileError {
     pub path: PathBuf,
     pub action: &'static str,
-    /// What the system said.
+    /// Error of the system.
     pub source: io::Error,
 }
 
@@ -41,17 +41,17 @@ fn help(action: &str, error: &io::Error) -> &'static str {
 }
 
 impl FileError {
-    /// As the `map_err` of opening `path`.
+    /// Returns a `map_err` closure for opening `path`.
     pub fn opening(path: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::when(OPEN, path)
     }
 
-    /// As the `map_err` of reading `path`.
+    /// Returns a `map_err` closure for reading `path`.
     pub fn reading(path: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::when(READ, path)
     }
 
-    /// As the `map_err` of writing `path`.
+    /// Returns a `map_err` closure for writing `path`.
     pub fn writing(path: &Path) -> impl FnOnce(io::Error) -> Self {
         Self::when(WRITE, path)
     }

@@ -1,5 +1,5 @@
-//! Files are written beside and renamed: a reader sees the old one or the new one, whole, whenever the writer is killed
-//! or the power is cut. What was read is not replaced.
+//! Atomic writes: files are written to a temporary sibling and renamed, so that a reader sees the complete old or new
+//! file even if the writer is killed or the power fails. Inputs are never replaced.
 
 mod error;
 mod paths;

@@ -1,13 +1,13 @@
-//! What this process has read is not replaced by what it writes.
+//! Protects the inputs of this process from being overwritten by its outputs.
 //!
-//! A promise of the whole process, so there is one list for all of it: the doors through which files of the user's come
-//! in ([`open`](crate::file::open), [`read`](crate::file::read)) note which file that was, and the one writer
-//! ([`TemporarySibling::put`](crate::file::TemporarySibling)) asks here before it gives a file its name. A file is
-//! known by what it is and not by what it is called: other spellings, symbolic and hard links lead to the same one.
+//! The guarantee covers the whole process, so there is one list for all of it. The functions that open user files
+//! ([`open`](crate::file::open), [`read`](crate::file::read)) record them, and the only writer
+//! ([`TemporarySibling::put`](crate::file::TemporarySibling)) checks the list before it renames. A file is identified by
+//! device and inode rather than by path: other spellings, symbolic and hard links lead to the same one.
 //!
-//! What this process has written is its own: it may read it and write it again, as the workbench does with its example.
-//! A study that is changed goes back over what was read by [`FileVersion`](crate::file::compare_and_swap::FileVersion),
-//! which sees to it that nothing is lost.
+//! Files written by this process are exempt: it may read and rewrite them, as the workbench does with its example.
+//! A changed study replaces its input by [`FileVersion`](crate::file::compare_and_swap::FileVersion), which ensures that
+//! nothing is lost.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, Metadata};
@@ -17,14 +17,14 @@ use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 
 use super::paths::folder_of;
 
-/// What a file is, whatever it is called.
+/// Identity of a file, independent of its path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Identity {
     #[cfg(unix)]
     device: u64,
     #[cfg(unix)]
     inode: u64,
-    /// An inode is given again when its file is gone; where the file system knows, by when it was made.
+    /// Inodes are reused: the creation time, where the file system stores it, distinguishes a later file.
     #[cfg(unix)]
     made: Option<std::time::SystemTime>,
     #[cfg(not(unix))]
@@ -43,24 +43,24 @@ impl Identity {
         Self { path: super::paths::followed(path) }
     }
 
-    /// Of what `path` leads to, if it leads to a file or folder.
+    /// Identity of the target of `path`, if it is a file or folder.
     pub fn of(path: &Path) -> Option<Self> {
         fs::metadata(path).ok().map(|about| Self::new(&about, path))
     }
 }
 
-/// Where a file is, or will be.
+/// Present or future location of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
     Taken(Identity),
     /// A free name in a folder.
     Free(Identity, PathBuf),
-    /// A path into a folder that is not there.
+    /// Path into a folder that does not exist.
     Nowhere(PathBuf),
 }
 
 impl Place {
-    /// Of what `path` leads to, there or not.
+    /// Location of the target of `path`, whether or not it exists.
     pub fn of(path: &Path) -> Self {
         match (Identity::of(path), Identity::of(folder_of(path))) {
             (Some(identity), _) => Self::Taken(identity),
@@ -70,7 +70,7 @@ impl Place {
     }
 }
 
-/// Why a file is not replaced.
+/// Reason why a file is not replaced.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{}, which was read: it would be lost\nhelp: write to another file",
@@ -83,7 +83,7 @@ struct OwnInput<'a> {
 
 #[derive(Default)]
 struct Known {
-    /// Files that were read, by what they were called.
+    /// Files that were read, with the paths used.
     read: HashMap<Identity, PathBuf>,
     written: HashSet<Identity>,
 }
@@ -94,10 +94,10 @@ fn known() -> MutexGuard<'static, Known> {
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// `file` was opened as `path`, to be read.
+/// Records that `file` was opened as `path` for reading.
 pub fn note_read(file: &File, path: &Path) -> io::Result<()> {
     let about = file.metadata()?;
-    // a pipe or a device is not replaced by anything
+    // a pipe or a device is never replaced
     if about.is_file() {
         let identity = Identity::new(&about, path);
         let mut known = known();
@@ -108,7 +108,7 @@ pub fn note_read(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// `file`, which this process has written, is now at `path`.
+/// Records that `file`, written by this process, is now at `path`.
 pub fn note_written(file: &File, path: &Path) -> io::Result<()> {
     let identity = Identity::new(&file.metadata()?, path);
     let mut known = known();
@@ -134,7 +134,7 @@ mod tests {
     use crate::file::{read, write_atomically};
 
     #[test]
-    fn what_was_read_is_not_replaced_whatever_it_is_called() {
+    fn inputs_are_protected_under_any_name() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("log.csv"), b"measured").unwrap();
@@ -143,9 +143,9 @@ mod tests {
         fs::copy(at("log.csv"), at("copy.csv")).unwrap();
         read(&at("log.csv")).unwrap();
         for name in ["log.csv", "./log.csv", "hard.csv", "link.csv"] {
-            let said = write_atomically(&at(name), b"made").unwrap_err().to_string();
-            assert!(said.contains("which was read") || said.contains("very file"), "{name}: {said}");
-            assert!(said.contains("\nhelp: write to another file"), "{name}: {said}");
+            let message = write_atomically(&at(name), b"made").unwrap_err().to_string();
+            assert!(message.contains("which was read") || message.contains("very file"), "{name}: {message}");
+            assert!(message.contains("\nhelp: write to another file"), "{name}: {message}");
         }
         assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
         write_atomically(&at("copy.csv"), b"made").unwrap();
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_here_may_be_read_and_written_again() {
+    fn own_outputs_may_be_rewritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("example.csv");
         for content in [&b"one"[..], b"two", b"three"] {

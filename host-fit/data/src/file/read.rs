@@ -1,4 +1,4 @@
-//! The doors through which files come in; each notes what it opened (`process_reads`).
+//! Functions that open user files; each records the file it opened (`process_reads`).
 
 use std::fs::File;
 use std::io::{self, Read, Seek};
@@ -11,7 +11,7 @@ use super::process_reads::note_read;
 ///
 /// # Errors
 ///
-/// It is not there or not readable.
+/// The file does not exist or is not readable.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     let mut content = Vec::new();
     let mut file = File::open(path).map_err(FileError::reading(path))?;
@@ -19,18 +19,18 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     Ok(content)
 }
 
-/// Opens `path`, to be read.
+/// Opens `path` for reading.
 ///
 /// # Errors
 ///
-/// It is not there or not readable.
+/// The file does not exist or is not readable.
 pub fn open(path: &Path) -> Result<File, FileError> {
     let file = File::open(path).map_err(FileError::opening(path))?;
     note_read(&file, path).map_err(FileError::opening(path))?;
     Ok(file)
 }
 
-/// Fills a buffer as far as the input goes; returns the number of bytes.
+/// Fills a buffer as far as the input reaches; returns the number of bytes.
 ///
 /// # Errors
 ///
@@ -48,14 +48,15 @@ pub fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize>
     Ok(filled)
 }
 
-/// Opens `path` as [`open`] does, and what comes through a pipe, which can be read but once and in order, copied to a file that has no name.
+/// Opens `path` as [`open`] does; the content of a pipe, which is readable only once and in order, is copied to an
+/// unnamed file.
 ///
 /// # Errors
 ///
-/// As of [`open`], or there is no room for the copy.
+/// Those of [`open`], or no room for the copy.
 pub fn open_to_seek(path: &Path) -> Result<File, FileError> {
     let mut file = open(path)?;
-    // a folder, too, is refused by whoever reads it
+    // a folder is refused by the reader
     if file.stream_position().is_ok() || file.metadata().is_ok_and(|about| about.is_dir()) {
         return Ok(file);
     }
@@ -67,7 +68,7 @@ pub fn open_to_seek(path: &Path) -> Result<File, FileError> {
     copy.map_err(FileError::when(COPY, path))
 }
 
-/// Standard input as a file, to be read: it may be one.
+/// Standard input as a file, which it may be.
 pub fn standard_input() -> io::Result<File> {
     #[cfg(unix)]
     let input = std::os::fd::AsFd::as_fd(&io::stdin()).try_clone_to_owned()?;

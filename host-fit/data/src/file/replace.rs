@@ -1,4 +1,4 @@
-//! The one writer: into a temporary sibling of a file, which then takes the file's name.
+//! The only writer of files: writes a temporary sibling, then renames it.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -17,12 +17,12 @@ const SIBLING: (&str, &str) = (".fos-", ".tmp");
 ///
 /// # Errors
 ///
-/// The folder is not there or not writable, the disk is full. The old file, if any, is then untouched.
+/// The folder does not exist or is not writable, or the disk is full. An existing file is then untouched.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     replace(path, |mut file| file.write_all(content)).map_err(FileError::writing(path))
 }
 
-/// Lets `write` fill a file beside `path`, brings it to the disk and renames it.
+/// Lets `write` fill a file next to `path`, syncs it to the disk and renames it.
 pub fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
     let sibling = TemporarySibling::of(path)?;
     write(sibling.file())?;
@@ -31,7 +31,7 @@ pub fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::
 
 /// # Errors
 ///
-/// Nothing can be written to `path`: it is there and no file, or it was read.
+/// Nothing can be written to `path`: it exists and is no regular file, or it is an input of this process.
 pub fn check_output(path: &Path) -> Result<(), FileError> {
     may_be_replaced(path).and_then(|()| refuse_to_replace(path)).map_err(FileError::writing(path))
 }
@@ -45,11 +45,11 @@ fn may_be_replaced(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Makes the folder `path`, and those above it, where they are not there.
+/// Creates the folder `path` and its missing parents.
 ///
 /// # Errors
 ///
-/// It cannot be made.
+/// A folder cannot be created.
 pub fn make_folder(path: &Path) -> Result<(), FileError> {
     let missing: Vec<&Path> =
         path.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists()).collect();
@@ -58,7 +58,7 @@ pub fn make_folder(path: &Path) -> Result<(), FileError> {
         .map_err(FileError::when(MAKE, path))
 }
 
-/// A file beside its place, which it takes once it is whole. Dropped before, it is gone.
+/// Temporary file next to its destination, which it replaces once complete. Removed if dropped before.
 #[derive(Debug)]
 pub struct TemporarySibling {
     file: NamedTempFile,
@@ -66,7 +66,7 @@ pub struct TemporarySibling {
 }
 
 impl TemporarySibling {
-    /// A new one for `path`, with the permissions of what is there.
+    /// Creates one for `path`, with the permissions of the existing file.
     pub fn of(path: &Path) -> io::Result<Self> {
         let path = followed(path);
         may_be_replaced(&path)?;
@@ -84,7 +84,7 @@ impl TemporarySibling {
         self.file.as_file()
     }
 
-    /// Gives it the first of `names`, all in its folder, that is free: of two at once each gets one.
+    /// Renames it to the first of `names`, all in its folder, that is free; concurrent callers get different names.
     pub fn put_as_new(self, names: impl IntoIterator<Item = PathBuf>) -> io::Result<PathBuf> {
         self.file.as_file().sync_all()?;
         let mut sibling = self.file;
@@ -102,8 +102,8 @@ impl TemporarySibling {
         Err(ErrorKind::AlreadyExists.into())
     }
 
-    /// Brings it to the disk and gives it its name, and brings that to the disk too; not over what was read, unless it
-    /// is the same.
+    /// Syncs it to the disk, renames it and syncs the folder. An input of this process is not replaced, unless the
+    /// content is identical.
     pub fn put(self) -> io::Result<()> {
         if let Err(refused) = refuse_to_replace(&self.path) {
             // the example of the workbench, once its logs have been opened as logs
@@ -114,7 +114,7 @@ impl TemporarySibling {
         note_written(&file, &path)
     }
 
-    /// The same, also over what was read: it is what was read, changed, and is not replaced by anything else either.
+    /// The same, and may replace an input of this process: the new content is an edit of the old, and stays protected.
     pub fn put_back(self) -> io::Result<()> {
         let (file, path) = self.replace()?;
         note_read(&file, &path)
@@ -128,8 +128,8 @@ impl TemporarySibling {
     }
 }
 
-/// An empty file with the permissions a new file has; a temporary one could be read by its owner only. It is locked
-/// until it is closed: as long as somebody writes it.
+/// An empty file with the permissions of a new file; a temporary file would be readable by its owner only. It stays
+/// locked until it is closed, that is, while it is written.
 fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(SIBLING.0).suffix(SIBLING.1);
@@ -138,18 +138,17 @@ fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666)); // less the umask
     }
-    // ends: only a writer that looks around in this very moment can take it, once
+    // terminates: only a concurrent writer that scans the folder at this moment can take the file, and only once
     loop {
         let file = builder.tempfile_in(folder)?;
-        // another process may have taken it for a stale one before it was locked
+        // another process may have removed it as stale before it was locked
         if file.as_file().lock().is_err() || is_linked(file.as_file())? {
             return Ok(file);
         }
     }
 }
 
-/// Removes what writers that were killed have left in `folder`: nobody holds its lock. Where this cannot be told, it
-/// stays.
+/// Removes leftovers of killed writers in `folder`: files that nobody holds a lock on. Without file locks they stay.
 #[cfg(unix)]
 fn remove_stale(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
@@ -162,7 +161,7 @@ fn remove_stale(folder: &Path) {
             && let Ok(file) = File::options().write(true).open(entry.path())
             && file.try_lock().is_ok()
         {
-            // what cannot be removed harms nobody
+            // a leftover that cannot be removed is harmless
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -182,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_writer_that_fails_leaves_the_old_file_and_nothing_beside_it() {
+    fn failed_writer_leaves_only_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         write_atomically(&path, b"old").unwrap();
@@ -190,14 +189,14 @@ mod tests {
             file.write_all(b"ne")?;
             Err(ErrorKind::StorageFull.into())
         });
-        let said = error.map_err(FileError::writing(&path)).unwrap_err().to_string();
-        assert!(said.contains("a.json") && said.contains("help: the disk is full"), "{said}");
+        let message = error.map_err(FileError::writing(&path)).unwrap_err().to_string();
+        assert!(message.contains("a.json") && message.contains("help: the disk is full"), "{message}");
         assert_eq!(read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.json"]);
     }
 
     #[test]
-    fn what_is_no_file_is_not_replaced() {
+    fn replaces_regular_files_only() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("folder");
         make_folder(&path).unwrap();
@@ -206,7 +205,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_a_killed_writer_left_is_removed_and_what_is_being_written_is_not() {
+    fn removes_leftovers_of_killed_writers_only() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         fs::write(folder.path().join(".fos-killed.tmp"), b"half").unwrap();
@@ -227,7 +226,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_stays_one_and_permissions_stay() {
+    fn keeps_links_and_permissions() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (path, link) = (folder.path().join("a.json"), folder.path().join("link.json"));

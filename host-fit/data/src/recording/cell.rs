@@ -1,9 +1,9 @@
-//! Cells of a line of text, and what they say.
+//! Cells of a line of text, and their parsing.
 
-/// Separator of cells that stand between spaces, any number of them, or tabs.
+/// Separator value for cells separated by any number of spaces or tabs.
 pub(super) const SPACES: u8 = b' ';
 
-/// Hands every cell of a line to `take` with its index, without spaces around it; returns how many there are.
+/// Passes every cell of a line to `take` with its index, without spaces around it; returns the number of cells.
 pub(super) fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) -> usize {
     let mut n = 0;
     if line.contains(&b'"') {
@@ -35,7 +35,7 @@ pub(super) enum Cell {
     Text,
 }
 
-/// `decimal_comma`: a comma in a number is the decimal one.
+/// Parses a cell. With `decimal_comma` a comma in a number is the decimal point.
 pub(super) fn parse_cell(cell: &[u8], decimal_comma: bool) -> Cell {
     if cell.is_empty() {
         return Cell::Empty;

@@ -11,18 +11,16 @@ pub struct Channel {
     /// Name, with the unit as its last part where it is known: `gx_rads`, `temp_c`.
     pub name: String,
     pub unit: Unit,
-    /// One value per row, in `unit`. NaN: the cell is empty or not finite.
-    /// Shared by the recordings that are made of one another.
+    /// One value per row, in `unit`; NaN if the cell is empty or not finite. Shared among derived recordings.
     pub values: Arc<Vec<f64>>,
 }
 
 impl Channel {
-    /// What it is, by its name.
     pub fn column(&self) -> Column<'_> {
         Column::named(&self.name)
     }
 
-    /// How many values are missing (NaN).
+    /// Number of missing values (NaN).
     pub fn n_missing(&self) -> usize {
         self.values.iter().filter(|value| value.is_nan()).count()
     }

@@ -1,4 +1,4 @@
-//! Timestamps that cannot be the time at which their rows were sampled.
+//! Detects timestamps that cannot be the time at which their rows were sampled.
 
 use std::fmt;
 
@@ -9,60 +9,60 @@ use super::grid::Segment;
 use crate::statistics::median_of;
 use crate::unit::Unit;
 
-/// Fastest change of a thermometer in or beside a MEMS sensor, K/s. A package of 3 × 3 × 1 mm holds 0.02 J/K: 5 K/s
-/// take 0.1 W, ten times what an inertial sensor draws, and a board or a chamber is slower by far.
+/// Fastest change of a thermometer in or next to a MEMS sensor, K/s. A package of 3 × 3 × 1 mm holds 0.02 J/K: 5 K/s
+/// take 0.1 W, ten times the power of an inertial sensor, and a board or a chamber is far slower.
 const FASTEST_K_PER_S: f64 = 5.0;
 
-/// Shortest time over which a change counts, s, and fewest rows: failed reads and noise are shorter.
+/// Shortest duration of a change, s, and minimum number of rows: failed reads and noise are shorter.
 const BLOCK_S: f64 = 0.25;
 const BLOCK_ROWS: usize = 8;
 
-/// Blocks in a row that move so fast the same way, and kelvin that they move in all.
+/// Number of consecutive blocks with such a fast change in one direction, and their minimum total, K.
 const BLOCKS: usize = 3;
-const LEAST_K: f64 = 10.0;
+const MIN_K: f64 = 10.0;
 
-/// Share of rows that repeat the timestamp before them from which on the clock ticks slower than the sensor samples.
+/// Share of repeated timestamps from which the clock ticks slower than the sensor samples.
 const REPEATED: f64 = 0.1;
 
-/// Stamps of this size and more, in the unit of their column, have more digits than a spreadsheet keeps.
+/// Smallest timestamp, in the unit of its column, with more digits than a spreadsheet keeps.
 const MANY_DIGITS: f64 = 1e15;
 
-/// Rounding of stamps that matters, as a share of the sampling period.
+/// Rounding of timestamps that matters, as a share of the sampling period.
 const ROUNDING_MATTERS: f64 = 1e-3;
 
-/// A reason why the timestamps of a log are not the time of its samples.
+/// Reason why the timestamps of a log are not the time of its samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum ClockProblem {
     /// A stated rate replaces the timestamps.
     Overridden {
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
-        /// Rate by the stamps, Hz; none where they show none.
+        /// Rate by the timestamps, Hz; `None` if they determine none.
         stamped_hz: Option<f64>,
-        /// The stated one, Hz.
+        /// Stated rate, Hz.
         rate_hz: f64,
     },
     /// A thermometer changes faster than any part can warm or cool.
     TooFast {
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
-        /// The thermometer, as `temp_c`.
+        /// Column of the thermometer, such as `temp_c`.
         thermometer: String,
         /// Its fastest change, K.
         kelvin: f64,
-        /// The time that the change takes by the stamps, s.
+        /// Duration of the change by the timestamps, s.
         seconds: f64,
     },
-    /// All stamps end in zeros, as after a spreadsheet.
+    /// All timestamps end in zeros, as after rounding by a spreadsheet.
     Rounded {
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
-        /// Step that they are multiples of, s.
+        /// Common divisor of the timestamps, s.
         step_s: f64,
     },
-    /// Many rows repeat the stamp before them.
+    /// Many rows repeat the timestamp before them.
     Repeated {
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
         /// Share of the rows.
         share: f64,
@@ -70,7 +70,7 @@ pub enum ClockProblem {
 }
 
 impl ClockProblem {
-    /// True if a stated rate replaces such stamps even where the two agree.
+    /// Returns true if a stated rate replaces such timestamps even if the two agree.
     pub(super) fn discredits_stamps(&self) -> bool {
         matches!(self, Self::TooFast { .. } | Self::Rounded { .. })
     }
@@ -105,7 +105,7 @@ impl fmt::Display for ClockProblem {
     }
 }
 
-/// Reasons against the stamps of a log. `column` is their column, `rounded_to_s` the step that [`rounded`] found, s.
+/// Reasons against the timestamps of a log. `column` is their column, `rounded_to_s` the result of [`rounded`], s.
 pub(super) fn problems(
     column: &str,
     time_s: &[f64],
@@ -140,7 +140,7 @@ pub(super) fn problems(
     found
 }
 
-/// The largest change of a thermometer that is too fast, K, and the time that it takes, s.
+/// Largest change of a thermometer that is too fast, K, and its duration, s.
 fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)> {
     if !(period_s > 0.0 && period_s.is_finite()) {
         return None;
@@ -166,7 +166,7 @@ fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)>
         let moved = (last.1 - first.1, last.0 - first.0);
         if ways[from] != 0.0
             && run >= BLOCKS
-            && moved.0.abs() >= LEAST_K
+            && moved.0.abs() >= MIN_K
             && most.is_none_or(|most| moved.0.abs() > most.0.abs())
         {
             most = Some(moved);
@@ -176,11 +176,11 @@ fn fastest(time_s: &[f64], celsius: &[f64], period_s: f64) -> Option<(f64, f64)>
     most
 }
 
-/// The power of ten that all stamps are multiples of, where they had more digits than a spreadsheet keeps; none of
-/// evenly spaced stamps that are whole numbers of a coarser unit, as the milliseconds of a clock.
+/// Power of ten that divides all timestamps, if they had more digits than a spreadsheet keeps. `None` for evenly spaced
+/// timestamps that are whole numbers of a coarser unit, such as the milliseconds of a clock.
 pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
     let finite = stamps.iter().copied().filter(|stamp| stamp.is_finite());
-    // what somebody wrote below the stamps is none
+    // a remark below the timestamps is not one of them
     let (many, few): (Vec<f64>, Vec<f64>) = finite.partition(|stamp| stamp.abs() >= MANY_DIGITS);
     if few.len() * 100 > many.len() {
         return None;
@@ -206,7 +206,7 @@ pub(super) fn rounded(stamps: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Oddity, Recording, Source};
+    use super::super::{LoadOptions, LogWarning, Recording, Source};
     use super::*;
 
     fn recording(time_s: Vec<f64>, celsius: Vec<f64>, rate_hz: Option<f64>) -> Recording {
@@ -219,17 +219,19 @@ mod tests {
 
     fn clock_warnings(log: &Recording) -> Vec<String> {
         let odd = log.oddities(&vec![true; log.n_rows()]).into_iter();
-        odd.filter(|odd| matches!(odd, Oddity::Clock(_))).map(|odd| odd.to_string()).collect()
+        odd.filter(|odd| matches!(odd, LogWarning::Clock(_))).map(|odd| odd.to_string()).collect()
     }
 
     #[test]
-    fn warns_of_a_thermometer_that_no_part_could_follow() {
+    fn warns_of_impossibly_fast_temperature_changes() {
         let stamps = |period: f64| (0..8000).map(|row| f64::from(row) * period).collect::<Vec<_>>();
         let chamber = || (0..8000).map(|row| 50.0 - f64::from(row) * 0.01).collect::<Vec<_>>();
-        let said = clock_warnings(&recording(stamps(5e-4), chamber(), None));
+        let warnings = clock_warnings(&recording(stamps(5e-4), chamber(), None));
         assert!(
-            said.len() == 1 && said[0].contains("temp_c moves by -") && said[0].contains("`rate_hz`"),
-            "{said:?}"
+            warnings.len() == 1
+                && warnings[0].contains("temp_c moves by -")
+                && warnings[0].contains("`rate_hz`"),
+            "{warnings:?}"
         );
         // the same at its true rate
         assert!(clock_warnings(&recording(stamps(0.5), chamber(), None)).is_empty());
@@ -243,17 +245,20 @@ mod tests {
     }
 
     #[test]
-    fn a_stated_rate_replaces_stamps_that_contradict_it_and_says_so() {
+    fn stated_rate_replaces_contradicting_timestamps_with_a_warning() {
         let stamps: Vec<f64> = (0..2000).map(|row| f64::from(row) * 5e-4).collect();
         let warm = vec![25.5; 2000];
         let log = recording(stamps.clone(), warm.clone(), Some(2.0));
         assert_eq!((log.rate.true_hz, log.time_s[10], log.n_rows()), (2.0, 5.0, 2000));
-        let said = clock_warnings(&log);
-        assert!(said[0].contains("2 Hz replaces") && said[0].contains("2000.0000 Hz"), "{said:?}");
-        // of stamps that agree it is the nominal rate, as before
+        let warnings = clock_warnings(&log);
+        assert!(
+            warnings[0].contains("2 Hz replaces") && warnings[0].contains("2000.0000 Hz"),
+            "{warnings:?}"
+        );
+        // if the timestamps agree it is the nominal rate, as before
         let log = recording(stamps, warm.clone(), Some(1990.0));
         assert!((log.rate.true_hz - 2000.0).abs() < 1e-6 && clock_warnings(&log).is_empty());
-        // and of stamps without a rate it is the only one
+        // and without a rate in the timestamps it is the only one
         let log = recording(vec![1.0; 2000], warm, Some(100.0));
         assert_eq!(log.rate.true_hz, 100.0);
         assert!(clock_warnings(&log)[0].contains("which show no rate"));

@@ -1,22 +1,22 @@
-//! Thermometers of coarse steps, and where the temperature is between two of them.
+//! Thermometers with coarse steps, and interpolation of the temperature between two steps.
 
 use super::Recording;
 use super::channel::Channel;
 use crate::statistics::median_of;
 use crate::unit::Unit;
 
-/// Steps of a thermometer that are coarse, K: those of 8 bits to 10 bits over its range. Finer ones drown in its noise.
+/// Range of steps that count as coarse, K: those of 8 bits to 10 bits over the range. Finer ones drown in noise.
 const COARSE_K: std::ops::RangeInclusive<f64> = 0.25..=2.0;
 
-/// How far a value may be from a whole number of steps, in steps.
-const ON_GRID: f64 = 0.02;
+/// Largest distance of a value from a whole number of steps, in steps.
+const GRID_TOLERANCE: f64 = 0.02;
 
-/// Crossings between the same two steps that follow each other within this share of the usual time from one crossing to
-/// the next are one: noise at the edge of a step.
-const TOGETHER: f64 = 0.25;
+/// Consecutive crossings between the same two steps within this share of the usual time between crossings count as one:
+/// noise at the edge of a step.
+const SAME_CROSSING: f64 = 0.25;
 
 impl Recording {
-    /// The step of a thermometer whose values are so far apart that they are stairs, K.
+    /// Step of a thermometer, K, if its values form a staircase.
     pub fn coarse_step(&self, channel: &Channel) -> Option<f64> {
         if channel.unit != Unit::Celsius {
             return None;
@@ -27,13 +27,13 @@ impl Recording {
         levels.dedup();
         let gaps = || levels.windows(2).map(|pair| pair[1] - pair[0]);
         let step = gaps().fold(f64::INFINITY, f64::min);
-        let on_grid = |gap: f64| (gap / step - (gap / step).round()).abs() < ON_GRID;
+        let on_grid = |gap: f64| (gap / step - (gap / step).round()).abs() < GRID_TOLERANCE;
         (COARSE_K.contains(&step) && gaps().all(on_grid)).then_some(step)
     }
 
-    /// `values` of a thermometer of such steps, one per row and none missing but at the begin, as the temperature went:
-    /// halfway between two steps where it crossed from one to the other, on a smooth curve from one crossing to the
-    /// next, and never further from a value than half a step.
+    /// `values` of such a thermometer (one per row, missing only at the begin) with the staircase smoothed: halfway
+    /// between two steps at each crossing, on a smooth curve from one crossing to the next, and never further than half
+    /// a step from a value.
     pub fn between_steps(&self, values: &[f64], step: f64) -> Vec<f64> {
         let ticks: Vec<f64> = self
             .segments
@@ -54,7 +54,7 @@ impl Recording {
                 let ((from, low), (to, high)) = (knots[at], knots[at + 1]);
                 let length = to - from;
                 let x = if length > 0.0 { ((ticks[row] - from) / length).clamp(0.0, 1.0) } else { 1.0 };
-                // the cubic of Hermite
+                // cubic Hermite interpolation
                 let curve = low
                     + (high - low) * x * x * (3.0 - 2.0 * x)
                     + length * x * (1.0 - x) * (slopes[at] * (1.0 - x) - slopes[at + 1] * x);
@@ -65,13 +65,13 @@ impl Recording {
     }
 }
 
-/// Ticks and temperatures at which one step gives way to the next, and both ends. What goes to and fro between two
-/// steps is one crossing.
+/// Ticks and temperatures of the transitions between steps, and both ends. Values alternating between two steps form one
+/// crossing.
 fn crossings(ticks: &[f64], values: &[f64], step: f64) -> Vec<(f64, f64)> {
     let mut crossings: Vec<(f64, f64)> = Vec::new();
     for row in 1..values.len() {
         let (before, after) = (values[row - 1], values[row]);
-        // what jumps by several steps at once was there
+        // a jump by several steps at once is real
         if after != before && (after - before).abs() < 1.5 * step {
             crossings.push((0.5 * (ticks[row - 1] + ticks[row]), 0.5 * (before + after)));
         } else if after != before {
@@ -79,7 +79,7 @@ fn crossings(ticks: &[f64], values: &[f64], step: f64) -> Vec<(f64, f64)> {
         }
     }
     let on = crossings.windows(2).filter(|pair| pair[0].1 != pair[1].1).map(|pair| pair[1].0 - pair[0].0);
-    let together = TOGETHER * median_of(on).unwrap_or(0.0);
+    let together = SAME_CROSSING * median_of(on).unwrap_or(0.0);
     let ends = [(ticks[0], values[0]), (ticks[ticks.len() - 1], values[values.len() - 1])];
     let mut knots = vec![ends[0]];
     let same = |a: &(f64, f64), b: &(f64, f64)| a.1 == b.1 && b.0 - a.0 < together;
@@ -91,7 +91,7 @@ fn crossings(ticks: &[f64], values: &[f64], step: f64) -> Vec<(f64, f64)> {
     knots
 }
 
-/// The slope in each knot of the parabola through it and its neighbours (Bessel); at the ends none.
+/// Slope in each knot of the parabola through it and its neighbours (Bessel); 0 at the ends.
 fn slopes(knots: &[(f64, f64)]) -> Vec<f64> {
     let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0).max(1.0);
     let inner = knots.windows(3).map(|three| {
@@ -103,7 +103,7 @@ fn slopes(knots: &[(f64, f64)]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Oddity, Source};
+    use super::super::{LoadOptions, LogWarning, Source};
     use super::*;
 
     fn recording(values: Vec<f64>) -> Recording {
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn stairs_are_followed_to_a_fraction_of_a_step() {
+    fn smooths_coarse_steps_to_a_fraction_of_a_step() {
         let true_c: Vec<f64> = (0..9000).map(|row| 25.0 + 6.0 * (0.002 * f64::from(row)).sin()).collect();
         for step in [0.5, 1.0] {
             let log = recording(true_c.iter().map(|t| (t / step).round() * step).collect());
@@ -127,14 +127,14 @@ mod tests {
             assert!(stairs > 0.27 && smooth < 0.07, "{stairs} {smooth}");
             let odd = log.oddities(&[true; 9000]);
             assert!(
-                matches!(&odd[..], [Oddity::CoarseSteps { step: found, .. }] if *found == step),
+                matches!(&odd[..], [LogWarning::CoarseSteps { step: found, .. }] if *found == step),
                 "{odd:?}"
             );
         }
     }
 
     #[test]
-    fn fine_steps_jumps_and_other_quantities_are_no_stairs() {
+    fn ignores_fine_steps_jumps_and_other_quantities() {
         let fine = (0..900).map(|row| 25.0 + f64::from(row / 9) / 16.0).collect();
         let off_grid = (0..900).map(|row| 25.0 + 0.31 * f64::from(row / 90).powf(1.5)).collect();
         let jump = (0..900).map(|row| if row < 300 { 20.0 } else { 30.0 }).collect();

@@ -1,4 +1,4 @@
-//! Which column of a log is which channel, and how its numbers become SI units.
+//! Column map: the channel of each column of a log, and the conversion of its numbers to SI units.
 
 use std::path::Path;
 
@@ -14,13 +14,13 @@ use crate::unit::{Affine, Unit, known_units, parse_unit};
 ///
 /// ```text
 /// target=column[:arithmetic][:unit]     this column is that channel
-/// !column                               leave this column out
+/// !column                               ignore this column
 /// ```
 ///
-/// `arithmetic` is what a data sheet prints, applied from left to right (no precedence), each of `+ - * /` with
-/// a number: `/340+36.53`, `-32768*0.061`. `unit` is the unit of the result; without it the numbers are taken to
-/// be in the unit that the target's name states (`gx_rads`: rad/s). A target may replace a column of its own name.
-/// A column with a `:` in its name stands in quotes, `"acc:x"`; a quote in quotes is written twice.
+/// `arithmetic` is the conversion printed in data sheets, applied from left to right (no precedence), each of `+ - * /`
+/// with a number: `/340+36.53`, `-32768*0.061`. `unit` is the unit of the result; without it the numbers are in the unit
+/// stated by the target's name (`gx_rads`: rad/s). A target may replace a column of its own name. A column with a `:` in
+/// its name is quoted, `"acc:x"`; a quote within quotes is doubled.
 ///
 /// ```
 /// use fos_data::recording::ColumnMap;
@@ -58,11 +58,11 @@ pub(super) struct Mapping {
     pub(super) column: String,
     pub(super) unit: Unit,
     pub(super) conversion: Affine,
-    /// As it was written, `target=column…`.
+    /// Entry as written, `target=column…`.
     spec: String,
 }
 
-/// Why a column map was not understood.
+/// Reason why a column map is invalid.
 #[derive(Debug, Error)]
 pub enum MapError {
     /// Not of the form `target=column…`.
@@ -70,16 +70,15 @@ pub enum MapError {
         "column map \"{spec}\": not an entry\nhelp: write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
     )]
     Form {
-        /// As it was written, `target=column…`.
+        /// Entry as written, `target=column…`.
         spec: String,
     },
-    /// Not a unit known here.
     #[error(
         "column map \"{spec}\": unknown unit \"{unit}\"\nhelp: known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
         known_units()
     )]
     UnknownUnit {
-        /// As it was written, `target=column…`.
+        /// Entry as written, `target=column…`.
         spec: String,
         unit: String,
     },
@@ -88,20 +87,20 @@ pub enum MapError {
         "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"\nhelp: write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
     )]
     Arithmetic {
-        /// As it was written, `target=column…`.
+        /// Entry as written, `target=column…`.
         spec: String,
-        /// The arithmetic in it.
+        /// Arithmetic of the entry.
         arithmetic: String,
     },
-    /// The unit measures something else than the channel does.
+    /// Unit of another quantity than that of the channel.
     #[error(
         "column map \"{spec}\": {target} is in {}, and \"{unit}\" cannot be converted to it\nhelp: check the unit, or the channel that the column stands for",
         expected.symbol()
     )]
     WrongKind {
-        /// As it was written, `target=column…`.
+        /// Entry as written, `target=column…`.
         spec: String,
-        /// As in the log format, as `gx_rads`.
+        /// Channel in the log format, such as `gx_rads`.
         target: String,
         expected: Unit,
         unit: String,
@@ -111,12 +110,12 @@ pub enum MapError {
         "column map: {target} is given twice (columns \"{first}\" and \"{second}\")\nhelp: keep one of them"
     )]
     Twice {
-        /// As in the log format, as `gx_rads`.
+        /// Channel in the log format, such as `gx_rads`.
         target: String,
         first: String,
         second: String,
     },
-    /// A TOML map that is not TOML, or not of the documented shape.
+    /// Invalid TOML, or TOML not of the documented form.
     #[error("column map: {0}\nhelp: write a table [columns] of channel = \"column:unit\"")]
     Toml(#[from] toml::de::Error),
     /// A map that cannot be read.
@@ -145,10 +144,10 @@ struct TomlMapping {
 }
 
 impl ColumnMap {
-    /// A map from entries as given on a command line.
+    /// Builds a map from entries as given on a command line.
     ///
     /// # Errors
-    /// The first entry that is not understood, see [`MapError`].
+    /// The first invalid entry, see [`MapError`].
     pub fn from_specs<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<ColumnMap, MapError> {
         let mut map = ColumnMap::default();
         for spec in specs {
@@ -157,10 +156,10 @@ impl ColumnMap {
         Ok(map)
     }
 
-    /// A map from the text of a TOML file.
+    /// Builds a map from the text of a TOML file.
     ///
     /// # Errors
-    /// Text that is not TOML, or the first entry that is not understood.
+    /// Text that is not TOML, or the first invalid entry.
     pub fn from_toml(text: &str) -> Result<ColumnMap, MapError> {
         let file: TomlMap = toml::from_str(text)?;
         let mut map = ColumnMap::default();
@@ -179,7 +178,7 @@ impl ColumnMap {
         Ok(map)
     }
 
-    /// A map from a TOML file.
+    /// Builds a map from a TOML file.
     ///
     /// # Errors
     /// A file that cannot be read, and those of [`ColumnMap::from_toml`].
@@ -192,7 +191,7 @@ impl ColumnMap {
     /// Adds one entry, as given on a command line.
     ///
     /// # Errors
-    /// An entry that is not understood, or whose target is mapped already.
+    /// An invalid entry, or one whose target is mapped already.
     pub fn add(&mut self, spec: &str) -> Result<(), MapError> {
         let form = || MapError::Form { spec: spec.to_owned() };
         if let Some(column) = spec.strip_prefix('!') {
@@ -210,7 +209,7 @@ impl ColumnMap {
         Ok(())
     }
 
-    /// Adds `target` from what stands behind the `=` of an entry.
+    /// Adds `target` from the text after the `=` of an entry.
     fn add_source(&mut self, target: &str, source: &str) -> Result<(), MapError> {
         let form = || MapError::Form { spec: format!("{target}={source}") };
         let (column, rest) = split_column(source).ok_or_else(form)?;
@@ -230,7 +229,7 @@ impl ColumnMap {
         arithmetic: Option<&str>,
         unit: Option<&str>,
     ) -> Result<(), MapError> {
-        // as they read back
+        // normalised, so that the entry reads back as itself
         let (target, arithmetic, unit) = (target.trim(), arithmetic.map(str::trim), unit.map(str::trim));
         let mut spec = format!("{target}={}", quoted(column));
         for part in [arithmetic, unit].into_iter().flatten() {
@@ -274,23 +273,23 @@ impl ColumnMap {
         Ok(())
     }
 
-    /// The column of the log that holds `target`: the mapped one, else the one of that name.
+    /// Column of the log that holds `target`: the mapped one, else the one of that name.
     pub fn column_of<'a>(&'a self, target: &'a str) -> &'a str {
         self.mappings.iter().find(|mapping| mapping.target == target).map_or(target, |found| &found.column)
     }
 
-    /// Was `column` asked to be left out?
+    /// Returns true if `column` is ignored.
     pub fn ignores(&self, column: &str) -> bool {
         self.ignored.iter().any(|name| name == column)
     }
 
-    /// Its entries, as given on a command line.
+    /// Entries, as given on a command line.
     pub fn specs(&self) -> Vec<String> {
         let ignored = self.ignored.iter().map(|column| format!("!{column}"));
         self.mappings.iter().map(|mapping| mapping.spec.clone()).chain(ignored).collect()
     }
 
-    /// Whether it has no entry.
+    /// Returns true if the map has no entry.
     pub fn is_empty(&self) -> bool {
         self.mappings.is_empty() && self.ignored.is_empty()
     }
@@ -299,12 +298,11 @@ impl ColumnMap {
         &self.mappings
     }
 
-    /// Is `column` the source of any channel?
+    /// Returns true if `column` is the source of a channel.
     pub(super) fn uses(&self, column: &str) -> bool {
         self.mappings.iter().any(|mapping| mapping.column == column)
     }
 
-    /// Columns asked to be left out.
     pub(super) fn ignored(&self) -> &[String] {
         &self.ignored
     }
@@ -323,7 +321,7 @@ impl From<ColumnMap> for Vec<String> {
     }
 }
 
-/// The column at the begin of `"acc:x":mg`, and what follows it; `None` if a quote is not closed.
+/// Column at the begin of `"acc:x":mg`, and the remaining text; `None` if a quote is not closed.
 fn split_column(text: &str) -> Option<(String, &str)> {
     let Some(mut quoted) = text.trim_start().strip_prefix('"') else {
         let end = text.find(':').unwrap_or(text.len());
@@ -346,7 +344,7 @@ fn split_column(text: &str) -> Option<(String, &str)> {
     }
 }
 
-/// A column as it stands in an entry.
+/// Quotes a column name for an entry, if needed.
 pub(super) fn quoted(column: &str) -> String {
     if column.contains(':') || column.starts_with('"') || column.trim() != column {
         format!("\"{}\"", column.replace('"', "\"\""))
@@ -355,7 +353,7 @@ pub(super) fn quoted(column: &str) -> String {
     }
 }
 
-/// `-32768*0.061` as one straight line; `None` if it is not a chain of operators with finite numbers.
+/// Parses `-32768*0.061` to a straight line; `None` if it is not a chain of operators with finite numbers.
 fn parse_arithmetic(chain: &str) -> Option<Affine> {
     let bytes = Some(chain.as_bytes()).filter(|bytes| !bytes.is_empty())?;
     let mut line = Affine::IDENTITY;
@@ -406,14 +404,14 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_of_the_wrong_kind_is_refused() {
+    fn rejects_a_unit_of_the_wrong_kind() {
         let error = ColumnMap::from_specs(["gx_rads=gyro:g"]).unwrap_err();
         assert!(matches!(error, MapError::WrongKind { .. }), "{error}");
         assert!(error.to_string().contains("gx_rads is in rad/s"), "{error}");
     }
 
     #[test]
-    fn what_cannot_be_read_says_what_to_write() {
+    fn invalid_map_entries_state_the_remedy() {
         for (spec, hint) in [
             ("gx_rads", "target=column"),
             ("=x", "target=column"),
@@ -435,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn any_name_of_a_column_can_be_said() {
+    fn maps_columns_of_any_name() {
         for column in ["plain", "acc:x", "\"", "a\"b", "\"a\":\"b\"", " padded ", "::"] {
             let mut map = ColumnMap::default();
             map.add_mapping("x", column, None, None).unwrap();
@@ -461,7 +459,7 @@ mod tests {
     }
 
     #[test]
-    fn a_toml_map_says_the_same_as_the_command_line() {
+    fn toml_map_equals_the_command_line() {
         let toml = r#"
             ignore = ["debug"]
             [columns]

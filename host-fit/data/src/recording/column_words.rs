@@ -1,10 +1,10 @@
-//! Words of a column's name: its quantity, its axis, the sensor, and how close it is to the bare measurement.
+//! Words of a column's name: quantity, axis, sensor, and closeness to the bare measurement.
 //!
-//! Words are compared whole. A prefix deceives: `accuracy_x` begins as `acc_x` does, `template` as `temp` does.
+//! Words are compared whole, since a prefix is misleading: `accuracy_x` begins like `acc_x`, `template` like `temp`.
 
 use crate::unit::parse_unit;
 
-/// The quantity that a name speaks of; axes are 0, 1, 2 for x, y, z.
+/// Quantity stated by a name; axes are 0, 1, 2 for x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     Time,
@@ -20,26 +20,26 @@ pub(super) enum Quantity {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Named {
     pub(super) quantity: Quantity,
-    /// 0 for the sensor's word with its axis and nothing else; the higher, the further other words lead away from the
-    /// measurement. See [`BARE`], [`PLAIN`], [`UNKNOWN`], [`PROCESSED`].
+    /// Distance from the bare measurement: 0 for the sensor's word with its axis and nothing else; larger with other
+    /// words. See [`BARE`], [`PLAIN`], [`UNKNOWN`], [`PROCESSED`].
     pub(super) rank: u8,
-    /// The name without axis and unit, which the columns of one sensor share.
+    /// Name without axis and unit, common to the columns of one sensor.
     pub(super) sensor: String,
-    /// Numbers of a device or sensor in the name, as 0 of `imu0_acc_x`.
+    /// Numbers of a device or sensor in the name, such as 0 in `imu0_acc_x`.
     pub(super) numbers: Vec<u32>,
 }
 
-/// The sensor's word and its axis; of temperatures, that of the IMU itself.
+/// Rank of the sensor's word with its axis; for temperatures, of that of the IMU itself.
 pub(super) const BARE: u8 = 0;
-/// With words that change nothing, as `raw` or `imu`.
+/// Rank with words that change nothing, such as `raw` or `imu`.
 pub(super) const PLAIN: u8 = 1;
-/// With words that are not known.
+/// Rank with unknown words.
 pub(super) const UNKNOWN: u8 = 2;
-/// With words of something computed from the measurement, or measured somewhere else.
+/// Rank with words for a result computed from the measurement, or measured elsewhere.
 pub(super) const PROCESSED: u8 = 3;
 
-/// Accelerometers, gyros and magnetometers: words that stand alone beside an axis, and words that an axis may be joined
-/// to (`ax`, `gyrox`).
+/// Accelerometers, gyros and magnetometers: words that stand next to an axis, and words that an axis may be joined to
+/// (`ax`, `gyrox`).
 const FORCE: [&str; 8] =
     ["acc", "accel", "accels", "acceleration", "accelerations", "accelerometer", "accelerometers", "xl"];
 const RATE: [&str; 8] =
@@ -60,7 +60,7 @@ const VOLTAGE: [&str; 8] = ["supply", "vdd", "vcc", "vin", "vbat", "vbatt", "vol
 const BATTERY: [&str; 3] = ["battery", "batt", "bat"];
 const LOAD: [&str; 3] = ["load", "cpu", "cpuload"];
 
-/// Words of the IMU itself, beside a temperature.
+/// Words of the IMU itself, next to a temperature.
 const OWN: [&str; 14] = [
     "imu",
     "gyro",
@@ -104,7 +104,7 @@ const NEUTRAL: [&str; 22] = [
     "axis",
 ];
 
-/// Words of what is computed from a measurement and still holds its error in part.
+/// Words for results computed from a measurement that still contain part of its error.
 const PROCESSED_WORDS: [&str; 42] = [
     "linear",
     "lin",
@@ -150,7 +150,7 @@ const PROCESSED_WORDS: [&str; 42] = [
     "fused",
 ];
 
-/// Words of what is no measurement of the quantity, whatever else stands in the name.
+/// Words that exclude a measurement of the quantity, whatever else is in the name.
 pub(super) const DECOYS: [&str; 84] = [
     "bias",
     "biases",
@@ -238,7 +238,7 @@ pub(super) const DECOYS: [&str; 84] = [
     "dt",
 ];
 
-/// Further words that make a temperature that of something else.
+/// Further words that assign a temperature to something else.
 const ELSEWHERE: [&str; 30] = [
     "cpu",
     "gpu",
@@ -275,7 +275,7 @@ const ELSEWHERE: [&str; 30] = [
 const NEARBY: [&str; 11] =
     ["board", "pcb", "mcu", "baro", "barometer", "bmp", "case", "mag", "magnetometer", "housing", "body"];
 
-/// Words beside a time: of a length of time, and of another clock than the sampling one.
+/// Words next to a time: of a duration, and of a clock other than the sampling one.
 const NO_CLOCK: [&str; 14] = [
     "delta",
     "delay",
@@ -313,7 +313,7 @@ const OTHER_CLOCK: [&str; 18] = [
     "server",
 ];
 
-/// Words beside a voltage or a load that make it that of something else.
+/// Words next to a voltage or a load that assign it to something else.
 const OTHER_SUPPLY: [&str; 16] = [
     "motor",
     "esc",
@@ -392,7 +392,7 @@ const UNITS: [&str; 55] = [
     "pct",
 ];
 
-/// Those of time, which name a clock where nothing else stands in a name.
+/// Units of time, which name a clock if a name has no other words.
 const TIME_UNITS: [&str; 17] = [
     "s", "ms", "us", "µs", "ns", "sec", "secs", "seconds", "msec", "msecs", "millis", "usec", "usecs",
     "micros", "nsec", "nsecs", "nanos",
@@ -416,12 +416,12 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Returns true if a name has a word of something that is no measurement, as `bias` or `accuracy`.
+/// Returns true if a name has a word that excludes a measurement, such as `bias` or `accuracy`.
 pub(super) fn is_decoy(name: &str) -> bool {
     words(name).iter().any(|word| DECOYS.contains(&word.as_str()))
 }
 
-/// The channel that a name speaks of; none where it speaks of none, or of something other than a measurement.
+/// Channel stated by a name; `None` if there is none, or something other than a measurement.
 pub(super) fn named(name: &str) -> Option<Named> {
     let mut words = words(name);
     let all_time = words.iter().all(|word| TIME_UNITS.contains(&word.as_str()));
@@ -478,7 +478,7 @@ pub(super) fn named(name: &str) -> Option<Named> {
     None
 }
 
-/// Takes the words of a unit off the end of a name; a name that is nothing else stays.
+/// Removes the words of a unit from the end of a name, unless the name consists only of them.
 fn drop_unit(words: &mut Vec<String>) {
     loop {
         let n = words.len();
@@ -493,7 +493,7 @@ fn drop_unit(words: &mut Vec<String>) {
     }
 }
 
-/// A word without the number at its end.
+/// Word without the number at its end.
 fn bare(word: &str) -> &str {
     word.trim_end_matches(|letter: char| letter.is_ascii_digit())
 }
@@ -502,14 +502,14 @@ fn axis_of(letter: Option<char>) -> Option<usize> {
     ['x', 'y', 'z'].iter().position(|axis| Some(*axis) == letter)
 }
 
-/// The axis that a word is, or that is joined to a word of one of these lists.
+/// Axis of a word that joins it to a word of one of these lists.
 fn joined(word: &str, lists: [&[&str]; 2]) -> Option<usize> {
     let axis = axis_of(word.chars().last())?;
     let sensor = bare(&word[..word.len() - 1]);
     lists.iter().any(|list| list.contains(&sensor)).then_some(axis)
 }
 
-/// None where the words speak of no axis of a sensor; none within where they speak of no measurement of it.
+/// `None` if the words state no axis of a sensor; `Some(None)` if they state an axis but no measurement of it.
 fn inertial(words: &[&str]) -> Option<Option<Named>> {
     type Kind = fn(usize) -> Quantity;
     const KINDS: [(Kind, [&[&str]; 2]); 3] = [
@@ -598,10 +598,10 @@ fn temperature(words: &[&str]) -> Option<Named> {
     of(Quantity::Temperature, rank, words, &context)
 }
 
-/// The rank by the worst of these words, each without its number; none where one of them is of something else.
+/// Rank of the worst of these words, each without its number; `None` if one of them means something else.
 fn rank(context: &[&str], of: impl Fn(&str) -> Option<u8>) -> Option<u8> {
     context.iter().try_fold(BARE, |rank, word| {
-        // a number alone tells devices apart and nothing else
+        // a number alone only distinguishes devices
         let of_word = if bare(word).is_empty() { Some(PLAIN) } else { of(bare(word)) };
         of_word.map(|of_word| rank.max(of_word))
     })
@@ -618,7 +618,7 @@ fn of(quantity: Quantity, rank: u8, sensor: &[&str], context: &[&str]) -> Option
     Some(Named { quantity, rank, sensor: sensor.join("_"), numbers })
 }
 
-/// A unit that stands in the name, in brackets or as its last words, if it is one of the target.
+/// Unit in the name, in brackets or as its last words, if it is one of the target.
 pub(super) fn unit_in(name: &str, target: &str) -> Option<&'static str> {
     let bracketed = name.split_once(['(', '[']).map(|(_, rest)| rest.trim_end_matches([')', ']']).trim());
     let lower = name.to_lowercase();
@@ -633,7 +633,7 @@ pub(super) fn unit_in(name: &str, target: &str) -> Option<&'static str> {
             "usec" | "micros" | "us" | "µs" => "us",
             "nsec" | "nanos" | "ns" => "ns",
             "m/s2" | "m/s^2" | "m/s²" | "m/s/s" | "mps2" | "ms2" => "m/s2",
-            // an axis letter g is no unit: gyro names hold it
+            // an axis letter g is no unit: gyro names contain it
             "g" if lower.contains("acc") || bracketed.is_some_and(|unit| unit.eq_ignore_ascii_case("g")) => {
                 "g"
             }

@@ -1,16 +1,16 @@
 //! Reads CSV: a header line, then a row of numbers per line.
 //!
-//! Lines are split here rather than by a CSV library, so that rubbish stays within its line: a lone quotation
-//! mark must not swallow the rows after it. Only a line with quotation marks goes through the library.
+//! Lines are split here rather than by a CSV library, so that damage stays within its line: an unpaired quotation mark
+//! must not swallow the rows after it. Only a line with quotation marks goes through the library.
 //!
-//! A line ends in LF or CRLF; in CR, as of old, in a text that has no LF. A line is at most a megabyte long: what is
-//! longer, an open quotation mark in a library say, is refused before it takes memory.
+//! Lines end in LF or CRLF, or in CR in a text without LF. A line is at most a megabyte long: a longer one, which an
+//! open quotation mark may cause in a library, is rejected before it takes memory.
 //!
-//! The header is the first line, or where titles stand before it, the line above the first row of numbers (`header`).
-//! The separator is the one the header has most of: comma, semicolon or tab, or spaces where only they part numbers; beside
-//! the others a comma in a number is the decimal one. A row of units below the names is joined to them. A text that begins
-//! with numbers has no header: its columns are named `column_1` and so on. Blank lines and lines that start with `#` are passed over. Empty cells, `NA`, `null` and `none` are
-//! empty; `true` and `false` are 1 and 0.
+//! The header is the first line, or below titles, the line above the first row of numbers (`header`). The separator is
+//! the most frequent one in the header: comma, semicolon or tab, or spaces if only they separate numbers; unless it is
+//! the separator, a comma in a number is the decimal point. A row of units below the names is appended to them. A text
+//! that begins with numbers has no header: its columns are named `column_1` and so on. Blank lines and lines that start
+//! with `#` are skipped. Empty cells, `NA`, `null` and `none` are empty; `true` and `false` are 1 and 0.
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Read};
@@ -26,22 +26,22 @@ use super::table::{Column, Skipped, Table, must_be_numeric};
 use crate::file::FileError;
 use crate::interrupt;
 
-/// Longest line that may still be a row, bytes. Something that has longer lines is no table of samples.
+/// Longest line of a row, bytes. A file with longer lines is no table of samples.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// What some programs put before the text of a UTF-8 file.
+/// Byte order mark that some programs write before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Lines after which a wish to stop is looked for: some milliseconds.
+/// Number of lines between checks for a stop request: some milliseconds.
 const LINES_BETWEEN_CHECKS: u64 = 8192;
 
-/// Rows looked at to tell text columns from numbers with rubbish in them.
+/// Number of rows examined to distinguish text columns from numbers with damaged cells.
 const ROWS_TO_CLASSIFY: usize = 1000;
 
-/// Bytes of them, about: they are kept until the columns are known.
+/// Approximate limit of their size, bytes: they are held in memory until the columns are known.
 const BYTES_TO_CLASSIFY: usize = 1 << 24;
 
-/// Reads a whole file; `input` unpacks it if it is packed. In `strict` mode the first unusable row is an error.
+/// Reads a whole file; `input` decompresses it if needed. In `strict` mode the first unusable row is an error.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,
@@ -52,7 +52,7 @@ pub(super) fn read(
     let mut lines = Lines::begin(input, path, is_packed)?;
     let mut line = Vec::new();
 
-    // the first lines are kept as text, to see which one is the header and which columns are text
+    // the first lines are stored as text, to determine the header and the text columns
     let (mut first_lines, mut kept) = (Vec::new(), 0);
     while first_lines.len() < ROWS_TO_CLASSIFY && kept < BYTES_TO_CLASSIFY && lines.next(&mut line)? {
         kept += line.len();
@@ -81,15 +81,15 @@ pub(super) fn read(
     parser.finish()
 }
 
-/// Lines that may hold data, without their ends.
+/// Lines that may hold data, without their line ends.
 struct Lines<'a, R> {
-    /// What was looked at to see how lines end, and the rest.
+    /// The bytes examined to determine the line ends, followed by the remaining input.
     input: io::Chain<io::Cursor<Vec<u8>>, R>,
-    /// The byte that ends a line.
+    /// Byte that ends a line.
     end: u8,
-    /// Number of the line last read, from 1.
+    /// Number of the last line read, from 1.
     number: u64,
-    /// The comment above the first line that is none: some programs write their header so.
+    /// The comment above the first other line: some programs write their header so.
     comment: Option<Vec<u8>>,
     has_line: bool,
     path: &'a Path,
@@ -121,7 +121,7 @@ impl<'a, R: BufRead> Lines<'a, R> {
         FileError::reading(self.path)(source).into()
     }
 
-    /// Reads the next line that is not blank or a comment; false at the end of the file.
+    /// Reads the next line that is not blank or a comment; returns false at the end of the file.
     fn next(&mut self, line: &mut Vec<u8>) -> Result<bool, RecordingError> {
         loop {
             line.clear();
@@ -157,37 +157,37 @@ impl<'a, R: BufRead> Lines<'a, R> {
     }
 }
 
-/// Whether what is packed is damaged; else the system did not deliver it.
+/// Returns true if the compressed data are damaged; otherwise the system failed to read.
 pub(super) fn is_damage(error: &io::Error) -> bool {
     use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
-    // what unpacks has no number of the system's for what it cannot unpack
+    // errors of the decompressor have no number of the system
     error.raw_os_error().is_none() || matches!(error.kind(), InvalidData | InvalidInput | UnexpectedEof)
 }
 
-/// What is done with the cells of a column.
+/// Treatment of the cells of a column.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// Numbers go to the table's column of this index.
+    /// Numbers, for the table's column of this index.
     Numbers(usize),
-    /// As numbers, but nothing has been seen that would tell them from text.
+    /// Treated as numbers, but no cell so far distinguishes them from text.
     Undecided(usize),
-    /// Each different content gets a number, in order of appearance.
+    /// Labels: each distinct value gets a number, in order of appearance.
     Labels(usize),
     LeftOut,
 }
 
-/// Turns lines into rows of a table.
+/// Converts lines to rows of a table.
 struct Parser<'a> {
     separator: u8,
     decimal_comma: bool,
     names: &'a [String],
     kinds: Vec<Kind>,
     labels: HashMap<Vec<u8>, f64>,
-    /// The row being read, one value per column of the table.
+    /// Row being read, one value per column of the table.
     row: Vec<f64>,
-    /// Columns whose cell is empty in the row being read.
+    /// Columns with an empty cell in the row being read.
     row_empty: Vec<usize>,
-    /// Empty cells per column of the table.
+    /// Number of empty cells per column of the table.
     empty: Vec<u64>,
     time: Option<usize>,
     table: Table,
@@ -261,7 +261,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// Adds the row that `line` holds, or says why it cannot.
+    /// Adds the row in `line`, or returns the reason why it is unusable.
     fn take(&mut self, number: u64, line: &[u8]) -> Result<(), BadRow> {
         self.table.quality.rows_in_file += 1;
         self.row_empty.clear();
@@ -330,7 +330,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Leaves a row out, and remembers where.
+    /// Skips a row and records its position.
     fn skip(&mut self, row: BadRow) {
         self.table.quality.note_unusable(row);
         let before_row = self.table.n_rows();
@@ -368,7 +368,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// The first row with text in a column.
+/// First row with text in a column.
 fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Option<Box<BadRow>> {
     lines.iter().find_map(|(line, text)| {
         let mut found = None;
@@ -383,7 +383,7 @@ fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Optio
     })
 }
 
-/// A cell that nobody looks at is not parsed.
+/// Parses a cell unless its column is ignored.
 fn parse_cell_unless(left_out: bool, cell: &[u8], decimal_comma: bool) -> Cell {
     if left_out { Cell::Empty } else { parse_cell(cell, decimal_comma) }
 }

@@ -1,17 +1,17 @@
-//! Duty-cycled logs: pauses at regular intervals are the plan of the recorder and no loss.
+//! Duty-cycled logs: pauses at regular intervals are planned by the recorder and no loss.
 
 use std::fmt;
 
 use super::grid::regular_pauses;
 use super::{Boundary, Recording};
 
-/// A log that is recorded in bursts at regular intervals.
+/// Duty cycle of a log recorded in bursts at regular intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DutyCycle {
     pub bursts: usize,
-    /// Length of a usual burst, s.
+    /// Length of a typical burst, s.
     pub burst_s: f64,
-    /// From the start of a usual burst to the start of the next, s.
+    /// Time from the start of a typical burst to the start of the next, s.
     pub every_s: f64,
 }
 
@@ -23,7 +23,7 @@ impl fmt::Display for DutyCycle {
 }
 
 impl Recording {
-    /// The duty cycle of the log, if it has one.
+    /// Duty cycle of the log, if it has one.
     pub fn duty_cycle(&self) -> Option<DutyCycle> {
         let period_s = self.rate.period_s;
         let (pauses, [burst, wait]) = regular_pauses(&self.segments, period_s)?;

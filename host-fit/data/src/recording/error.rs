@@ -1,4 +1,4 @@
-//! What can keep a log from being loaded or written, and what to do about it.
+//! Errors of loading and writing logs, each with a remedy.
 
 use std::path::PathBuf;
 
@@ -10,31 +10,31 @@ use super::quality::BadRow;
 use super::rate::RATES_HZ;
 use crate::file::FileError;
 
-/// Why a log could not be loaded, used or written.
+/// Error of loading, using or writing a log.
 #[derive(Debug, Error)]
 pub enum RecordingError {
-    /// A format that this build leaves out.
+    /// A format that this build excludes.
     #[error("{}: this build knows nothing of {feature}\nhelp: build fos-data with its feature {feature:?}, which is on by default", path.display())]
     NotBuiltIn {
         path: PathBuf,
-        /// The feature that knows the format.
+        /// Cargo feature that includes the format.
         feature: &'static str,
     },
     /// The system refused to read or write.
     #[error(transparent)]
     File(#[from] FileError),
-    /// No recording to make one of.
+    /// An empty list of recordings.
     #[error("no log was given\nhelp: name at least one")]
     NothingToJoin,
-    /// Recordings of different sample rates.
+    /// Recordings with different sampling rates.
     #[error(
         "{path} runs at {rate_hz:.3} Hz, the logs before it at {expected_hz:.3} Hz: the lags of one model cannot serve both\nhelp: fit them one by one"
     )]
     RatesDiffer {
         path: String,
-        /// Its rate, Hz.
+        /// Rate of this log, Hz.
         rate_hz: f64,
-        /// That of the others, Hz.
+        /// Rate of the others, Hz.
         expected_hz: f64,
     },
     /// Recordings of different sensors, or of differently corrected values.
@@ -48,7 +48,7 @@ pub enum RecordingError {
         sensor: &'static str,
         /// Provenance of the logs before it, in words.
         here: Box<str>,
-        /// Its provenance, in words.
+        /// Provenance of this log, in words.
         there: Box<str>,
     },
     /// A column whose header states a unit that cannot be read.
@@ -59,11 +59,11 @@ pub enum RecordingError {
     HeaderUnit {
         path: PathBuf,
         column: String,
-        /// The unit as the header states it.
+        /// Unit stated in the header.
         unit: Box<str>,
-        /// The channel that the column stands for, as `gx_rads`.
+        /// Channel of the column, such as `gx_rads`.
         target: &'static str,
-        /// A unit of the channel.
+        /// Example of a unit of the channel.
         example: &'static str,
     },
     /// Accelerometers whose values contradict their unit.
@@ -73,12 +73,12 @@ pub enum RecordingError {
     )]
     GravityUnit {
         path: PathBuf,
-        /// The unit that they are said to be in.
+        /// Stated unit.
         unit: Box<str>,
         stated: &'static str,
         /// Median of the magnitude, in the unit of the file.
         magnitude: f64,
-        /// The unit in which it is gravity.
+        /// Unit in which the magnitude is gravity.
         fits: &'static str,
         /// Entries of a column map with that unit, in quotes.
         map: Box<[String]>,
@@ -93,34 +93,34 @@ pub enum RecordingError {
     #[error("{}: Parquet: {source}\nhelp: if it was cut short while being written or copied, export or copy it again", path.display())]
     Parquet {
         path: PathBuf,
-        /// What the library says.
+        /// Error of the library.
         source: parquet::errors::ParquetError,
     },
-    /// Not a table of text, nor anything else known.
+    /// Neither a table of text nor another known format.
     #[error("{}: {problem}\nhelp: a log is CSV (a header line, then numbers), gzip'd CSV or Parquet, or in a known format of others", path.display())]
     NotALog {
         path: PathBuf,
-        /// What is not as it should be.
+        /// Description of the problem.
         problem: String,
     },
-    /// Something else, which is known.
+    /// A known format that is no log.
     #[error("{}: {is}\nhelp: {help}", path.display())]
     OtherFormat {
         path: PathBuf,
-        /// What it is known as, in a sentence.
+        /// Description of the format, in a sentence.
         is: String,
-        /// How a log is made of it.
+        /// Instructions for converting it to a log.
         help: &'static str,
     },
-    /// Not of the format that it was said to be in.
+    /// Not of the stated format.
     #[error("{}: it is not of the format {format} ({}): there are {}\nhelp: leave the format out, so that it is found by the content, or name the columns in the column map", path.display(), format.id(), available.join(", "))]
     NotOfFormat {
         path: PathBuf,
         format: Format,
-        /// The columns that it has.
+        /// Columns of the file.
         available: Vec<String>,
     },
-    /// Of a known format, and not readable as such.
+    /// A damaged file of a known format.
     #[error(
         "{}{}: the {format} is damaged: {problem}\nhelp: if it was cut short while being written or copied, copy it again",
         path.display(),
@@ -129,22 +129,22 @@ pub enum RecordingError {
     Damaged {
         path: PathBuf,
         format: &'static str,
-        /// Where, in bytes from the begin.
+        /// Position of the damage, bytes from the begin.
         at: Option<u64>,
-        /// What is not as it should be.
+        /// Description of the damage.
         problem: String,
     },
-    /// A known format without what is needed.
+    /// A known format without the required sensors.
     #[error("{}: {format}: {problem}\nhelp: {help}", path.display())]
     NoSensors {
         path: PathBuf,
         format: &'static str,
-        /// What is missing, and what is there.
+        /// Description of the missing and the existing data.
         problem: String,
-        /// What to record instead, or to choose.
+        /// Data to record instead, or to choose.
         help: String,
     },
-    /// Candidates for a channel that are equally good and hold different data.
+    /// Equally good candidates for a channel that hold different data.
     #[error(
         "{}: {problem}\nhelp: choose by a column map, {}",
         path.display(),
@@ -157,7 +157,7 @@ pub enum RecordingError {
         /// Complete column maps, one per choice.
         maps: Vec<Vec<String>>,
     },
-    /// A table without a header whose values do not show what is needed.
+    /// A table without a header whose values do not determine the columns.
     #[error(
         "{}: it has no header{}; the medians of its columns are {shows}\nhelp: {}{}",
         path.display(),
@@ -175,23 +175,23 @@ pub enum RecordingError {
         shows: String,
         /// Complete column maps, the most probable first.
         maps: Vec<Vec<String>>,
-        /// There is no time either, and no stated rate.
+        /// True if there is no time either, and no stated rate.
         needs_rate: bool,
     },
-    /// Rows of two devices in turn.
+    /// Alternating rows of two devices.
     #[error("{}: every second row differs in its stamp and in its values: the rows are of two devices in turn\nhelp: give the rows of each device as a log of its own, or record each on a topic of its own", path.display())]
     TwoDevices { path: PathBuf },
-    /// An option that this file has no use for.
+    /// An option without effect on this file.
     #[error("{}: {option} has no effect here: {offers}\nhelp: {help}", path.display())]
     NoEffect {
         path: PathBuf,
         /// The option and its value.
         option: String,
-        /// What the file offers instead.
+        /// Available alternatives in the file.
         offers: String,
         help: &'static str,
     },
-    /// A folder or an archive with more logs than one.
+    /// A folder or an archive with more than one log.
     #[error("{}: there is more than one log in it: {}\nhelp: choose one of them as the topic, as in {}, or give the logs one by one", path.display(), logs.join(", "), logs.first().map_or("", String::as_str))]
     SeveralLogs { path: PathBuf, logs: Vec<String> },
     /// A channel without a single number.
@@ -200,9 +200,9 @@ pub enum RecordingError {
     )]
     NoValues {
         path: String,
-        /// As in the log format, as `gx_rads`.
+        /// Channel in the log format, such as `gx_rads`.
         name: String,
-        /// Rows of the log.
+        /// Number of rows of the log.
         rows: usize,
     },
     /// The device moves all along, and no true motion is logged.
@@ -211,60 +211,59 @@ pub enum RecordingError {
     )]
     Moves {
         path: String,
-        /// Begin of the longest motion, s as stamped.
+        /// Timestamp of the begin of the longest motion, s.
         from_s: f64,
-        /// Its end, s as stamped.
+        /// Timestamp of its end, s.
         to_s: f64,
-        /// The axis that shows it most, as `gx_rads`.
+        /// Axis with the largest motion, such as `gx_rads`.
         column: Box<str>,
         /// Scatter of its 1-s means, in `unit`.
         scatter: f64,
-        /// What a sensor at rest stays below, in `unit`.
+        /// Upper limit of a sensor at rest, in `unit`.
         limit: f64,
-        /// °/s or m/s².
+        /// Unit of scatter and limit: °/s or m/s².
         unit: &'static str,
-        /// Time at rest that remains, s.
+        /// Remaining time at rest, s.
         rest_s: f64,
     },
-    /// A compressed log that does not unpack.
+    /// A compressed log that cannot be decompressed.
     #[error(
         "{}:{line}: it cannot be unpacked beyond this line: {source}\nhelp: if it was cut short while being written or copied, copy it again; `gzip -dc` unpacks what is there",
         path.display()
     )]
     NotUnpacked {
         path: PathBuf,
-        /// The last line that can be read, the first is 1; 0 if there is none.
+        /// Last readable line, from 1; 0 if there is none.
         line: u64,
-        /// What the library says.
+        /// Error of the library.
         source: std::io::Error,
     },
-    /// Rows that are not in the order of time.
+    /// Rows out of the order of time.
     #[error("{}: {column} goes back {backs} times in {rows} rows: they are not in the order of time, or two logs are mixed\nhelp: sort the rows by {column}; give logs that were merged one by one", path.display())]
     OutOfOrder {
         path: PathBuf,
-        /// The column of time stamps.
+        /// Column of the timestamps.
         column: String,
-        /// How often it goes back by more than a sample.
+        /// Number of times that it goes back by more than a sample.
         backs: u64,
-        /// Rows in all.
+        /// Total number of rows.
         rows: usize,
     },
-    /// Two columns have one name.
+    /// Two columns with one name.
     #[error("{}: two columns are named \"{name}\"\nhelp: rename one in the header", path.display())]
     DuplicateColumn {
         path: PathBuf,
-        /// As in the header, which has it twice.
+        /// Name in the header.
         name: String,
     },
-    /// The column map names a column that is not there.
+    /// A column named in the column map that does not exist.
     #[error("{}: the column map names \"{column}\", which the log does not have{}\nhelp: names are those of the header, with its capitals", path.display(), suggest(closest, available))]
     UnknownColumn {
         path: PathBuf,
-        /// As the file or the column map names it.
+        /// Name in the file or the column map.
         column: String,
-        /// The most similar column.
         closest: Option<String>,
-        /// The columns of the log.
+        /// Columns of the log.
         available: Vec<String>,
     },
     /// A column that must hold numbers holds text.
@@ -280,12 +279,12 @@ pub enum RecordingError {
     )]
     TextColumn {
         path: PathBuf,
-        /// As the file or the column map names it.
+        /// Name in the file or the column map.
         column: String,
-        /// The first cell of text in it; none in a file without lines.
+        /// First cell of text in it; `None` in a file without lines.
         first: Option<Box<BadRow>>,
     },
-    /// No time stamps, and no rate to stand in for them.
+    /// No timestamps, and no rate to replace them.
     #[error(
         "{}: no column t_s{}\nhelp: name the time column in the column map, as in t_s=time:ms, or give the sample rate (`rate_hz`) if there is none{}",
         path.display(),
@@ -294,52 +293,47 @@ pub enum RecordingError {
     )]
     NoTime {
         path: PathBuf,
-        /// The column most like a time.
+        /// Column most similar to a time.
         closest: Option<String>,
-        /// The columns of the log.
+        /// Columns of the log.
         available: Vec<String>,
-        /// Entries of a column map that may be right.
+        /// Column map entries that may be right.
         perhaps: Vec<String>,
     },
-    /// Time stamps that do not run forward.
+    /// Timestamps that do not run forward.
     #[error(
         "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or give the rate of the rows (`rate_hz`): it replaces stamps that show none, as those that a spreadsheet rounded to 1.40364E+18",
         path.display()
     )]
     NoClock {
         path: PathBuf,
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
     },
-    /// Time stamps in another unit than is said.
+    /// Timestamps in another unit than stated.
     #[error(
         "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or give the rate of the rows (`rate_hz`), which replaces the stamps",
         path.display()
     )]
     NoSuchClock {
         path: PathBuf,
-        /// The column of the stamps.
+        /// Column of the timestamps.
         column: String,
         /// Time between two samples, s.
         period_s: f64,
     },
-    /// A rate that is no rate.
     #[error("a sample rate of {rate_hz:?} Hz is out of range\nhelp: give the samples per second, from {} to {}", RATES_HZ.start(), RATES_HZ.end())]
-    BadRate {
-        /// The rate, Hz.
-        rate_hz: f64,
-    },
-    /// Too little to work with.
+    BadRate { rate_hz: f64 },
     #[error("{}: {rows} usable rows\nhelp: a log has at least 2; was it cut short?", path.display())]
     TooFewRows {
         path: PathBuf,
-        /// Usable rows.
+        /// Number of usable rows.
         rows: usize,
     },
-    /// A row that cannot be used, in strict mode.
+    /// An unusable row, in strict mode.
     #[error("{}:{row}\nhelp: correct or remove that row, or load without `strict` to skip such rows", path.display())]
     BadRow { path: PathBuf, row: Box<BadRow> },
-    /// So many rows cannot be used that the log cannot be trusted.
+    /// Too many unusable rows.
     #[error(
         "{}: {unusable} of {rows} rows cannot be used (at most {} % are skipped); the first is {}:{first}\nhelp: check the separator and the column map; a column that is not needed can be excluded (`columns` '!column')",
         path.display(),
@@ -348,12 +342,12 @@ pub enum RecordingError {
     )]
     TooManyBadRows {
         path: PathBuf,
-        /// Rows that cannot be used.
+        /// Number of unusable rows.
         unusable: u64,
-        /// Rows in the file.
+        /// Number of rows in the file.
         rows: u64,
         first: Box<BadRow>,
-        /// Highest fraction that is skipped.
+        /// Largest share that is skipped.
         limit: f64,
     },
     /// A channel that the recording does not have.
@@ -362,14 +356,13 @@ pub enum RecordingError {
         suggest(closest, available)
     )]
     NoChannel {
-        /// As in the log format, as `gx_rads`.
+        /// Channel in the log format, such as `gx_rads`.
         name: String,
-        /// The most similar channel.
         closest: Option<String>,
-        /// The channels of the recording.
+        /// Channels of the recording.
         available: Vec<String>,
     },
-    /// Not one of the inertial channels.
+    /// No usable inertial channel.
     #[error(
         "{path}: the log has none of the columns ax_mps2 … gz_rads as numbers{}\nhelp: name the column to take as the axis, or name the columns in the column map, as in gx_rads=gyro_x:dps{}",
         left_out(text_columns, first.as_deref()),
@@ -379,26 +372,26 @@ pub enum RecordingError {
         path: String,
         /// Columns that hold text.
         text_columns: Vec<String>,
-        /// The first text that was seen in one of them.
+        /// First text found in one of them.
         first: Option<Box<BadRow>>,
-        /// Entries of a column map that may be right.
+        /// Column map entries that may be right.
         perhaps: Vec<String>,
     },
-    /// Columns that do not have one length.
+    /// Columns of different lengths.
     #[error(
         "column \"{name}\" has {found} values where the first has {expected}\nhelp: give all columns one length"
     )]
     Lengths {
-        /// The first that has another length.
+        /// First column with another length.
         name: String,
-        /// Values in the first column.
+        /// Number of values in the first column.
         expected: usize,
         found: usize,
     },
-    /// A file name that does not tell the format to write.
+    /// A file name without the ending of a known output format.
     #[error("{}: cannot tell the format from the name\nhelp: end it in .csv, .csv.gz or .parquet", path.display())]
     UnknownFormat { path: PathBuf },
-    /// A column map that was not understood.
+    /// An invalid column map.
     #[error(transparent)]
     Map(#[from] MapError),
 }
@@ -418,13 +411,13 @@ impl RecordingError {
     }
 }
 
-/// What was meant, perhaps, and what there is.
+/// Suggestion of a similar name, and the available names.
 fn suggest(closest: &Option<String>, available: &[String]) -> String {
     let meant = closest.as_ref().map_or(String::new(), |name| format!(" (did you mean \"{name}\"?)"));
     format!("{meant}; there are {}", available.join(", "))
 }
 
-/// Entries of a column map that may be right, to be checked by whoever knows the log.
+/// Column map entries that may be right, to be checked by the user.
 fn perhaps_of(entries: &[String]) -> String {
     match entries {
         [] => String::new(),

@@ -1,4 +1,4 @@
-//! The error of one axis, as far as it was measured.
+//! Measured error of one axis.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use crate::closest::closest;
 use crate::column::AXES;
 use crate::unit::Unit;
 
-/// Measured error of one axis, before the offset is taken off: y_raw(n) = measured(n) − reference(n).
+/// Measured error of one axis, before the offset is subtracted: y_raw(n) = measured(n) − reference(n).
 #[derive(Clone, Debug)]
 pub struct ErrorSeries<'a> {
     /// Name of the measured channel.
@@ -22,18 +22,18 @@ pub struct ErrorSeries<'a> {
     pub reference: Reference,
 }
 
-/// What the measurement is compared with.
+/// True value that the measurement is compared with.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
-    /// Nothing was subtracted: the log is static, the true value a constant that leaves with the offset.
+    /// Nothing was subtracted: the log is static, and the constant true value becomes part of the offset.
     Constant,
-    /// The channel of this name, the truth as logged beside the measurement.
+    /// Name of the channel with the logged true value.
     Channel(String),
 }
 
 impl Recording {
-    /// The channel of an axis: its full name (`gx_rads`), or short (`gx`, `ay`).
+    /// Channel of an axis, by its full name (`gx_rads`) or its short one (`gx`, `ay`).
     ///
     /// # Errors
     /// No such channel.
@@ -58,10 +58,10 @@ impl Recording {
     }
 
     /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel
-    /// `ref_<name>` where the log has it, else constant.
+    /// `ref_<name>` if the log has it, else a constant.
     ///
     /// # Errors
-    /// No such channel, or one without a number in it.
+    /// No such channel, or a channel without a single number.
     pub fn error_series(&self, axis: &str) -> Result<ErrorSeries<'_>, RecordingError> {
         let measured = self.axis(axis)?;
         let name = measured.column().reference();
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_reference_it_is_the_measurement_and_says_so() {
+    fn error_without_a_reference_is_the_measurement() {
         let log = recording(&["ref_gy_rads", "gx_rads"]);
         let error = log.error_series("gx_rads").unwrap();
         assert_eq!(*error.values, [1.0; 3]);
@@ -113,19 +113,19 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_without_a_number_is_named() {
-        // that there are "0 rows at rest", and that a longer log would help, was said of it
-        for (hollow, said) in
+    fn rejects_a_channel_without_a_number_by_name() {
+        // the message used to state "0 rows at rest" and advise a longer log
+        for (hollow, expected) in
             [("gx_rads", "test: gx_rads: every cell of its 3 rows"), ("ref_gx_rads", "ref_gx_rads: every")]
         {
             let log = recording(&["ref_gx_rads", "gx_rads"]).with_values(hollow, vec![f64::NAN; 3]);
             let message = log.error_series("gx").unwrap_err().to_string();
-            assert!(message.contains(said) && message.contains("help: "), "{message}");
+            assert!(message.contains(expected) && message.contains("help: "), "{message}");
         }
     }
 
     #[test]
-    fn an_axis_that_is_not_there_names_the_closest() {
+    fn unknown_axis_suggests_the_closest() {
         let message = recording(&["gx_rads", "temp_c"]).error_series("gy").unwrap_err().to_string();
         assert!(message.contains("did you mean \"gx_rads\"?"), "{message}");
     }

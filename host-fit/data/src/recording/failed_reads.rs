@@ -1,56 +1,56 @@
-//! Readings of a thermometer that failed: what a driver writes down in their place.
+//! Failed reads of a thermometer: placeholder values that a driver logs in their place.
 
 use serde::Serialize;
 
 use super::channel::Channel;
 use crate::unit::Unit;
 
-/// What is logged where a read failed, °C: a register of zeros, the power-on value of a DS18B20, what libraries for it
-/// return when it does not answer, absolute zero as converted or rounded.
-const SAID: [f64; 5] = [0.0, 85.0, -127.0, -273.0, -273.15];
+/// Placeholders logged for a failed read, °C: a register of zeros, the power-on value of a DS18B20, the value that its
+/// libraries return when it does not answer, absolute zero as converted or rounded.
+const PLACEHOLDERS_C: [f64; 5] = [0.0, 85.0, -127.0, -273.0, -273.15];
 
-/// How near a number must be to one of them, °C: a conversion from kelvin or °F rounds.
-const EXACTLY: f64 = 1e-9;
+/// Tolerance for a match with a placeholder, °C: a conversion from kelvin or °F rounds.
+const TOLERANCE_C: f64 = 1e-9;
 
-/// A thermometer that is read more than once a second does not move by so much from one reading to the next and back,
-/// K.
+/// Minimum jump from one reading to the next and back, K: no thermometer read more than once a second changes so fast.
 const JUMP_K: f64 = 5.0;
 
-/// Rows from which on one value throughout is no temperature.
-const FEWEST_ROWS: usize = 20;
+/// Minimum number of rows for discarding a thermometer that shows placeholders throughout.
+const MIN_ROWS: usize = 20;
 
-/// Readings of a thermometer that failed, taken for empty cells.
+/// Failed reads of a thermometer, treated as empty cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FailedReads {
-    /// As in the log format, as `temp_c`.
+    /// Column in the log format, such as `temp_c`.
     pub column: String,
-    /// Rows with one.
+    /// Number of rows with a failed read.
     pub rows: u64,
-    /// Share of the rows that had a value.
+    /// Share of the rows with a value that are failed reads.
     pub share: f64,
-    /// What stood there, °C, in order.
+    /// Placeholder values found, °C, in ascending order.
     pub said: Vec<f64>,
 }
 
 impl FailedReads {
-    /// True if every reading of this column failed, so that the column is excluded.
-    pub(super) fn is_of_all(&self, column: &str) -> bool {
+    /// Returns true if every reading of this column failed, so that the column is excluded.
+    pub(super) fn covers_column(&self, column: &str) -> bool {
         self.column == column && self.share >= 1.0
     }
 }
 
-/// Empties the cells of a thermometer that hold one of the values a failed read leaves, where the readings before and
-/// after are far from it, on the same side: a log that passes through 0 °C, or lives there, keeps it.
+/// Empties the cells of a thermometer that hold a placeholder of a failed read, if the readings before and after are far
+/// from it, on the same side: a log that passes through 0 °C, or stays there, keeps its values.
 pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
     if channel.unit != Unit::Celsius {
         return None;
     }
     let values = channel.values.clone();
-    let said_at = |row: usize| SAID.into_iter().find(|said| (values[row] - said).abs() < EXACTLY);
+    let placeholder_at =
+        |row: usize| PLACEHOLDERS_C.into_iter().find(|said| (values[row] - said).abs() < TOLERANCE_C);
     let known: Vec<usize> = (0..values.len()).filter(|row| !values[*row].is_nan()).collect();
-    // a thermometer shows its own noise, and no thermometer that works shows one of these values in every row
-    if known.len() >= FEWEST_ROWS && known.iter().all(|row| said_at(*row).is_some()) {
-        let mut said: Vec<f64> = known.iter().filter_map(|row| said_at(*row)).collect();
+    // a working thermometer shows its own noise, and never a placeholder in every row
+    if known.len() >= MIN_ROWS && known.iter().all(|row| placeholder_at(*row).is_some()) {
+        let mut said: Vec<f64> = known.iter().filter_map(|row| placeholder_at(*row)).collect();
         said.sort_unstable_by(f64::total_cmp);
         said.dedup();
         channel.values = vec![f64::NAN; values.len()].into();
@@ -66,12 +66,12 @@ pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
     let mut last_good = None;
     let mut at = 0;
     while at < known.len() {
-        let Some(value) = said_at(known[at]) else {
+        let Some(value) = placeholder_at(known[at]) else {
             last_good = Some(values[known[at]]);
             at += 1;
             continue;
         };
-        let run = known[at..].iter().take_while(|row| said_at(**row).is_some()).count();
+        let run = known[at..].iter().take_while(|row| placeholder_at(**row).is_some()).count();
         let next_good = known.get(at + run).map(|row| values[*row]);
         let runs = known[at..at + run].iter().map(|row| values[*row]);
         let is_failed = match (last_good, next_good) {
@@ -104,7 +104,7 @@ pub(super) fn take_out(channel: &mut Channel) -> Option<FailedReads> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadOptions, Oddity, Recording, Source};
+    use super::super::{LoadOptions, LogWarning, Recording, Source};
 
     fn recording(column: &str, values: Vec<f64>) -> Recording {
         let columns = vec![(column.to_owned(), values)];
@@ -112,13 +112,13 @@ mod tests {
         Recording::from_columns(Source::made_by("test"), columns, &options).unwrap()
     }
 
-    /// A degree a second, from `from` °C on.
+    /// Ramp of 1 K/s at 100 Hz, starting at `from` °C.
     fn warming(from: f64) -> Vec<f64> {
         (0..2000).map(|row| from + 0.01 * f64::from(row)).collect()
     }
 
     #[test]
-    fn what_a_failed_read_leaves_is_an_empty_cell_and_said_once() {
+    fn failed_reads_become_empty_cells_with_one_warning() {
         let mut values = warming(20.0);
         values[0] = 85.0;
         values[700] = 0.0;
@@ -132,14 +132,14 @@ mod tests {
         let held = log.held_from_first(channel);
         assert!(held.iter().enumerate().all(|(row, t)| (t - 20.0 - 0.01 * row as f64).abs() < 0.6));
         let oddities = log.oddities(&[true; 2000]);
-        let [Oddity::FailedReads(failed)] = &oddities[..] else { panic!("{oddities:?}") };
+        let [LogWarning::FailedReads(failed)] = &oddities[..] else { panic!("{oddities:?}") };
         assert_eq!((failed.rows, &failed.said[..]), (54, &[-273.15, -127.0, 0.0, 85.0][..]));
         let text = oddities[0].to_string();
         assert!(text.contains("temp_c") && text.contains("54") && text.contains("-273.15"), "{text}");
     }
 
     #[test]
-    fn a_thermometer_that_shows_zero_in_every_row_is_left_out() {
+    fn excludes_a_thermometer_that_shows_only_zeros() {
         let log = recording("temp_c", vec![0.0; 2000]);
         assert!(log.channel("temp_c").is_err());
         let text = log.oddities(&[true; 2000])[0].to_string();
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_that_lives_there_keeps_its_values() {
+    fn keeps_true_readings_equal_to_placeholders() {
         // through zero, at zero, through 85 °C, coarse about zero, and a step to 85 °C that stays
         let coarse = (0..2000).map(|row| (3.0 * (0.01 * f64::from(row)).sin()).round()).collect();
         let step = (0..2000).map(|row| if row < 500 { 25.0 } else { 85.0 }).collect();

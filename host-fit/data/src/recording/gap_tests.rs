@@ -1,4 +1,4 @@
-//! The gap rule on stamps whose truth is known.
+//! The gap rule on timestamps with known truth.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::*;
 
-/// True period of the made logs: 1.3 % off 200 Hz.
+/// True period of the synthetic logs: 1.3 % off 200 Hz.
 pub(super) const T: f64 = 0.005 * 1.013;
 
 fn record(time_s: Vec<f64>) -> Recording {
@@ -17,19 +17,19 @@ fn record(time_s: Vec<f64>) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
 }
 
-/// Row and missing samples of every gap.
+/// Row and number of missing samples of every gap.
 pub(super) fn gaps(recording: &Recording) -> Vec<(usize, u64)> {
     recording.segments[1..].iter().map(|s| (s.rows.start, s.missing_before)).collect()
 }
 
-/// Stamps of `n` samples with normal jitter of `sd` periods.
+/// Timestamps of `n` samples with normal jitter of `sd` periods.
 fn jittered(n: usize, sd: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let jitter = Normal::new(0.0, sd * T).unwrap();
     (0..n).map(|i| 100.0 + i as f64 * T + jitter.sample(&mut random)).collect()
 }
 
-/// Arrival times at a host that polls every 1 to `longest` samples, reading what is there at 0.2 T a sample.
+/// Arrival times at a host that polls every 1 to `longest` samples, and reads the buffer at 0.2 T per sample.
 pub(super) fn bursts(n: usize, longest: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut stamps = Vec::with_capacity(n);
@@ -70,7 +70,7 @@ fn jitter_of_a_fifth_of_the_period_never_makes_a_gap() {
         assert_eq!(recording.rate.stamps, Stamps::Jittered);
         // the median of N/2 slopes over N/2 rows: 1.25 · 0.2 √2 / (N/2) / √(N/2) = 3e-8 of T, times six
         assert!((recording.rate.period_s / T - 1.0).abs() < 2e-7, "{}", recording.rate.period_s / T);
-        // a robust sd of N stamps is good to 1.2/√N; blocks of 64 take out 1/64 of the variance
+        // a robust sd of N timestamps is accurate to 1.2/√N; blocks of 64 remove 1/64 of the variance
         assert!((recording.rate.jitter_s / (0.2 * T) - 1.0).abs() < 0.03, "{}", recording.rate.jitter_s / T);
     }
 }
@@ -106,7 +106,7 @@ fn a_poll_that_slips_slowly_against_the_sample_clock_makes_no_gap() {
 }
 
 #[test]
-fn a_host_that_was_away_and_catches_up_slowly_makes_no_gap() {
+fn slow_catch_up_of_a_host_is_no_gap() {
     // polls of 8 samples, and one absence of 50 after which 1.3 samples are read per period
     let mut stamps = bursts(20_000, 12.0, 4);
     let back = stamps[9000] + 50.0 * T;
@@ -124,7 +124,7 @@ fn a_removed_block_is_found_with_its_length_under_jitter() {
             let found = gaps(&recording);
             assert_eq!(found.len(), 1, "seed {seed}: {found:?} of {k}");
             assert_eq!(found[0].1, k as u64, "seed {seed}");
-            // half a period is five standard deviations: one or two rows may pass for the other side's
+            // half a period is five standard deviations: one or two rows may be assigned to the other side
             assert!(found[0].0.abs_diff(2500) <= 2, "seed {seed}: {found:?}");
         }
     }
@@ -178,7 +178,7 @@ fn many_single_losses_in_a_regular_log_are_all_found() {
 }
 
 #[test]
-fn a_stamp_that_is_wrong_for_one_row_is_no_gap() {
+fn wrong_timestamp_of_one_row_is_no_gap() {
     for error in [3.0, 50.0, -3.0, -50.0] {
         let mut stamps: Vec<f64> = (0..1000).map(|i| i as f64 * T).collect();
         stamps[500] += error * T;
@@ -189,7 +189,7 @@ fn a_stamp_that_is_wrong_for_one_row_is_no_gap() {
 }
 
 #[test]
-fn time_that_goes_back_and_stays_ends_the_segment() {
+fn clock_set_back_ends_the_segment() {
     let stamps = (0..1000).map(|i| if i < 600 { 50.0 + i as f64 * T } else { i as f64 * T - 1.0 }).collect();
     let recording = record(stamps);
     assert_eq!(gaps(&recording), [(600, 0)]);
@@ -198,13 +198,13 @@ fn time_that_goes_back_and_stays_ends_the_segment() {
     assert_eq!(recording.quality.clock_back, 1);
     assert!((recording.duration_s() - 999.0 * T).abs() < 1e-9);
     assert!((recording.rate.period_s / T - 1.0).abs() < 1e-9);
-    for (row, time_s) in recording.counted_on().time_s.iter().enumerate() {
+    for (row, time_s) in recording.with_monotonic_time().time_s.iter().enumerate() {
         assert!((time_s - (50.0 + row as f64 * T)).abs() < 1e-9, "{row}: {time_s}");
     }
 }
 
 #[test]
-fn a_stamp_that_is_wrong_moves_no_other() {
+fn wrong_timestamp_shifts_no_other() {
     let stamps = |wrong: usize| -> Vec<f64> {
         let stamps = (0..1000).map(|i| if i < 600 { i as f64 * T } else { i as f64 * T + 3.0 });
         stamps.enumerate().map(|(i, stamp)| if i == wrong { 1e6 } else { stamp }).collect()
@@ -212,7 +212,7 @@ fn a_stamp_that_is_wrong_moves_no_other() {
     for wrong in [300, 599, 600, 800] {
         let recording = record(stamps(wrong));
         assert_eq!(recording.segments.len(), 2, "{wrong}");
-        assert_eq!(recording.counted_on().time_s, stamps(wrong), "{wrong}");
+        assert_eq!(recording.with_monotonic_time().time_s, stamps(wrong), "{wrong}");
     }
 }
 
@@ -225,7 +225,7 @@ fn a_very_long_gap_between_two_short_stretches_keeps_the_rate() {
 }
 
 #[test]
-fn stamps_in_whole_milliseconds_or_seconds_make_no_gap() {
+fn whole_millisecond_or_second_timestamps_make_no_gap() {
     for (period, tick) in [(0.0025, 0.001), (0.005065, 0.001), (0.01, 1.0)] {
         let stamps = (0..20_000).map(|i| f64::floor(i as f64 * period / tick) * tick).collect();
         let recording = record(stamps);

@@ -1,49 +1,49 @@
-//! Finds samples that are missing, from time stamps alone. The rule is told at [`Segment`](super::Segment).
+//! Finds missing samples from timestamps alone, by the rule documented at [`Segment`](super::Segment).
 
 use std::ops::Range;
 
 use super::grid::{Boundary, Grid, Mark, Segment};
 use super::rate::{FirstLook, MAD_TO_SD, Stamps, median};
 
-/// Waits shorter than this are not looked at, periods. With jitter of sd 0.2 T, 0.4 % of single missing samples
-/// make a shorter one; these are found at a neighbouring row.
+/// Shortest interval examined, periods. With jitter of sd 0.2 T, 0.4 % of single missing samples make a shorter one;
+/// these are found at a neighbouring row.
 const SUSPECT_WAIT: f64 = 1.25;
 
-/// A wait longer than T by this many standard deviations of jitter is not jitter.
+/// Number of standard deviations of jitter by which an interval must exceed T to be a gap for certain.
 const OBVIOUS_SIGMAS: f64 = 6.0;
 
-/// Rise of the level from which a sample is missing, periods: jittered stamps, bursts.
+/// Rise of the level from which a sample is missing, periods: jittered timestamps, bursts.
 const RISE_JITTERED: f64 = 0.5;
 const RISE_BURSTS: f64 = 0.75;
 
-/// The rise must also exceed its own scatter by this factor, so that a log of a million rows has no false gap.
+/// Minimum ratio of the rise to its own scatter, so that a log of a million rows has no false gap.
 const RISE_SIGMAS: f64 = 6.0;
 
-/// Suspects at which the scatter of the rise is measured in logs with bursts; more do not tell it better.
+/// Number of suspects at which the scatter of the rise is measured in logs with bursts; more do not improve it.
 const RISES_SAMPLED: usize = 1000;
 
-/// Rows in which a host has worked off what waited for it, per sample period that it was away.
+/// Number of rows in which a host works off its backlog, per sample period of its absence.
 const CATCH_UP: f64 = 8.0;
 
-/// Fewest and most rows that make a level: jittered stamps, bursts.
+/// Minimum and maximum number of rows that determine a level: jittered timestamps, bursts.
 const ROWS_JITTERED: (f64, f64) = (16.0, 64.0);
 const ROWS_BURSTS: (f64, f64) = (64.0, 4096.0);
 
-/// With less than this share of its window before the log ends, an envelope has not been reached for sure. There
-/// the rise must exceed what ten mean bursts would make.
+/// Share of its window from which an envelope is reliable at the end of a log. With fewer rows the rise must exceed that
+/// of ten mean bursts.
 const ENVELOPE_SHARE: f64 = 0.25;
 const BURSTS_AT_END: f64 = 10.0;
 
-/// Most samples that one gap is said to miss, 150 years at 200 Hz: beyond it the stamps are nonsense, and ticks must
-/// not overflow.
-const MOST_MISSING: f64 = 1e12;
+/// Maximum number of missing samples in one gap, 150 years at 200 Hz: beyond it the timestamps are nonsense, and ticks
+/// must not overflow.
+const MAX_MISSING: f64 = 1e12;
 
-/// Finds all boundaries. `marks` are in order of rows, one per row.
+/// Finds all boundaries. `marks` are in order of rows, at most one per row.
 pub(super) fn find(time_s: &[f64], look: &FirstLook, marks: &[Mark]) -> Grid {
     let mut search = Search::new(time_s, look, marks);
     let mut marks = marks.iter().peekable();
     let mut row = 1;
-    // ends: `place` may go back to half a window before `row`, but no further than the last boundary, and then a
+    // terminates: `place` may go back to half a window before `row`, but no further than the last boundary, and then a
     // boundary is accepted behind that one; without a boundary it is a row further
     while row < time_s.len() {
         while search.settled.len() < row {
@@ -68,20 +68,20 @@ struct Search<'a> {
     time_s: &'a [f64],
     period_s: f64,
     bursts: bool,
-    /// Rows that make a level.
+    /// Number of rows that determine a level.
     window: usize,
-    /// Wait that is surely a gap, periods.
+    /// Interval that is certainly a gap, periods.
     obvious_wait: f64,
-    /// Scatter of single stamps, periods (jittered stamps).
+    /// Scatter of single timestamps, periods (jittered timestamps).
     scatter: f64,
     /// Scatter of the rise where nothing is missing, periods (bursts).
     rise_scatter: f64,
-    /// Mean rows from one long wait to the next (bursts).
+    /// Mean number of rows from one long interval to the next (bursts).
     burst_rows: f64,
     marks: &'a [Mark],
-    /// Lateness of the rows gone by, with the gaps so far taken out, s.
+    /// Lateness of the rows processed so far, with the gaps so far subtracted, s.
     settled: Vec<f64>,
-    /// Lateness taken out, s.
+    /// Lateness subtracted so far, s.
     offset_s: f64,
     grid: Grid,
 }
@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
         let window = if bursts {
             (16.0 * look.burst_rows).clamp(ROWS_BURSTS.0, ROWS_BURSTS.1)
         } else {
-            // a median of w stamps scatters by 1.25 σ / √w: for a rise of T/2 to be seven of the difference's
+            // a median of w timestamps scatters by 1.25 σ / √w: for a rise of T/2 to be seven of the difference's
             (612.0 * look.scatter * look.scatter).clamp(ROWS_JITTERED.0, ROWS_JITTERED.1)
         };
         let sd_of_wait = std::f64::consts::SQRT_2 * look.scatter;
@@ -117,7 +117,7 @@ impl<'a> Search<'a> {
         search
     }
 
-    /// Scatter of the rise over the long waits of the log, of which few are gaps, periods.
+    /// Scatter of the rise over the long intervals of the log, few of which are gaps, periods.
     fn scatter_of_rises(&self) -> f64 {
         let rows = self.window..self.time_s.len().saturating_sub(self.window);
         let suspects: Vec<usize> = rows.filter(|&row| self.wait(row) >= SUSPECT_WAIT).collect();
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
         MAD_TO_SD * median(&mut rises)
     }
 
-    /// Wait before `row`, periods.
+    /// Interval before `row`, periods.
     fn wait(&self, row: usize) -> f64 {
         (self.time_s[row] - self.time_s[row - 1]) / self.period_s
     }
@@ -136,22 +136,22 @@ impl<'a> Search<'a> {
         self.wait(row) < -1.0
     }
 
-    /// Lateness of a row to come, s.
+    /// Lateness of a row not yet processed, s.
     fn late(&self, row: usize) -> f64 {
         (self.time_s[row] - self.time_s[0]) - self.period_s * row as f64 - self.offset_s
     }
 
-    /// Counts the next row as gone by.
+    /// Marks the next row as processed.
     fn settle(&mut self) {
         let late = self.late(self.settled.len());
         self.settled.push(late);
     }
 
-    /// Level of lateness of `rows`, as `late` gives it.
+    /// Level of the lateness of `rows`, given by `late`.
     fn level(&self, rows: Range<usize>, late: impl Fn(usize) -> f64) -> f64 {
         if self.bursts {
             let first = rows.start;
-            // time cannot run backward as rows arrive: such a stamp is wrong
+            // time cannot run backward as rows arrive: such a timestamp is wrong
             rows.filter(|&i| i == first || self.time_s[i] >= self.time_s[i - 1])
                 .map(late)
                 .fold(f64::INFINITY, f64::min)
@@ -167,17 +167,17 @@ impl<'a> Search<'a> {
         (after - before) / self.period_s
     }
 
-    /// Rise at a row of which rows before are not settled yet.
+    /// Rise at a row preceded by rows that are not settled yet.
     fn rise_ahead(&self, row: usize) -> f64 {
         let late = |i: usize| self.settled.get(i).copied().unwrap_or_else(|| self.late(i));
-        // what lies before a pause that is not settled yet is earlier by all of it
+        // rows before a pause that is not settled yet are earlier by all of it
         let begin = row.saturating_sub(self.window_at(row)).max(self.last_pause(row).unwrap_or(0));
         let before = self.level(begin..row, late);
         let after = self.level(row..self.end_of_window(row), late);
         (after - before) / self.period_s
     }
 
-    /// Rows that make the levels before and after `row`.
+    /// Number of rows that determine the levels before and after `row`.
     fn window_at(&self, row: usize) -> usize {
         if !self.bursts {
             return self.window;
@@ -185,10 +185,10 @@ impl<'a> Search<'a> {
         self.window.max((CATCH_UP * self.wait(row)).min(ROWS_BURSTS.1) as usize)
     }
 
-    /// Where the rows end whose level is compared with what is before `row`.
+    /// End of the rows whose level is compared with that before `row`.
     fn end_of_window(&self, row: usize) -> usize {
         let end = (row + self.window_at(row)).min(self.time_s.len()).min(self.next_mark(row));
-        // a stamp that is wrong for one row comes back by a long wait, which is no gap
+        // a timestamp that is wrong for one row returns with a long interval, which is no gap
         if self.bursts || self.steps_back(row) {
             return end;
         }
@@ -226,16 +226,16 @@ impl<'a> Search<'a> {
         RISE_JITTERED.max(RISE_SIGMAS * 1.25 * self.scatter * parts.sqrt())
     }
 
-    /// Samples missing at `row`, by the rise of the level there.
+    /// Number of samples missing at `row`, from the rise of the level there.
     fn count(&self, row: usize, rise: f64) -> u64 {
-        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MOST_MISSING) as u64 } else { 0 }
+        if rise > self.needed_rise(row) { rise.round().clamp(1.0, MAX_MISSING) as u64 } else { 0 }
     }
 
     fn missing(&self, row: usize) -> u64 {
         self.count(row, self.rise(row))
     }
 
-    /// Puts a gap that is seen at `row` where it fits best, and accepts it. Returns the last row dealt with.
+    /// Places a gap detected at `row` where it fits best, and accepts it. Returns the last row processed.
     fn place(&mut self, row: usize) -> usize {
         crate::interrupt::check();
         let at = if self.bursts { self.place_in_bursts(row) } else { self.place_in_jitter(row) };
@@ -251,7 +251,7 @@ impl<'a> Search<'a> {
         at
     }
 
-    /// The row from which the level after fits better than the level before: least sum of absolute deviations.
+    /// Row from which the level after fits better than the level before: least sum of absolute deviations.
     fn place_in_jitter(&self, row: usize) -> usize {
         let half = self.window / 2;
         let segment_start = self.grid.segments.last().map_or(0, |segment| segment.rows.start);
@@ -270,7 +270,7 @@ impl<'a> Search<'a> {
         best.1
     }
 
-    /// The longest wait from where the level has risen in full to the first fresh row after it.
+    /// Longest interval between the row where the level has risen fully and the first fresh row after it.
     fn place_in_bursts(&self, row: usize) -> usize {
         let end = (row + self.window_at(row)).min(self.next_mark(row));
         let suspects = (row..end).filter(|&i| self.wait(i) >= SUSPECT_WAIT && !self.steps_back(i));
@@ -288,13 +288,13 @@ impl<'a> Search<'a> {
         (at..=fresh).max_by(|&a, &b| self.wait(a).total_cmp(&self.wait(b))).unwrap_or(at)
     }
 
-    /// Accepts a boundary that is known; the stamps may tell that more samples are missing.
+    /// Accepts a known boundary; the timestamps may show that more samples are missing.
     fn accept_mark(&mut self, mark: &Mark) {
         let rise = self.rise(mark.row);
         let back = self.steps_back(mark.row) && rise < -RISE_JITTERED;
         self.grid.clock_back += u64::from(back);
         let missing = match mark.boundary {
-            Boundary::Pause => rise.round().clamp(1.0, MOST_MISSING) as u64,
+            Boundary::Pause => rise.round().clamp(1.0, MAX_MISSING) as u64,
             _ => self.count(mark.row, rise),
         };
         self.accept(mark.row, mark.boundary, mark.missing.max(missing));

@@ -1,5 +1,5 @@
-//! Logs as boards, hosts and phones write them, made here from seeds: every feature of the logs of `real_log_tests.rs`,
-//! with its truth known, through files.
+//! Logs as written by boards, hosts and phones, generated from seeds: every feature of the logs of `real_log_tests.rs`,
+//! with known truth, through files.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use super::gap_tests::{bursts, gaps};
 use super::*;
 
-/// A recording of `text` as gzip'd CSV, and the digest of the file.
+/// Recording of `text` as gzip'd CSV, and the digest of the file.
 fn load_text(text: &str, columns: &[&str]) -> (Recording, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv.gz");
@@ -27,7 +27,7 @@ fn load_text(text: &str, columns: &[&str]) -> (Recording, String) {
     (log, digest)
 }
 
-/// A log of these stamps and of one gyro in steps of 1.33e-4 rad/s, as a converter gives.
+/// Log with these timestamps and one gyro in steps of 1.33e-4 rad/s, as of a converter.
 fn log_of(stamps: &[f64], decimals: usize) -> String {
     let mut text = "t_s,gx_rads\n".to_owned();
     for (stamp, noise) in stamps.iter().zip(white_noise(1, stamps.len())) {
@@ -40,7 +40,7 @@ fn log_of(stamps: &[f64], decimals: usize) -> String {
 fn a_regular_log_of_a_million_rows_is_one_segment() {
     let mut text = "t_s,ax_mps2,gx_rads\n".to_owned();
     for row in 0..1_000_000_u32 {
-        // coarse, as an old part is; no generator, for this is about rows
+        // coarse, as of an old part; no random generator, since this is about the number of rows
         let code = row.wrapping_mul(2_654_435_769) >> 29;
         writeln!(text, "{}.{:02},0.0{code},-0.00{code}", row / 100, row % 100).unwrap();
     }
@@ -53,11 +53,11 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 }
 
 #[test]
-fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_no_more() {
+fn jitter_beyond_a_period_hides_no_lost_sample_and_adds_none() {
     const HZ: f64 = 397.344;
     let mut random = ChaCha8Rng::seed_from_u64(2);
     // the recorder stalls for up to 1.3 periods and makes up for it with the next row; at ten other rows a sample is
-    // lost for good
+    // lost permanently
     let lost = [795, 8653, 10_224, 12_581, 16_510, 20_439, 24_368, 40_086, 44_014, 55_802];
     let mut stamps = Vec::new();
     let mut tick = 0;
@@ -77,8 +77,8 @@ fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_n
 }
 
 #[test]
-fn stamps_in_whole_milliseconds_show_the_rate_between_them_and_no_gap() {
-    // 286 Hz: waits of three and of four milliseconds
+fn whole_millisecond_timestamps_give_the_true_rate() {
+    // 286 Hz: intervals of three and of four milliseconds
     let stamps: Vec<f64> = (0..50_000).map(|row| (f64::from(row) * 1e3 / 285.714).round() / 1e3).collect();
     let (log, _) = load_text(&log_of(&stamps, 3), &[]);
     assert_eq!(gaps(&log), []);
@@ -92,7 +92,7 @@ fn arrivals(n: usize, period_s: f64, stalls: &[usize]) -> Vec<f64> {
     stamps.iter_mut().for_each(|stamp| *stamp *= scale);
     for (k, stall) in stalls.iter().enumerate() {
         let back = stamps[*stall] + 0.1 + 0.4 * k as f64 / stalls.len() as f64;
-        // what has gathered is read at once, faster than more comes
+        // the backlog is read at once, faster than new samples come
         for (i, stamp) in stamps[*stall..].iter_mut().enumerate() {
             *stamp = stamp.max(back + 0.1 * period_s * i as f64);
         }
@@ -108,7 +108,7 @@ fn arrival_times_in_bursts_show_the_mean_rate_and_no_gap() {
     let (log, _) = load_text(&log_of(&stamps, 6), &[]);
     assert_eq!(log.rate.stamps, Stamps::Bursts);
     assert!((log.rate.true_hz - 99.317).abs() < 0.1, "{}", log.rate.true_hz);
-    // after each stall the stamps come back to where they were
+    // after each stall the timestamps return to where they were
     assert_eq!(gaps(&log), []);
 }
 
@@ -129,14 +129,14 @@ fn gauss_become_microtesla_by_a_map_and_single_losses_show_in_bursts() {
     let found = gaps(&log);
     assert_eq!(found.len(), lost.len(), "{found:?}");
     for (k, ((row, missing), lost)) in found.into_iter().zip(lost).enumerate() {
-        // where in its burst a sample is missing no stamp can say: a burst is up to 9 rows
+        // timestamps do not show where in its burst a sample is missing: a burst is up to 9 rows
         assert!(missing == 1 && row.abs_diff(lost - k) <= 9, "{row} for {lost}, {missing} missing");
     }
 }
 
 #[test]
 fn the_long_gap_is_found_and_copies_are_dropped() {
-    // a board whose link repeats the last row where one was lost: 8 times two copies; and a wait of 3246 s
+    // a board whose link repeats the last row when one was lost: 8 times two copies; and an interval of 3246 s
     const PERIOD_S: f64 = 0.0109;
     let mut text = "t_s,ax_mps2,gx_rads,state\n".to_owned();
     let mut copied = 0;
@@ -165,7 +165,7 @@ fn the_long_gap_is_found_and_copies_are_dropped() {
 
 #[test]
 fn the_segment_column_splits_where_the_sensor_was_handled() {
-    // seconds while it was handled were cut out; the clock went on
+    // seconds of handling were cut out; the clock went on
     let mut text = "t_s,ay_mps2,segment\n".to_owned();
     for second in (0..4000).chain(4370..8000) {
         writeln!(text, "{second},0.{:02},{}", second % 97, 1 + second / 4100).unwrap();
@@ -179,7 +179,7 @@ fn the_segment_column_splits_where_the_sensor_was_handled() {
 
 #[test]
 fn nan_cells_stay_in_their_column() {
-    // the camera loses sight of the unit, in one long stretch and in many short ones
+    // the camera loses sight of the device, in one long stretch and in many short ones
     let mut text = "t_s,gx_rads,qw\n".to_owned();
     let mut unseen = 0;
     for row in 0..20_000 {
@@ -209,7 +209,7 @@ fn raw_counts_become_si_by_a_map() {
 }
 
 #[test]
-fn stamps_in_parquet_that_jitter_have_no_gap() {
+fn jitter_in_parquet_makes_no_gap() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.parquet");
     for (seed, off) in [(1, 0.985), (2, 1.0), (3, 1.015)] {

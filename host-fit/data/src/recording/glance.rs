@@ -1,4 +1,4 @@
-//! What a person would see at a glance in a log: values that cannot be what their column says.
+//! Plausibility checks of a log: values that contradict the meaning of their column.
 
 use crate::column::AXES;
 use crate::column::Column;
@@ -11,48 +11,48 @@ use crate::interrupt::in_parallel;
 use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
-use crate::stuck::{FEWEST_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
+use crate::stuck::{MIN_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
 
-/// Standard gravity, m/s² (CGPM 1901); accelerometers at rest show it to within their scale and bias.
+/// Standard gravity, m/s² (CGPM 1901); accelerometers at rest measure it to within their scale error and bias.
 const GRAVITY: f64 = 9.806_65;
 const GRAVITY_WITHIN: f64 = 0.15;
 
-/// A rate at rest that no bias reaches, rad/s: 57 °/s.
+/// Rate at rest beyond any bias, rad/s: 57 °/s.
 const RATE_AT_REST: f64 = 1.0;
 
-/// Logs of which the noise differs by more than this factor are not of one unit in one place.
+/// Ratio of noise levels beyond which logs are not of one device in one place.
 const NOISE_RATIO: f64 = 3.0;
 
-/// Rates of logs that differ by more than this, relative, are not those of one clock.
+/// Relative difference of rates beyond which logs do not share one clock.
 const RATE_DIFFERS: f64 = 2e-3;
 
-/// Rows at rest without a change that show an axis to be coarser than its noise.
-const FEWEST_AT_REST: usize = 1000;
+/// Minimum number of rows at rest without a change that show an axis to be coarser than its noise.
+const MIN_AT_REST: usize = 1000;
 
-/// Something about a log that cannot be right.
+/// A warning about implausible data in a log.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Oddity {
+pub enum LogWarning {
     /// An axis holds one value throughout, or is stuck for half of the log and more.
     Stuck {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
-        /// The one that it stays at, in the column's unit.
+        /// Repeated value, in the column's unit.
         value: f64,
-        /// For so long, s, of so much.
+        /// Stuck duration and total duration, s.
         seconds: [f64; 2],
     },
-    /// Single samples far off all others.
+    /// Isolated outliers.
     Spikes {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
-        /// Samples that are so far off, in the whole log.
+        /// Number of outliers in the whole log.
         count: usize,
-        /// The worst: its time as stamped, s, its value, and by how many standard deviations it is off.
+        /// The largest: its timestamp (s), its value, and its distance in standard deviations.
         worst: [f64; 3],
     },
-    /// An axis held its value for a while, now and then; those rows are excluded.
+    /// An axis repeats one value in some stretches; those rows are excluded.
     Held {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
         times: usize,
         /// Total duration, s.
@@ -62,55 +62,55 @@ pub enum Oddity {
     },
     /// An axis whose steps are coarser than its noise.
     CoarseAxis {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
-        /// The step, in the column's unit.
+        /// Step, in the column's unit.
         step: f64,
     },
-    /// The accelerometers show another level after a pause.
+    /// Accelerometer levels differ across a pause.
     LevelAfterPause(LevelsAfterPauses),
-    /// Entries of a column map that were assumed by the values of a file without a header.
+    /// Entries of a column map that were inferred from the values of a file without a header.
     AssumedMap(Vec<String>),
-    /// Timestamps that are not the time of the samples.
+    /// Timestamps that do not match the sampling times.
     Clock(ClockProblem),
-    /// Readings of a thermometer that failed.
+    /// Failed reads of a thermometer.
     FailedReads(FailedReads),
-    /// A thermometer of coarse steps.
+    /// A thermometer with coarse steps.
     CoarseSteps {
-        /// As in the log format, as `temp_c`.
+        /// Column in the log format, such as `temp_c`.
         column: String,
-        /// The step, K.
+        /// Step, K.
         step: f64,
     },
     /// Two axes hold the same values.
     Same { columns: [String; 2] },
-    /// The accelerometers together do not show gravity.
+    /// Magnitude of the accelerometers at rest is not gravity.
     NotGravity {
-        /// What they show: the median, m/s² as read.
+        /// Median magnitude, m/s² as read.
         magnitude: f64,
     },
-    /// A gyro shows a rate that no unit at rest has.
+    /// A gyro shows a rate that no device at rest has.
     TurnsAtRest {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
-        /// The median rate, rad/s as read.
+        /// Median rate, rad/s as read.
         rate: f64,
     },
-    /// Logs that were joined run at different rates.
+    /// Joined logs have different rates.
     RatesDiffer {
-        /// The rates, Hz: of the first and of the one that differs most.
+        /// Rate of the first log and the one that differs most, Hz.
         rates_hz: [f64; 2],
     },
-    /// Logs that were joined are not of one noise.
+    /// Joined logs have different noise levels.
     NoiseDiffers {
-        /// As in the log format, as `gx_rads`.
+        /// Column in the log format, such as `gx_rads`.
         column: String,
-        /// The noise of the loudest over that of the quietest.
+        /// Ratio of the largest to the smallest noise level.
         ratio: f64,
     },
 }
 
-impl fmt::Display for Oddity {
+impl fmt::Display for LogWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stuck { column, value, seconds: [stuck, all] } => {
@@ -188,34 +188,34 @@ impl fmt::Display for Oddity {
 }
 
 impl Recording {
-    /// What a person would see at a glance. `still` tells of every row whether the unit is at rest.
-    pub fn oddities(&self, still: &[bool]) -> Vec<Oddity> {
+    /// Warnings about all axes and the log as a whole. `still` marks the rows at rest.
+    pub fn oddities(&self, still: &[bool]) -> Vec<LogWarning> {
         self.oddities_about(&AXES, still)
     }
 
-    /// The same of these axes, and of the log as a whole.
-    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
+    /// Warnings about these axes and the log as a whole.
+    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
         let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
         let mut found = in_parallel(0..axes.len(), of_axis).concat();
         let assumed = Some(&self.quality.assumed_map).filter(|map| !map.is_empty());
-        found.extend(assumed.cloned().map(Oddity::AssumedMap));
-        found.extend(self.quality.clock.iter().cloned().map(Oddity::Clock));
-        found.extend(self.quality.failed_reads.iter().cloned().map(Oddity::FailedReads));
+        found.extend(assumed.cloned().map(LogWarning::AssumedMap));
+        found.extend(self.quality.clock.iter().cloned().map(LogWarning::Clock));
+        found.extend(self.quality.failed_reads.iter().cloned().map(LogWarning::FailedReads));
         found.extend(self.channels().iter().filter_map(|channel| {
             let step = self.coarse_step(channel)?;
-            Some(Oddity::CoarseSteps { column: channel.name.clone(), step })
+            Some(LogWarning::CoarseSteps { column: channel.name.clone(), step })
         }));
         found.extend(self.not_gravity(still));
         if wanted.iter().any(|axis| has_unknown_level(self, axis)) {
-            found.extend(pose::after_pauses(self, still).map(Oddity::LevelAfterPause));
+            found.extend(pose::after_pauses(self, still).map(LogWarning::LevelAfterPause));
         }
         found.extend(self.rates_differ(&self.power_ons()));
         found
     }
 
-    /// Those of one axis: alone, if it is wanted, and beside those after it.
-    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<Oddity> {
+    /// Warnings about one axis: on its own, if it is in `wanted`, and in comparison with the axes after it.
+    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let mut found = Vec::new();
         let logs: Vec<Range<usize>> = self.power_ons();
         let values = self.values(axis);
@@ -225,7 +225,7 @@ impl Recording {
                 && values.iter().zip(self.values(other)).all(same)
                 && values.iter().any(|v| *v != values[0])
             {
-                found.push(Oddity::Same { columns: [axis.to_owned(), (*other).to_owned()] });
+                found.push(LogWarning::Same { columns: [axis.to_owned(), (*other).to_owned()] });
             }
         }
         if !wanted.contains(&axis) {
@@ -234,7 +234,7 @@ impl Recording {
         if let Some(Spikes { rows, worst: (row, value, times) }) = self.spikes(axis, 0..self.n_rows(), still)
         {
             let (column, worst) = (axis.to_owned(), [self.time_s[row], value, times]);
-            found.push(Oddity::Spikes { column, count: rows.len(), worst });
+            found.push(LogWarning::Spikes { column, count: rows.len(), worst });
         }
         found.extend(self.repeats(axis, still));
         let at_rest = |row: &usize| still[*row] && values[*row].is_finite();
@@ -244,7 +244,7 @@ impl Recording {
             && no_reference
             && let Some(rate) = unusual_median(rates, |rate| rate.abs() > RATE_AT_REST)
         {
-            found.push(Oddity::TurnsAtRest { column: axis.to_owned(), rate });
+            found.push(LogWarning::TurnsAtRest { column: axis.to_owned(), rate });
         }
         let several = if logs.len() > 1 { logs } else { Vec::new() };
         let mut noise: Vec<f64> = several.into_iter().filter_map(|rows| fast_noise(&values[rows])).collect();
@@ -252,31 +252,26 @@ impl Recording {
         if let [quietest, .., loudest] = noise[..]
             && loudest > NOISE_RATIO * quietest
         {
-            found.push(Oddity::NoiseDiffers { column: axis.to_owned(), ratio: loudest / quietest });
+            found.push(LogWarning::NoiseDiffers { column: axis.to_owned(), ratio: loudest / quietest });
         }
         found
     }
 
-    /// The samples of an axis among `rows` at rest that are no measurements: spikes of its error.
+    /// Outliers of an axis among `rows` at rest, by its error.
     pub(crate) fn spikes(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> Option<Spikes> {
         let error = self.error_series(axis).ok()?;
         let stretches = self.stretches_where(|row| rows.contains(&row) && still[row]);
         spikes(&error.values, &stretches)
     }
 
-    /// The rows among `rows` at rest in which an axis holds a value for longer than chance would.
+    /// Rows among `rows` at rest in which an axis repeats a value for longer than chance explains.
     fn stuck_rows(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> Vec<Range<usize>> {
         stuck(self.values(axis), &self.stretches_where(|row| rows.contains(&row) && still[row]))
     }
 
-    /// The same recording with what is no measurement of an axis among `rows` at rest, spikes and values that stay, taken
-    /// for empty cells, and how many there are.
-    pub fn only_measurements(
-        &self,
-        axis: &str,
-        rows: Range<usize>,
-        still: &[bool],
-    ) -> (Cow<'_, Self>, usize) {
+    /// The same recording with the outliers and stuck values of an axis among `rows` at rest replaced by empty cells,
+    /// and their number.
+    pub fn without_outliers(&self, axis: &str, rows: Range<usize>, still: &[bool]) -> (Cow<'_, Self>, usize) {
         let spikes = self.spikes(axis, rows.clone(), still).map_or_else(Vec::new, |spikes| spikes.rows);
         let stuck = self.stuck_rows(axis, rows, still);
         if spikes.is_empty() && stuck.is_empty() {
@@ -295,8 +290,9 @@ impl Recording {
         self.channel(column).map_or(&[], |channel| &channel.values)
     }
 
-    /// The value that an axis is stuck at, and for how long of the time at rest, s: it has one value throughout, or
-    /// repeats one improbably for so long that the log is refused. Steps coarser than the noise are no such axis.
+    /// Value at which an axis is stuck, with the stuck duration and the total time at rest, s: it has one value
+    /// throughout, or repeats one improbably for so long that the log is rejected. Steps coarser than the noise do not
+    /// count.
     pub fn stuck_axis(&self, axis: &str, still: &[bool]) -> Option<(f64, [f64; 2])> {
         let values = self.values(axis);
         let first = values.iter().copied().find(|value| !value.is_nan())?;
@@ -314,23 +310,23 @@ impl Recording {
         is_refused.then(|| (values[longest.start], [seconds(rows), seconds(known)]))
     }
 
-    /// The step of an axis, in its unit, where it is so coarse that it hides the noise: its own; of one that holds a single
-    /// code at each rest that of its motion; of one with a single value that of another axis of its triad, whose steps are
-    /// as coarse.
+    /// Step of an axis, in its unit, if it is so coarse that it hides the noise. For an axis with a single code at each
+    /// rest it is the step of its motion; for one with a single value, that of another axis of its triad, whose steps
+    /// are as coarse.
     pub fn hidden_step(&self, axis: &str, still: &[bool]) -> Option<f64> {
         let stretches = self.stretches_where(|row| still[row]);
         let rest: usize = stretches.iter().map(Range::len).sum();
-        // the step, or none; no answer where the axis does not change
+        // `Some(None)` for an axis without a coarse step; `None` for an axis that does not change
         let own = |axis: &str| -> Option<Option<f64>> {
             let values = self.values(axis);
             let changes = |rows: &Range<usize>| {
                 values[rows.clone()].windows(2).filter(|pair| pair[0] != pair[1] && !pair[1].is_nan()).count()
             };
-            if stretches.iter().map(changes).sum::<usize>() >= FEWEST_CHANGES {
+            if stretches.iter().map(changes).sum::<usize>() >= MIN_CHANGES {
                 return Some(coarse_step(values, &stretches));
             }
-            let moves = changes(&(0..values.len())) >= FEWEST_CHANGES;
-            moves.then(|| (rest >= FEWEST_AT_REST).then(|| least_change(values)).flatten())
+            let moves = changes(&(0..values.len())) >= MIN_CHANGES;
+            moves.then(|| (rest >= MIN_AT_REST).then(|| least_change(values)).flatten())
         };
         if let Some(step) = own(axis) {
             return step;
@@ -341,23 +337,23 @@ impl Recording {
         of_triad.filter_map(own).flatten().reduce(f64::max)
     }
 
-    fn repeats(&self, axis: &str, still: &[bool]) -> Option<Oddity> {
+    fn repeats(&self, axis: &str, still: &[bool]) -> Option<LogWarning> {
         let column = axis.to_owned();
         if let Some((value, seconds)) = self.stuck_axis(axis, still) {
-            return Some(Oddity::Stuck { column, value, seconds });
+            return Some(LogWarning::Stuck { column, value, seconds });
         }
         if let Some(step) = self.hidden_step(axis, still) {
-            return Some(Oddity::CoarseAxis { column, step });
+            return Some(LogWarning::CoarseAxis { column, step });
         }
         let stuck = self.stuck_rows(axis, 0..self.n_rows(), still);
         let seconds = |rows: usize| rows as f64 * self.rate.period_s;
         let longest = stuck.iter().max_by_key(|rows| rows.len())?;
         let longest = [self.time_s[longest.start], seconds(longest.len())];
         let all = stuck.iter().map(Range::len).sum();
-        Some(Oddity::Held { column, times: stuck.len(), seconds: seconds(all), longest })
+        Some(LogWarning::Held { column, times: stuck.len(), seconds: seconds(all), longest })
     }
 
-    fn not_gravity(&self, still: &[bool]) -> Option<Oddity> {
+    fn not_gravity(&self, still: &[bool]) -> Option<LogWarning> {
         if AXES[..3]
             .iter()
             .any(|axis| self.channel(axis).is_err() || self.channel(&Column::named(axis).reference()).is_ok())
@@ -370,10 +366,10 @@ impl Recording {
         let magnitudes = at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite());
         let magnitude =
             unusual_median(magnitudes, |magnitude| (magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN)?;
-        Some(Oddity::NotGravity { magnitude })
+        Some(LogWarning::NotGravity { magnitude })
     }
 
-    fn rates_differ(&self, logs: &[Range<usize>]) -> Option<Oddity> {
+    fn rates_differ(&self, logs: &[Range<usize>]) -> Option<LogWarning> {
         let rate = |rows: &Range<usize>| {
             let longest = self.segments.iter().filter(|segment| rows.contains(&segment.rows.start));
             let longest = longest.max_by_key(|segment| segment.rows.len())?.rows.clone();
@@ -384,16 +380,16 @@ impl Recording {
         let (first, others) = rates.split_first()?;
         let other = others.iter().max_by(|a, b| (*a - first).abs().total_cmp(&(*b - first).abs()))?;
         let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
-        differs.then_some(Oddity::RatesDiffer { rates_hz: [*first, *other] })
+        differs.then_some(LogWarning::RatesDiffer { rates_hz: [*first, *other] })
     }
 }
 
-/// Whether an axis is an accelerometer of the log without a reference.
+/// Returns true if an axis is an accelerometer of the log without a reference.
 fn has_unknown_level(recording: &Recording, axis: &str) -> bool {
     recording.error_series(axis).is_ok_and(|series| pose::has_unknown_level(axis, &series.reference))
 }
 
-/// The median of `values` if it is unusual. Where fewer than half of them are it cannot be, and nothing is sorted.
+/// Median of `values` if it is unusual. If fewer than half of them are, it cannot be, and the sort is skipped.
 fn unusual_median(
     values: impl Iterator<Item = f64> + Clone,
     is_unusual: impl Fn(f64) -> bool,
@@ -409,7 +405,7 @@ fn unusual_median(
     Some(median(&mut values.collect::<Vec<f64>>())).filter(|median| is_unusual(*median))
 }
 
-/// Noise from one sample to the next, by the median: shocks and steps do not move it. None of a constant.
+/// Sample-to-sample noise as a median, robust to shocks and steps; `None` for a constant.
 fn fast_noise(values: &[f64]) -> Option<f64> {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();

@@ -1,4 +1,4 @@
-//! The rows of a recording on the regular sample grid: segments, and the boundaries between them.
+//! Rows of a recording on the regular sample grid: segments, and the boundaries between them.
 
 use std::ops::Range;
 
@@ -6,92 +6,92 @@ use serde::Serialize;
 
 use crate::statistics::median;
 
-/// A shorter wait is no pause of a recorder, s: a buffer that was not read in time or a bus that was busy.
+/// Shortest pause of a recorder, s: a shorter wait is a buffer that was not read in time or a busy bus.
 const SHORTEST_PAUSE_S: f64 = 1.0;
 
-/// Fewer pauses show no rule. Losses at random moments have exponential intervals, of which 28 % lie within [`SIMILAR`] of
-/// their median: that nearly all of eight do is once in ten thousand logs.
-const FEWEST_PAUSES: usize = 8;
+/// Minimum number of pauses that establish a rule. Losses at random moments have exponential intervals, of which 28 %
+/// lie within [`SIMILAR`] of their median: that nearly all of eight do happens once in ten thousand logs.
+const MIN_PAUSES: usize = 8;
 
-/// Lengths that differ from their median by less than this factor are similar.
+/// Largest ratio of two similar lengths.
 const SIMILAR: f64 = 1.5;
 
 /// Share of the pauses that must be similar, and lie at similar intervals.
 const REGULAR_SHARE: f64 = 0.9;
 
-/// Over more missing samples than this the count is not exact (a period known to 1e-4 is one sample off), and the
-/// two sides are not used together to measure the period.
+/// Largest number of missing samples that is exact (a period known to 1e-4 is one sample off); beyond it the two sides
+/// are not used together to measure the period.
 pub(super) const EXACT_MISSING: u64 = 5_000;
 
 /// A stretch of rows without gaps.
 ///
-/// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample makes every later row
-/// later by T, for good; jitter and bursts make a few rows late and pass. So a gap is looked for where the wait between
-/// two rows is at least 1.25 T, and it is believed when the *level* of `late` after it is above the level before it by
-/// more than half a period: round(rise / T) samples are missing.
+/// **Rule.** Let T be the sample period and `late(i) = stamp(i) − i·T`. A missing sample delays every later row by T
+/// permanently; jitter and bursts delay a few rows. So a gap is looked for where two rows are at least 1.25 T apart, and
+/// it is accepted if the *level* of `late` after it exceeds the level before it by more than half a period:
+/// round(rise / T) samples are missing.
 ///
-/// - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more
-///   scatter, and not beyond the next wait that scatter cannot explain (another gap).
+/// - Stamped sample by sample (regular or jittered): the level is the median over 16 to 64 rows, more for more scatter,
+///   and ends at the next interval that scatter does not explain (another gap).
 /// - Bursts: samples arrive late, never early, so the level is the lower envelope, the minimum over 16 bursts or
 ///   eight times the wait, until a slow host has caught up (64 to 4096 rows). The age of the freshest sample at a
 ///   poll drifts as the two clocks slip, which lifts the envelope by up to half a period within one window: here
-///   the rise must exceed 0.75 T. Rows with stamps that run backward are not part of the envelope.
+///   the rise must exceed 0.75 T. Rows with timestamps that run backward are not part of the envelope.
 ///
-/// In both, the rise must exceed six times its own scatter: of a median of so many stamps; for bursts as measured over
-/// all long waits of the log. So where a host is so slow that the envelope itself is ragged, a short loss goes unseen.
+/// In both cases the rise must exceed six times its own scatter: of a median of that many timestamps; for bursts as
+/// measured over all long intervals of the log. So if a host is so slow that the envelope is ragged, a short loss is not
+/// detected.
 ///
-/// A gap is put where the rows fit best on both sides: least absolute deviation for jitter; for bursts the
-/// longest wait between the last row that is too early to come after the gap and the first that is not late.
+/// A gap is placed where the rows fit best on both sides: least absolute deviation for jitter; for bursts the longest
+/// interval between the last row that is too early to come after the gap and the first that is not late.
 ///
-/// A gap of ten seconds is a pause, and so is every long wait of a duty-cycled log (bursts of samples that last, and
-/// waits of a second and more between them that are most of its time, or that come at regular intervals): the log is a
-/// whole one of many segments.
+/// A gap of ten seconds is a pause, and so is every long interval of a duty-cycled log (bursts of samples with intervals
+/// of a second and more between them that are most of its time, or regular): the log is complete, with many segments.
 ///
-/// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary of which
-/// it is not known how many samples are missing. A stamp that is wrong for a row or two is no gap.
-/// Boundaries that do not depend on stamps (a change of `segment`, rows that had to be skipped) are given.
+/// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary with an unknown number of
+/// missing samples. A wrong timestamp of a row or two is no gap. Boundaries that do not depend on timestamps (a change
+/// of `segment`, skipped rows) are given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Segment {
-    /// Its rows.
+    /// Rows of the segment.
     pub rows: Range<usize>,
-    /// Place of its first row on the regular sample grid; the first row of the recording is 0.
+    /// Index of its first row on the regular sample grid; the first row of the recording is 0.
     pub tick: u64,
-    /// Samples missing between the segment before and this one.
+    /// Samples missing between the previous segment and this one.
     pub missing_before: u64,
     pub boundary: Boundary,
 }
 
-/// Why a segment starts.
+/// Reason why a segment starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Boundary {
     /// The recording starts.
     Start,
     Gap,
-    /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds and more. No sample was
-    /// lost; `missing_before` is how many would have been taken.
+    /// Nothing was recorded for a while: a duty-cycled log, or one that was off for ten seconds or more. No sample was
+    /// lost; `missing_before` is the number that would have been taken.
     Pause,
     /// The `segment` column changes.
     SegmentColumn,
-    /// Time goes back; it is not known how many samples are missing (`missing_before` is 0).
+    /// Time goes back; the number of missing samples is unknown (`missing_before` is 0).
     ClockBack,
     /// Another recording starts.
     Recording,
 }
 
-/// A gap this long is a pause, s: what loses samples, a bus or a radio link, is back within seconds.
+/// Minimum duration of a pause, s: a bus or a radio link that loses samples recovers within seconds.
 const PAUSE_S: f64 = 10.0;
 
-/// A boundary known without looking at stamps.
+/// A boundary known without timestamps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mark {
     pub(super) row: usize,
     pub(super) boundary: Boundary,
-    /// Samples known to be missing.
+    /// Number of samples known to be missing.
     pub(super) missing: u64,
 }
 
-/// The rows of a recording on the regular sample grid.
+/// Rows of a recording on the regular sample grid.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     pub(super) segments: Vec<Segment>,
@@ -99,7 +99,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The same with long gaps called what they are.
+    /// Marks long gaps as pauses.
     pub(super) fn with_pauses(mut self, period_s: f64) -> Self {
         for segment in &mut self.segments {
             if segment.boundary == Boundary::Gap && segment.missing_before as f64 * period_s >= PAUSE_S {
@@ -117,7 +117,7 @@ impl Grid {
         self.segments.iter().flat_map(|s| (0..s.rows.len() as u64).map(move |i| s.tick + i)).collect()
     }
 
-    /// Stretches over which rows can be counted: short gaps are counted exactly, other boundaries are not.
+    /// Stretches with an exact row count: short gaps are counted exactly, other boundaries are not.
     pub(super) fn unbroken(&self) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
         for segment in &self.segments {
@@ -131,20 +131,20 @@ impl Grid {
     }
 }
 
-/// The segments that begin after a pause at a regular interval, and the usual burst and pause, in samples; `None` if the
-/// waits are irregular.
+/// Segments that begin after a pause at a regular interval, and the usual burst and pause, in samples; `None` if the
+/// pauses are irregular.
 pub(super) fn regular_pauses(segments: &[Segment], period_s: f64) -> Option<(Vec<usize>, [f64; 2])> {
     let is_wait = |segment: &Segment| {
         matches!(segment.boundary, Boundary::Gap | Boundary::Pause)
             && segment.missing_before as f64 * period_s >= SHORTEST_PAUSE_S
     };
     let waits: Vec<usize> = (1..segments.len()).filter(|place| is_wait(&segments[*place])).collect();
-    if waits.len() < FEWEST_PAUSES {
+    if waits.len() < MIN_PAUSES {
         return None;
     }
     let length = |wait: usize| segments[wait].missing_before as f64;
     let lengths: Vec<f64> = waits.iter().map(|wait| length(*wait)).collect();
-    // from the end of a wait to the start of the next, losses within the burst included
+    // from the end of a pause to the start of the next, losses within the burst included
     let bursts = waits.windows(2).map(|pair| (segments[pair[1]].tick - segments[pair[0]].tick) as f64);
     let bursts: Vec<f64> = bursts.zip(&lengths[1..]).map(|(every, wait)| every - wait).collect();
     let (usual_wait, usual_burst) = (median(&mut lengths.clone()), median(&mut bursts.clone()));

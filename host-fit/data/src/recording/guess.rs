@@ -1,4 +1,4 @@
-//! Which channel a column seems to be, and in what unit: by its name, and where that leaves a choice, by its values.
+//! Guesses the channel and unit of a column: by its name, and where that is ambiguous, by its values.
 
 use super::column_map::quoted;
 use super::column_words::{self, Named, Quantity, unit_in};
@@ -6,41 +6,41 @@ use crate::column::{AXES, Column, MAGNETOMETERS};
 use crate::statistics::median_of;
 use crate::unit::{STANDARD_GRAVITY, parse_unit};
 
-/// What a column seems to be.
+/// Probable channel of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Guess {
-    /// As in the log format, as `gx_rads`.
+    /// Channel in the log format, such as `gx_rads`.
     pub(super) target: String,
-    /// The unit, in a spelling that a column map takes; none for a channel without one.
+    /// Unit, in a spelling accepted by a column map; `None` for a channel without one.
     pub(super) unit: Option<&'static str>,
     pub(super) why: String,
-    /// The name alone says so.
+    /// True if the name alone determines it.
     pub(super) sure: bool,
-    /// Entries of a column map that name worse candidates for the same channel, best first.
+    /// Column map entries of worse candidates for the same channel, best first.
     pub(super) others: Vec<String>,
 }
 
-/// What the columns of a table seem to be.
+/// Probable channels of the columns of a table.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Guesses {
-    /// One per column, none where it seems to be no channel; no channel is guessed twice.
+    /// One per column, `None` if it seems to be no channel; no channel is guessed twice.
     pub(super) columns: Vec<Option<Guess>>,
-    /// Channels that nothing is guessed for, since several candidates are equally good.
+    /// Channels without a guess, since several candidates are equally good.
     pub(super) undecided: Vec<Undecided>,
 }
 
-/// Channels for which several candidates are equally good and differ, or which only a mix of sensors would fill.
+/// Channels with several equally good candidates that differ, or that only a mix of sensors would fill.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Undecided {
-    /// As in the log format, as `gx_rads`.
+    /// Channels in the log format, such as `gx_rads`.
     pub(super) targets: Vec<String>,
-    /// Entries of a column map, those of one sensor together.
+    /// Column map entries, grouped by sensor.
     pub(super) choices: Vec<Vec<String>>,
 }
 
 /// A column that may be a channel.
 struct Candidate {
-    /// Its place in the table.
+    /// Index in the table.
     at: usize,
     named: Named,
     target: &'static str,
@@ -48,11 +48,11 @@ struct Candidate {
     sure: bool,
 }
 
-/// A guess for every column, whatever the order of the columns: by the rank of their names, and among those of one rank by the
-/// names themselves where they hold the same data.
+/// Guesses for all columns, independent of their order: by the rank of their names, and within a rank by the names
+/// themselves if they hold the same data.
 pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Guesses {
     let mut guesses = Guesses { columns: vec![None; columns.len()], ..Guesses::default() };
-    // names of the log format first: whatever else is there, they mean what they say
+    // names of the log format first: their meaning is fixed whatever other columns exist
     let mut taken: Vec<&str> = Vec::new();
     for (guess, (name, _)) in
         guesses.columns.iter_mut().zip(columns).filter(|(_, (name, _))| is_standard(name))
@@ -68,7 +68,7 @@ pub(super) fn guesses(columns: &[(&str, &[f64])]) -> Guesses {
         .filter_map(|(at, (name, _))| Some((at, column_words::named(name)?)))
         .filter(|(_, named)| !taken.contains(&target_of(named.quantity)))
         .collect();
-    // then stated units, then by name, so that the order of the file has no say
+    // then stated units, then by name, so that the order of the file has no influence
     named.sort_by_key(|(at, named)| {
         let name = columns[*at].0;
         (named.rank, unit_in(name, target_of(named.quantity)).is_none(), name)
@@ -122,8 +122,8 @@ fn target_of(quantity: Quantity) -> &'static str {
 }
 
 impl Guesses {
-    /// Chooses the sensor whose columns are a triad: all axes of one, never some of each. Returns the numbers in the name of
-    /// the one that was chosen.
+    /// Chooses the sensor whose columns form a triad: all axes of one, never some of each. Returns the numbers in the
+    /// name of the chosen one.
     fn choose_sensor<'a>(
         &mut self,
         columns: &[(&str, &[f64])],
@@ -210,7 +210,7 @@ impl Guesses {
         self.take(columns, best, others);
     }
 
-    /// Takes back the axes: the accelerometers would be those of one device, the gyros those of another.
+    /// Withdraws the axes: the accelerometers would be those of one device, the gyros those of another.
     fn withdraw_axes(&mut self, columns: &[(&str, &[f64])]) {
         let mut choices = Vec::new();
         for triad in [&AXES[..3], &AXES[3..]] {
@@ -246,7 +246,7 @@ impl Guesses {
     }
 }
 
-/// The columns of one sensor, or those that may be one channel, with their units.
+/// Columns of one sensor, or candidates for one channel, with their units.
 fn candidates(columns: &[(&str, &[f64])], named: &[&(usize, Named)]) -> Vec<Candidate> {
     let values: Vec<&[f64]> = named.iter().map(|(at, _)| columns[*at].1).collect();
     let candidate = |(at, named): &&(usize, Named)| {
@@ -255,7 +255,7 @@ fn candidates(columns: &[(&str, &[f64])], named: &[&(usize, Named)]) -> Vec<Cand
         let stated = unit_in(name, target);
         let unit = stated.or_else(|| match named.quantity {
             Quantity::Time => time_unit(own),
-            // of one axis only a part of gravity is seen, so that nothing is said of fewer than three
+            // a single axis sees only a component of gravity, so the unit is determined from three
             Quantity::Force(_) => values[..].try_into().ok().and_then(force_unit),
             Quantity::Rate(_) => rate_unit(&values),
             Quantity::Temperature => temperature_unit(own),
@@ -288,11 +288,11 @@ fn spec(target: &str, column: &str, unit: Option<&str>) -> String {
     format!("{target}={}{unit}", quoted(column))
 }
 
-/// Differences of this size relative to the values are rounding of a conversion, and no other data.
+/// Largest relative difference attributed to rounding of a conversion.
 const ROUNDING: f64 = 1e-6;
 
-/// Whether two candidates of one channel hold the same data, in the unit of the channel; clocks may count from different
-/// moments.
+/// Returns true if two candidates of one channel hold the same data, in the unit of the channel; clocks may differ in
+/// their epoch.
 fn same(columns: &[(&str, &[f64])], one: &Candidate, other: &Candidate) -> bool {
     let converted = |column: &Candidate| -> Vec<f64> {
         let mut values = columns[column.at].1.to_vec();
@@ -308,7 +308,7 @@ fn same(columns: &[(&str, &[f64])], one: &Candidate, other: &Candidate) -> bool 
             a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
         });
     }
-    // a stamp belongs to its sample as long as it is off by less than half a period
+    // timestamps belong to the same sample if they differ by less than half a period
     let apart: Vec<f64> = pairs.map(|(a, b)| a - b).filter(|apart| apart.is_finite()).collect();
     let (low, high) =
         apart.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
@@ -323,13 +323,13 @@ fn distinct(values: &[f64]) -> usize {
     bits.len()
 }
 
-/// Median of the magnitudes that are finite.
+/// Median of the finite magnitudes.
 fn typical(values: &[f64]) -> f64 {
     let magnitudes = values.iter().filter(|value| value.is_finite()).map(|value| value.abs());
     median(magnitudes.collect())
 }
 
-/// Not a number of none: it lies in no range.
+/// Median; NaN if empty, which lies in no range.
 fn median(values: Vec<f64>) -> f64 {
     median_of(values).unwrap_or(f64::NAN)
 }
@@ -338,7 +338,7 @@ fn steps(values: &[f64]) -> Vec<f64> {
     values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite()).collect()
 }
 
-/// The unit in which the stamps come at 10 to 2000 a second.
+/// Unit in which the timestamps give 10 to 2000 samples per second.
 pub(super) fn time_unit(stamps: &[f64]) -> Option<&'static str> {
     let step = median(steps(stamps).into_iter().filter(|step| *step > 0.0).collect());
     [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
@@ -347,14 +347,14 @@ pub(super) fn time_unit(stamps: &[f64]) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
-/// Gravity as a triad of accelerometers shows it, in their unit: what it measures most of the time; none of no rows.
+/// Gravity as measured by a triad of accelerometers, in their unit: the median magnitude; `None` without rows.
 pub(super) fn gravity(triad: [&[f64]; 3]) -> Option<f64> {
     let rows = triad.iter().map(|values| values.len()).min()?;
     let norm = |row: usize| triad.iter().map(|values| values[row] * values[row]).sum::<f64>().sqrt();
     median_of((0..rows).map(norm).filter(|norm| norm.is_finite()))
 }
 
-/// The unit in which what a triad measures is about gravity.
+/// Unit in which the median magnitude of a triad is about gravity.
 pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
     let gravity = gravity(triad)?;
     let about = |one: f64| (0.7..1.4).contains(&(gravity / one));
@@ -364,9 +364,9 @@ pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
-/// The unit by the noise from one sample to the next: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
+/// Unit by the sample-to-sample noise: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
 pub(super) fn rate_unit(triad: &[&[f64]]) -> Option<&'static str> {
-    // of slow or coarse data most samples repeat the one before
+    // in slow or coarse data most samples repeat the one before
     let changes = |values: &&[f64]| steps(values).into_iter().filter(|step| *step > 0.0).collect();
     let noise = median(triad.iter().map(|values| median(changes(values))).collect());
     match noise {
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_state_a_unit_are_taken_at_their_word() {
+    fn names_with_units_are_certain() {
         for (name, target, unit) in [
             ("gyro_x [mdps]", "gx_rads", "mdps"),
             ("GyroY(dps)", "gy_rads", "dps"),
@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_the_log_format_mean_what_they_say() {
+    fn names_of_the_log_format_take_precedence() {
         for name in ["t_s", "gx_rads", "ref_az_mps2", "still", "temp_c"] {
             assert_eq!(guessed(&[(name, noise(1.0, 0.0))])[0], Some((name.to_owned(), None, true)));
         }
@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn values_tell_the_unit_where_the_name_does_not_and_that_is_not_sure() {
+    fn guesses_units_from_values_as_uncertain() {
         let stamps = |step: f64| (0..500).map(|n| 1e6 + f64::from(n) * step).collect::<Vec<_>>();
         for (step, unit) in [(0.005, "s"), (5.0, "ms"), (5000.0, "us"), (5e6, "ns")] {
             let found = guessed(&[("time", stamps(step))]);
@@ -457,13 +457,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_channel_is_left_alone() {
+    fn ignores_columns_that_are_no_channel() {
         for name in ["", "counter", "x", "label", "motor_current", "gps_lat"] {
             assert_eq!(guessed(&[(name, noise(1.0, 0.0))])[0], None, "{name}");
         }
     }
 
-    /// Columns by channel, as a rule maps them.
+    /// Column of each channel, by a rule.
     type Mapping = std::collections::BTreeMap<String, String>;
     type Rule = fn(&[(&str, &[f64])]) -> Mapping;
 
@@ -472,7 +472,7 @@ mod tests {
         guesses.filter_map(|(guess, (name, _))| Some((guess?.target, (*name).to_owned()))).collect()
     }
 
-    /// The rule of before: the first column of the file that speaks of a channel.
+    /// The previous rule: the first column of the file that matches a channel.
     fn first_in_the_file(columns: &[(&str, &[f64])]) -> Mapping {
         let mut mapping = Mapping::new();
         for (name, _) in columns {
@@ -484,7 +484,7 @@ mod tests {
         mapping
     }
 
-    /// Columns of different noise in an order that `seed` decides.
+    /// Columns with different noise in an order that `seed` determines.
     fn shuffled(names: &[String], seed: u64) -> Vec<(String, Vec<f64>)> {
         let mut columns: Vec<(String, Vec<f64>)> = names
             .iter()
@@ -499,7 +499,7 @@ mod tests {
         columns
     }
 
-    /// Whether the order of the columns has no say.
+    /// Returns true if the mapping does not depend on the order of the columns.
     fn is_free_of_order(names: &[String], rule: Rule) -> bool {
         let of = |seed: u64| {
             let columns = shuffled(names, seed);
@@ -549,9 +549,9 @@ mod tests {
     #[test]
     fn maps_columns_the_same_in_any_order() {
         assert!(is_free_of_order(&rich_table(), mapping));
-        // two equally good ones: none is taken, in any order
+        // of two equally good ones none is taken, in any order
         assert!(is_free_of_order(&triads(&["imu0_gyro_*_dps", "imu1_gyro_*_dps", "acc_*_g"]), mapping));
-        // the check notices the rule of before
+        // negative control: the previous rule depends on the order
         assert!(!is_free_of_order(&rich_table(), first_in_the_file));
         let decoys = column_words::DECOYS.to_vec();
         println!(
@@ -620,13 +620,13 @@ mod tests {
     }
 
     #[test]
-    fn is_deceived_by_no_word_beside_the_measurement() {
+    fn ignores_decoy_words_in_column_names() {
         let words: Vec<&str> = column_words::DECOYS
             .into_iter()
             .chain(["linear", "filtered", "raw", "lpf", "debug", "left"])
             .collect();
         assert_eq!(deceived_by(&words, mapping), [""; 0]);
-        // the check notices the rule of before, which takes what it ranks lower where that comes first
+        // negative control: the previous rule takes a worse candidate that comes first
         assert!(deceived_by(&["linear", "filtered", "raw"], first_in_the_file).len() >= 9);
         // nor by a prefix
         for name in [

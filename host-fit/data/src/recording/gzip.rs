@@ -1,10 +1,10 @@
-//! gzip as gzip unpacks it: one member after the other, and zeros behind them, which tapes and block devices leave.
+//! gzip members, concatenated as gzip does; trailing zeros, left by tapes and block devices, are ignored.
 
 use std::io::{self, BufRead, Read};
 
 use flate2::bufread::GzDecoder;
 
-/// What the members hold, one after the other.
+/// Reader of the concatenated contents of all members.
 pub(super) struct Members<R> {
     member: Option<GzDecoder<R>>,
 }
@@ -28,14 +28,14 @@ impl<R: BufRead> Read for Members<R> {
     }
 }
 
-/// The member that comes next, if there is one.
+/// Decoder of the next member, if there is one.
 fn next<R: BufRead>(mut input: R) -> io::Result<Option<GzDecoder<R>>> {
     loop {
         let bytes = input.fill_buf()?;
         let zeros = bytes.iter().take_while(|&&byte| byte == 0).count();
         match bytes.get(zeros) {
             None if bytes.is_empty() => return Ok(None),
-            // the begin of a member; the decoder sees whether it is one
+            // the begin of a member; the decoder checks whether it is one
             Some(0x1f) => {
                 input.consume(zeros);
                 return Ok(Some(GzDecoder::new(input)));
@@ -66,7 +66,7 @@ mod tests {
         packed.finish().unwrap()
     }
 
-    /// Unpacked from buffers of every length, into pieces of `piece` bytes.
+    /// Decompressed from buffers of several lengths, into pieces of `piece` bytes.
     fn unpacked(bytes: &[u8], piece: usize) -> Result<String, String> {
         let mut unpacked = Vec::new();
         for buffer in [1, 2, 7, 4096] {
@@ -86,11 +86,11 @@ mod tests {
     }
 
     #[test]
-    fn members_are_one_text_and_zeros_behind_them_nothing() {
+    fn concatenates_members_and_ignores_trailing_zeros() {
         let (one, two) = (packed("one\n"), packed("two\n"));
         for piece in [1, 3, 100] {
             assert_eq!(unpacked(&[&*one, &two].concat(), piece).unwrap(), "one\ntwo\n");
-            // refused as an invalid header
+            // used to be rejected as an invalid header
             assert_eq!(unpacked(&[&*one, &[0; 5000]].concat(), piece).unwrap(), "one\n");
             assert_eq!(unpacked(&[&*one, &[0; 512], &two, &[0]].concat(), piece).unwrap(), "one\ntwo\n");
             assert_eq!(unpacked(&packed(""), piece).unwrap(), "");
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_else_behind_them_is_refused_by_name() {
+    fn rejects_other_data_after_the_members() {
         let one = packed("one\n");
         for (tail, says) in [
             (&b"hello"[..], "beginning with 0x68"),
@@ -106,8 +106,8 @@ mod tests {
             (b"\x1f", "end of file"),
             (b"\x1f\x00 is no member", "header"),
         ] {
-            let said = unpacked(&[&*one, tail].concat(), 10).unwrap_err();
-            assert!(said.contains(says), "{tail:?}: {said}");
+            let message = unpacked(&[&*one, tail].concat(), 10).unwrap_err();
+            assert!(message.contains(says), "{tail:?}: {message}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Which line of a text names the columns, and what stands between them.
+//! Finds the line of a text that names the columns, and the separator.
 
 use std::path::Path;
 
@@ -7,27 +7,27 @@ use super::error::RecordingError;
 use super::format::is_unit;
 use super::table::{check_names, column_name};
 
-/// Titles are looked for in so many lines: Betaflight writes a hundred and fifty before its header.
-const MOST_TITLES: usize = 400;
+/// Number of lines searched for titles: Betaflight writes a hundred and fifty before its header.
+const MAX_TITLES: usize = 400;
 
-/// Names of the columns, and what stands between them.
+/// Names of the columns, and the separator.
 pub(super) struct Header {
     pub(super) names: Vec<String>,
     pub(super) separator: u8,
-    /// A comma in a number is the decimal one.
+    /// True if a comma in a number is the decimal point.
     pub(super) decimal_comma: bool,
-    /// The text has no header, so that its columns are named by their places.
+    /// True for a text without a header, whose columns are named by position.
     pub(super) is_unnamed: bool,
 }
 
-/// Lines at the end of the first ones that are looked at to see whether cells stand between spaces.
+/// Number of lines, at the end of the first ones, examined for cells separated by spaces.
 const LINES_TO_SPACE: usize = 20;
 
-/// Takes the header, and what stands above it, from the first lines of a text. `comment` is the one above the first of
+/// Takes the header, and the lines above it, from the first lines of a text. `comment` is the one above the first of
 /// them.
 ///
 /// # Errors
-/// There is none, or it names two columns alike.
+/// No header, or a header with two equal names.
 pub(super) fn take(
     path: &Path,
     comment: Option<Vec<u8>>,
@@ -54,7 +54,7 @@ pub(super) fn take(
     parse(path, &header, None, lines, spaced)
 }
 
-/// Whether cells stand between spaces: the last of the first lines are numbers between them, and not between separators.
+/// Returns true if cells are separated by spaces: the last of the first lines split into numbers that way only.
 fn is_spaced(lines: &[(u64, Vec<u8>)]) -> bool {
     let last = &lines[lines.len().saturating_sub(LINES_TO_SPACE)..];
     let is_spaced = |line: &[u8]| {
@@ -65,7 +65,7 @@ fn is_spaced(lines: &[(u64, Vec<u8>)]) -> bool {
     2 * spaced > last.len()
 }
 
-/// The place of a row of units that stands between the names and the first row of numbers.
+/// Index of a row of units between the names and the first row of numbers.
 fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
     let is_units = |at: usize| {
         let (names, units, row) = (&lines[at - 1].1, &lines[at].1, &lines[at + 1].1);
@@ -81,10 +81,10 @@ fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
             && names_cells(units, &row)
             && 2 * known > cells
     };
-    (1..lines.len().saturating_sub(1).min(MOST_TITLES)).find(|at| is_units(*at))
+    (1..lines.len().saturating_sub(1).min(MAX_TITLES)).find(|at| is_units(*at))
 }
 
-/// Whether a comma in a number is the decimal one: where a point is, it is not.
+/// Returns true if a comma in a number is the decimal point, that is, if no number has a point.
 fn decimal_comma(rows: &[(u64, Vec<u8>)], separator: u8) -> bool {
     let mut has_point = false;
     if separator != b',' {
@@ -145,7 +145,7 @@ pub(super) fn not_a_log(path: &Path, problem: String) -> RecordingError {
     RecordingError::NotALog { path: path.to_owned(), problem }
 }
 
-/// How many cells a line has, and how many of them are numbers.
+/// Numbers of cells of a line by kind.
 struct Shape {
     cells: usize,
     numbers: usize,
@@ -169,24 +169,24 @@ impl Shape {
     }
 }
 
-/// Whether a line names as many cells as a row has.
+/// Returns true if a line names as many cells as a row has.
 fn names_cells(line: &[u8], row: &Shape) -> bool {
     let names = Shape::by(line, row.separator);
     row.cells > 1 && names.cells == row.cells && names.numbers == 0 && names.texts > 1
 }
 
-/// The place of the header where titles stand above it: they have fewer cells, and it names those of the row below.
+/// Index of a header below titles: titles have fewer cells, and the header names those of the row below.
 fn first_row_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
     let title = Shape::of(&lines[0].1, spaced);
     let is_header = |at: usize| {
-        // by the separator of the names: in the row there may be more decimal commas
+        // split by the separator of the names: the row may contain more decimal commas
         let Some((_, row)) = lines.get(at + 1) else { return false };
         let row = Shape::by(row, separator(&lines[at].1, spaced));
         // half of a row may be empty or text
         2 * row.numbers >= row.cells && row.numbers > 1 && names_cells(&lines[at].1, &row)
     };
     let is_below_titles = |at: usize| Shape::of(&lines[at].1, spaced).cells > title.cells;
-    (0..lines.len().min(MOST_TITLES)).find(|&at| (at == 0 || is_below_titles(at)) && is_header(at))
+    (0..lines.len().min(MAX_TITLES)).find(|&at| (at == 0 || is_below_titles(at)) && is_header(at))
 }
 
 #[cfg(test)]
@@ -202,9 +202,9 @@ mod tests {
     }
 
     #[test]
-    fn the_first_line_is_the_header_unless_titles_stand_above() {
+    fn finds_the_header_below_titles() {
         assert_eq!(taken(None, "a,b\n1,2\n"), (vec!["a".into(), "b".into()], b',', false, 1));
-        // a first row that cannot be used is no title
+        // an unusable first row is no title
         assert_eq!(taken(None, "a,b,c\nrubbish\n1,2,3\n").3, 2);
         assert_eq!(taken(None, "a,b,c\nd,e,f\n1,2,3\n").3, 2);
         for title in ["sep=;", "MEMS Studio 2.3", "\"Product\";\"Blackbox\""] {
@@ -212,21 +212,21 @@ mod tests {
             let names = vec!["t".into(), "x".into(), "y".into()];
             assert_eq!(taken(None, &text), (names, b';', true, 1), "{title}");
         }
-        // one line, and nothing to hold it against
+        // a single line without anything to compare
         assert_eq!(taken(None, "a,b").3, 0);
     }
 
     #[test]
-    fn a_comment_that_names_the_cells_of_the_numbers_below_is_the_header() {
+    fn comment_with_the_names_of_the_cells_is_the_header() {
         assert_eq!(taken(Some("timestamp [ns],x,y"), "1,2,3\n").0[0], "timestamp [ns]");
         assert_eq!(taken(Some("a remark, with a comma"), "t,x\n1,2\n").0[0], "t");
-        // a remark is none
+        // a remark is no header
         let mut rows = vec![(1, b"1,2,3".to_vec())];
         assert!(take(Path::new("x"), Some(b"a remark".to_vec()), &mut rows).unwrap().is_unnamed);
     }
 
     #[test]
-    fn a_decimal_comma_is_one_where_no_point_is() {
+    fn recognises_decimal_commas_without_points() {
         assert!(taken(None, "a;b\n1,5;2\n").2);
         assert!(!taken(None, "a;b\n1.5;2\n").2);
         assert!(!taken(None, "a,b\n1,2\n").2);

@@ -1,11 +1,11 @@
-//! Cells that are missing: which value stands for them.
+//! Replacement of missing cells by held values.
 
 use super::channel::Channel;
 use super::{Boundary, Recording};
 
 impl Recording {
-    /// The values of a channel as a device has them, one per row: where one is missing, the last one before it, over
-    /// gaps too. NaN until there is one since the unit was switched on, at the begin of each recording that was joined.
+    /// Values of a channel as a device has them, one per row: a missing value is replaced by the last one before it,
+    /// across gaps too. NaN before the first value after power-on, that is, after the start of each joined recording.
     pub fn held(&self, channel: &Channel) -> Vec<f64> {
         let mut values = channel.values.to_vec();
         for rows in self.power_ons() {
@@ -20,15 +20,15 @@ impl Recording {
         values
     }
 
-    /// The same for those who need a value in every row: before the first one, that stands, as nothing else is known.
-    /// NaN only where the channel has no value at all.
+    /// The same with a value in every row: rows before the first value get that value. NaN only if the channel has no
+    /// value at all.
     pub fn held_from_first(&self, channel: &Channel) -> Vec<f64> {
         let mut values = self.held(channel);
         back_filled(&mut values);
         values
     }
 
-    /// Rows from one start of the unit to the next.
+    /// Ranges of rows from one power-on to the next.
     pub(super) fn power_ons(&self) -> Vec<std::ops::Range<usize>> {
         let mut starts: Vec<usize> = self
             .segments
@@ -42,7 +42,7 @@ impl Recording {
     }
 }
 
-/// Puts the next value there is into rows where one is not known, and after the last that one.
+/// Fills missing values with the next known one, and those after the last with the last.
 pub fn back_filled(values: &mut [f64]) {
     let mut next = values.iter().rev().copied().find(|value| !value.is_nan()).unwrap_or(f64::NAN);
     for value in values.iter_mut().rev() {
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_value_is_held_and_before_the_first_nothing_is_known() {
+    fn holds_missing_values_from_the_first_one_on() {
         let recording = recording(&[NAN, 1.0, NAN, NAN, 2.0, NAN]);
         let channel = recording.channel("temp_c").unwrap();
         equal(&recording.held(channel), &[NAN, 1.0, 1.0, 1.0, 2.0, 2.0]);
@@ -83,9 +83,9 @@ mod tests {
         assert_eq!(channel.n_missing(), 4);
     }
 
-    /// The last value of one log stood for the first of the next, though the unit may have been off for a week.
+    /// The last value of one log used to be held into the next, though the device may have been off for a week.
     #[test]
-    fn nothing_is_held_from_one_recording_into_the_next() {
+    fn holds_no_value_across_recordings() {
         let both = Recording::join(vec![recording(&[1.0, 2.0, 3.0]), recording(&[NAN, 7.0, NAN])]).unwrap();
         let channel = both.channel("temp_c").unwrap();
         equal(&both.held(channel), &[1.0, 2.0, 3.0, NAN, 7.0, 7.0]);

@@ -1,21 +1,21 @@
-//! Whether samples of two devices come in turn under one name.
+//! Detects samples of two devices that alternate under one name.
 
-/// Samples of a window in which the turns of the two are compared: short enough that no message is missing in most.
+/// Window in which the two are compared, samples: short enough that no message is missing in most.
 const WINDOW: usize = 64;
 
-/// Standard errors by which the two must differ in half of the windows. Of one device, the median over the windows of the
-/// largest of six differences is about 1.6.
-const APART: f64 = 6.0;
+/// Number of standard errors by which the two must differ in half of the windows. For one device, the median over the
+/// windows of the largest of six differences is about 1.6.
+const MIN_SIGMAS: f64 = 6.0;
 
-/// Steps from a stamp to the next that take turns differ by this share of their sum in most windows. Those of one device that is
-/// read evenly do not.
-const UNEVEN: f64 = 0.1;
+/// Minimum alternating difference of the intervals between timestamps, as a share of their sum, in most windows. The
+/// intervals of one device that is read evenly stay below.
+const MIN_ALTERNATION: f64 = 0.1;
 
-/// Whether every second sample is of another device: the steps between the stamps take turns, short and long, and so do the
-/// levels of at least one axis.
+/// Returns true if every second sample is of another device: the intervals between the timestamps alternate, short and
+/// long, and so do the levels of at least one axis.
 ///
-/// Rounded stamps take turns as well (2 ms and 3 ms at 400 Hz), and vibration at half the sampling rate makes values do so;
-/// of one device it is seldom both.
+/// Rounded timestamps alternate as well (2 ms and 3 ms at 400 Hz), and so do values under vibration at half the sampling
+/// rate; one device seldom shows both.
 pub(super) fn interleaved(stamps_s: &[f64], columns: &[&[f64]]) -> bool {
     let mut uneven = Vec::new();
     let mut apart = Vec::new();
@@ -32,8 +32,8 @@ pub(super) fn interleaved(stamps_s: &[f64], columns: &[&[f64]]) -> bool {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).is_some_and(|median| *median > limit)
     };
-    // too few windows say nothing
-    uneven.len() >= 4 && exceeds(uneven, UNEVEN) && exceeds(apart, APART)
+    // too few windows are inconclusive
+    uneven.len() >= 4 && exceeds(uneven, MIN_ALTERNATION) && exceeds(apart, MIN_SIGMAS)
 }
 
 fn by_turns(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -45,7 +45,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Standard errors between the means of even and odd samples.
+/// Difference between the means of even and odd samples, in standard errors.
 fn difference(values: &[f64]) -> f64 {
     let (even, odd) = by_turns(values);
     let variance = |values: &[f64]| {
@@ -54,6 +54,6 @@ fn difference(values: &[f64]) -> f64 {
     };
     let error = (variance(&even) / even.len() as f64 + variance(&odd) / odd.len() as f64).sqrt();
     let apart = (mean(&even) - mean(&odd)).abs();
-    // equal values that never change are of nobody
+    // values that never change are no evidence
     if apart > 0.0 && apart.is_finite() { apart / error.max(f64::MIN_POSITIVE) } else { 0.0 }
 }

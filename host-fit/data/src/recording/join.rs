@@ -1,20 +1,19 @@
-//! Several recordings of one unit as one, never spliced: between two of them everything starts anew.
+//! Concatenates several recordings of one device without splicing: filters and lags restart at each boundary.
 
 use std::sync::Arc;
 
 use super::{Boundary, Quality, Recording, RecordingError};
 
-/// Rates further apart than this are not of one model, relative. A model's lags are samples: at 2 % they are as far off
-/// in time as a model can bear.
+/// Relative difference of rates beyond which recordings do not share a model. A model's lags are in samples: at 2 %
+/// they are as far off in time as a model can bear.
 const SAME_RATE: f64 = 0.02;
 
 impl Recording {
-    /// One recording of several, one after the other: the channels that all have, a segment boundary between any two.
-    /// Times go on from one to the next.
+    /// Concatenates recordings: the channels that all of them have, with a segment boundary between any two. Times
+    /// continue from one to the next.
     ///
     /// # Errors
-    /// None is given, they were sampled at different rates, are of different sensors or differently corrected, or no
-    /// channel is in all of them.
+    /// The list is empty, or the recordings have different rates, sensors or corrections, or no channel in common.
     pub fn join(recordings: Vec<Self>) -> Result<Self, RecordingError> {
         let mut rest = recordings.into_iter();
         let mut joined = rest.next().ok_or(RecordingError::NothingToJoin)?;
@@ -44,7 +43,7 @@ impl Recording {
             Arc::make_mut(&mut channel.values)
                 .extend(other.into_iter().flat_map(|other| other.values.iter()));
         }
-        // rows count alike, wherever they were recorded
+        // the mean period weighted by rows
         let weight = next.n_rows() as f64 / (rows + next.n_rows()) as f64;
         self.rate.period_s += weight * (next.rate.period_s - self.rate.period_s);
         self.rate.true_hz = 1.0 / self.rate.period_s;
@@ -72,7 +71,7 @@ impl Recording {
         };
         self.turns.extend(next.turns.iter().map(|turn| turn + rows));
         self.quality.add(next.quality);
-        // of the first: it says how, and later ones come from the same source
+        // of the first: later ones come from the same kind of source
         self.alignment = self.alignment.take().or(next.alignment);
         self.sources.extend(next.sources);
         Ok(())
@@ -84,7 +83,7 @@ fn same(channel: &super::Channel, other: &super::Channel) -> bool {
 }
 
 impl Quality {
-    /// Counts of both; places are of the files they were found in and are kept of the first only.
+    /// Adds the counts of both; row positions refer to the files they were found in and are kept of the first only.
     fn add(&mut self, other: Self) {
         self.rows_in_file += other.rows_in_file;
         self.rows_unusable += other.rows_unusable;
@@ -120,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_joined_has_a_boundary_where_it_was_joined() {
+    fn joined_recordings_have_a_boundary() {
         let first = recording(100.0, &[("gx_rads", 30), ("temp_c", 30)]);
         let second = recording(101.0, &[("supply_v", 20), ("gx_rads", 20)]);
         let joined = Recording::join(vec![first, second]).unwrap();
@@ -137,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_go_together_is_refused() {
+    fn rejects_incompatible_recordings() {
         let one = || recording(100.0, &[("gx_rads", 30)]);
         let faster = Recording::join(vec![one(), recording(103.0, &[("gx_rads", 30)])]).unwrap_err();
         assert!(faster.to_string().contains("103"), "{faster}");

@@ -1,4 +1,4 @@
-//! From a file to a recording: find the format, read the table, give the columns their meaning.
+//! Loads a recording: recognises the format, reads the table, assigns channels to the columns.
 
 use crate::column::AXES;
 use std::path::Path;
@@ -22,20 +22,20 @@ use super::{
 use crate::closest::closest;
 use crate::unit::Unit;
 
-/// Highest fraction of rows that repeat the stamp before them for full repeats to be taken as copies; above it the
-/// clock of the log is coarse, and equal rows are equal measurements.
+/// Largest share of rows with a repeated timestamp for which full repeats count as copies; above it the clock of the log
+/// is coarse, and equal rows are equal measurements.
 const MAX_COPIES: f64 = 0.1;
 
-/// Clocks that are set back go back a few times; stamps that do so more often than this, as a share of the rows, are
-/// not in the order of time.
+/// Number and share of steps back that a clock may have if it was set back; timestamps with more of them are out of the
+/// order of time.
 const FEW_BACKS: u64 = 3;
-const MOST_BACKS: f64 = 0.02;
+const MAX_BACKS: f64 = 0.02;
 
-/// A rate by the stamps that is further from the stated one than this, relative, is another one, and the stated one holds: the oscillators of parts are off by up
-/// to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
+/// Relative difference from which a measured rate contradicts the stated one, which then replaces it: the oscillators of
+/// parts are off by up to five percent (MPU-6000, product specification, 6.6), and nobody states three digits.
 const SAME_RATE: f64 = 0.07;
 
-/// Reads a log in any format that is known ([`KNOWN_FORMATS`](super::KNOWN_FORMATS)), told by its content.
+/// Reads a log in any known format ([`KNOWN_FORMATS`](super::KNOWN_FORMATS)), recognised by its content.
 ///
 /// # Errors
 /// A file that cannot be read or is no log; see [`RecordingError`].
@@ -54,7 +54,7 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
                 Some(streams) => {
                     refuse_unusable(path, &table, options.strict)?;
                     check_map(path, &table, &meaning.map)?;
-                    // the map is followed: the streams have the names of channels
+                    // the map is applied already: the streams have the names of channels
                     let followed = LoadOptions { columns: ColumnMap::default(), ..options.clone() };
                     let mut recording = Recording::from_streams(source, streams, &followed)?;
                     let of_table = table.quality;
@@ -73,10 +73,10 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
     }
 }
 
-/// The columns at the begin of a log, and what they mean.
+/// Columns at the begin of a log, and their meaning.
 ///
 /// # Errors
-/// As of [`load`].
+/// Those of [`load`].
 pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
     let options = LoadOptions::default();
     let (opened, _) = format::open(path, &options, Extent::Begin)?;
@@ -97,10 +97,10 @@ pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
 }
 
 impl Recording {
-    /// A recording from columns in memory, named as in a log: `t_s`, `gx_rads`, `still`, ….
+    /// Builds a recording from columns in memory, named as in a log: `t_s`, `gx_rads`, `still`, ….
     ///
     /// # Errors
-    /// Columns of different length, and what [`load`] refuses.
+    /// Columns of different lengths, and errors of [`load`].
     pub fn from_columns(
         source: Source,
         columns: Vec<(String, Vec<f64>)>,
@@ -109,7 +109,7 @@ impl Recording {
         Self::of_columns(source, columns, options, MayHaveRates::Yes)
     }
 
-    /// As [`Recording::from_columns`], of columns of one rate or of several.
+    /// The same for columns of one rate or of several.
     pub(super) fn of_columns(
         source: Source,
         columns: Vec<(String, Vec<f64>)>,
@@ -132,11 +132,11 @@ impl Recording {
         for i in 0..table.columns.len() {
             table.note_missing_cells(i, 0);
         }
-        assemble(source, table, &Meaning::told(options), options, rates)
+        assemble(source, table, &Meaning::of_user(options), options, rates)
     }
 }
 
-/// Gives the columns of a table their meaning.
+/// Assigns channels to the columns of a table and builds the recording.
 fn assemble(
     source: Source,
     mut table: Table,
@@ -183,8 +183,8 @@ fn assemble(
     quality.assumed_map.clone_from(&meaning.assumed_map);
     let mut channels = name_channels(columns, map);
     quality.failed_reads = channels.iter_mut().filter_map(failed_reads::take_out).collect();
-    channels.retain(|channel| !quality.failed_reads.iter().any(|reads| reads.is_of_all(&channel.name)));
-    leave_out_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
+    channels.retain(|channel| !quality.failed_reads.iter().any(|reads| reads.covers_column(&channel.name)));
+    exclude_empty_axes(&path, &mut channels, &mut quality, n_rows, &options.columns)?;
     if rates == MayHaveRates::Yes
         && let Some(streams) = streams_of(&channels, n_rows, options)
     {
@@ -204,11 +204,11 @@ fn assemble(
     }
     let mut take = |name: &str| {
         let index = channels.iter().position(|channel| channel.name == name)?;
-        // nobody else has it yet
+        // not shared yet, so nothing is copied
         Some(Arc::unwrap_or_clone(channels.remove(index).values))
     };
     let stamps = take("t_s");
-    // a cell that does not say still does not count as still
+    // a missing cell does not count as still
     let still = take("still").map(|cells| cells.into_iter().map(|cell| cell > 0.5).collect());
     let marks = find_marks(take("segment").as_deref().unwrap_or_default(), &skipped);
 
@@ -247,7 +247,7 @@ fn assemble(
         },
         (None, rate_hz) => by_order(rate_hz.unwrap_or(1.0)),
     };
-    if rate.stamps != Stamps::Absent && is_of_two(&time_s, &channels) {
+    if rate.stamps != Stamps::Absent && is_interleaved(&time_s, &channels) {
         return Err(RecordingError::TwoDevices { path });
     }
     quality.stamps_repeated = time_s.windows(2).filter(|pair| pair[0] == pair[1]).count() as u64;
@@ -273,7 +273,7 @@ fn assemble(
     })
 }
 
-/// The boundaries of a grid, for rows that count in their order; none where the stamps leave gaps everywhere.
+/// Boundaries of a grid, for rows that count in their order; empty if the timestamps leave gaps everywhere.
 fn marks_of(grid: &Grid) -> Vec<Mark> {
     let rows = grid.segments.last().map_or(0, |last| last.rows.end);
     let is_few = grid.segments.len() * 20 <= rows;
@@ -288,10 +288,10 @@ fn marks_of(grid: &Grid) -> Vec<Mark> {
         .collect()
 }
 
-/// Stamps with the grid and the rate that they show.
+/// Timestamps with the grid and the rate computed from them.
 ///
 /// # Errors
-/// They show none, or an impossible one, or are in no order.
+/// The timestamps determine no rate or an impossible one, or are out of order.
 fn measured(
     path: &Path,
     column: String,
@@ -307,13 +307,13 @@ fn measured(
         return Err(RecordingError::NoSuchClock { path, column, period_s: rate.period_s });
     }
     let (backs, rows) = (grid.clock_back, time_s.len());
-    if backs > FEW_BACKS && backs as f64 > MOST_BACKS * rows as f64 {
+    if backs > FEW_BACKS && backs as f64 > MAX_BACKS * rows as f64 {
         return Err(RecordingError::OutOfOrder { path, column, backs, rows });
     }
     Ok((time_s, grid, rate))
 }
 
-/// The streams that a table was merged from, if an axis has a rate of its own.
+/// Streams that a table was merged from, if an axis has a separate rate.
 fn streams_of(channels: &[Channel], n_rows: usize, options: &LoadOptions) -> Option<Vec<Stream>> {
     let (time, others): (Vec<&Channel>, Vec<&Channel>) =
         channels.iter().partition(|channel| channel.name == "t_s");
@@ -325,7 +325,7 @@ fn streams_of(channels: &[Channel], n_rows: usize, options: &LoadOptions) -> Opt
     own_rate::streams(&time_s, &others)
 }
 
-/// Refuses a map that reads or leaves out columns the log does not have.
+/// Rejects a map that reads or ignores columns that the log does not have.
 fn check_map(path: &Path, table: &Table, map: &ColumnMap) -> Result<(), RecordingError> {
     let mapped = map.mappings().iter().map(|mapping| &mapping.column);
     let mapped = mapped.filter(|column| table.index_of(column).is_none());
@@ -348,8 +348,8 @@ fn check_map(path: &Path, table: &Table, map: &ColumnMap) -> Result<(), Recordin
     }
 }
 
-/// Drops rows that repeat the sample before them: the same stamp, and the same in all inertial channels (in all, if
-/// there are none of those). A sender that holds the last sample may still renew a slow channel.
+/// Drops rows that repeat the sample before them: the same timestamp, and the same values in all inertial channels (in
+/// all channels, if there are none of those). A sender that holds the last sample may still update a slow channel.
 fn drop_copies(table: &mut Table, time: usize, map: &ColumnMap) {
     let stamps = &table.columns[time].values;
     let repeats = |row: usize| row > 0 && stamps[row] == stamps[row - 1];
@@ -370,7 +370,7 @@ fn drop_copies(table: &mut Table, time: usize, map: &ColumnMap) {
         })
         .collect();
     table.quality.rows_repeated = keep.iter().filter(|&&keep| !keep).count() as u64;
-    // skipped rows are placed by row: count those that are left
+    // skipped rows are located by row: count the remaining ones
     let mut kept = 0;
     let mut skipped = table.skipped.iter_mut().peekable();
     for (row, &keep) in keep.iter().enumerate() {
@@ -383,13 +383,13 @@ fn drop_copies(table: &mut Table, time: usize, map: &ColumnMap) {
     table.keep_rows(&keep);
 }
 
-/// Channels in SI units, in the order of the file; a column that is mapped twice is there twice.
+/// Converts columns to channels in SI units, in the order of the file; a column that is mapped twice appears twice.
 fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
     let mut channels = Vec::with_capacity(columns.len());
     for Column { name, values } in columns {
         let mappings: Vec<_> = map.mappings().iter().filter(|mapping| mapping.column == name).collect();
         let Some((last, others)) = mappings.split_last() else {
-            // a mapped channel takes the place of a column of its name
+            // a mapped channel replaces a column of its name
             if map.column_of(&name) == name {
                 channels.push(Channel { unit: Unit::of_column(&name), name, values: values.into() });
             }
@@ -409,17 +409,17 @@ fn name_channels(columns: Vec<Column>, map: &ColumnMap) -> Vec<Channel> {
     channels
 }
 
-/// Whether rows of two devices stand in turn.
-fn is_of_two(time_s: &[f64], channels: &[Channel]) -> bool {
+/// Returns true if rows of two devices alternate.
+fn is_interleaved(time_s: &[f64], channels: &[Channel]) -> bool {
     let axes = channels.iter().filter(|channel| AXES.contains(&channel.name.as_str()));
     interleaved::interleaved(time_s, &axes.map(|channel| &channel.values[..]).collect::<Vec<_>>())
 }
 
-/// Leaves out axes without a single number, so that the others can be used.
+/// Excludes axes without a single number, so that the others can be used.
 ///
 /// # Errors
 /// The user's own map names the column of such an axis.
-fn leave_out_empty_axes(
+fn exclude_empty_axes(
     path: &Path,
     channels: &mut Vec<Channel>,
     quality: &mut Quality,
@@ -438,7 +438,7 @@ fn leave_out_empty_axes(
     Ok(())
 }
 
-/// Boundaries known without stamps: changes of the label (an empty one is no change), rows skipped.
+/// Boundaries known without timestamps: changes of the label (an empty one is no change), skipped rows.
 fn find_marks(labels: &[f64], skipped: &[Skipped]) -> Vec<Mark> {
     let mut marks: Vec<Mark> = skipped
         .iter()
@@ -464,8 +464,8 @@ fn find_marks(labels: &[f64], skipped: &[Skipped]) -> Vec<Mark> {
     marks
 }
 
-/// Rate and segments from time stamps. The period is needed to count what is missing, and what is missing to measure
-/// the period: it is done twice.
+/// Rate and segments from timestamps. The period is needed to count missing samples, and their number to measure the
+/// period: two passes.
 fn measure(time_s: &[f64], nominal_hz: Option<f64>, marks: &[Mark]) -> Option<(Grid, Rate)> {
     let mut look = rate::first_look(time_s, nominal_hz)?;
     let marks = with_pauses(marks, &look.after_pauses);
@@ -476,14 +476,14 @@ fn measure(time_s: &[f64], nominal_hz: Option<f64>, marks: &[Mark]) -> Option<(G
     }
     let period_s = rate::slope(time_s, &grid).unwrap_or(look.period_s);
     let jitter_s = rate::jitter(time_s, &grid, period_s);
-    let stamps = rate::name_stamps(look.stamps, jitter_s, period_s);
+    let stamps = rate::classify_timestamps(look.stamps, jitter_s, period_s);
     Some((
         grid.with_pauses(period_s),
         Rate { nominal_hz, true_hz: 1.0 / period_s, period_s, jitter_s, stamps },
     ))
 }
 
-/// Boundaries that are known, and pauses: a row that could not be used beside one changes nothing about it.
+/// Merges known boundaries with pauses; an unusable row next to a pause does not change it.
 fn with_pauses(marks: &[Mark], after_pauses: &[usize]) -> Vec<Mark> {
     let mut all = marks.to_vec();
     for row in after_pauses {
@@ -496,7 +496,7 @@ fn with_pauses(marks: &[Mark], after_pauses: &[usize]) -> Vec<Mark> {
     all
 }
 
-/// Time, rate and segments of a log without stamps: row over rate, and boundaries where they are known.
+/// Time, rate and segments of a log without timestamps: row over rate, and known boundaries.
 fn without_stamps(n_rows: usize, rate_hz: f64, marks: &[Mark]) -> (Vec<f64>, Grid, Rate) {
     let mut segments =
         vec![Segment { rows: 0..n_rows, tick: 0, missing_before: 0, boundary: Boundary::Start }];

@@ -1,4 +1,4 @@
-//! Files in, recordings out: formats, units, rubbish, and writing them again.
+//! Reading of files: formats, units, damaged rows; and writing them again.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ fn mapped(specs: &[&str]) -> LoadOptions {
     LoadOptions { columns: ColumnMap::from_specs(specs).unwrap(), ..LoadOptions::default() }
 }
 
-/// A log of 100 rows at 100 Hz; `row` may put something else in place of a line.
+/// A log of 100 rows at 100 Hz; `row` may replace a line.
 fn log(row: impl Fn(usize) -> Option<&'static str>) -> String {
     let lines = (0..100).map(|i| match row(i) {
         Some(line) => line.to_owned(),
@@ -44,7 +44,7 @@ fn log(row: impl Fn(usize) -> Option<&'static str>) -> String {
 }
 
 #[test]
-fn csv_gzip_and_parquet_are_told_apart_by_content_not_by_name() {
+fn recognises_csv_gzip_and_parquet_by_content() {
     let folder = folder();
     let text = log(|_| None);
     let mut gz = GzEncoder::new(Vec::new(), Compression::default());
@@ -66,11 +66,11 @@ fn csv_gzip_and_parquet_are_told_apart_by_content_not_by_name() {
 }
 
 #[test]
-fn what_is_written_reads_back() {
+fn written_files_read_back() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let n = 70_000; // more than one batch
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.005).collect();
-    // any bit pattern that is a finite number
+    // any bit pattern of a finite number
     let mut any: Vec<f64> = (0..n)
         .map(|_| {
             loop {
@@ -97,7 +97,7 @@ fn what_is_written_reads_back() {
 }
 
 #[test]
-fn writing_refuses_what_it_cannot_write_and_leaves_the_old_file() {
+fn rejected_writes_keep_the_old_file() {
     let folder = folder();
     let path = file(&folder, "a.csv", b"old");
     let columns: [(&str, &[f64]); 2] = [("a", &[1.0]), ("b", &[1.0, 2.0])];
@@ -123,13 +123,13 @@ fn columns_are_mapped_and_converted() {
 }
 
 #[test]
-fn a_map_that_names_no_column_suggests_one() {
+fn unknown_column_in_a_map_suggests_a_similar_one() {
     let message = load_with(&log(|_| None), &mapped(&["gy_rads=gx_rad"])).unwrap_err().to_string();
     assert!(message.contains("did you mean \"gx_rads\"?"), "{message}");
 }
 
 #[test]
-fn rubbish_is_placed_counted_skipped_and_leaves_a_gap() {
+fn damaged_rows_are_located_counted_and_leave_a_gap() {
     let text = log(|i| match i {
         40 => Some("0.40,1\"2x"),
         41 => Some("garbage"),
@@ -141,10 +141,10 @@ fn rubbish_is_placed_counted_skipped_and_leaves_a_gap() {
     assert_eq!(recording.quality.rows_in_file, 100);
     assert_eq!(recording.quality.rows_unusable, 4);
     assert_eq!(recording.n_rows(), 96);
-    let said: Vec<String> = recording.quality.first_unusable.iter().map(|row| row.to_string()).collect();
-    assert_eq!(said[0], "42:2: gx_rads: \"1\"2x\" is not a number");
-    assert_eq!(said[1], "43: 1 cells where the header has 2: \"garbage\"");
-    assert_eq!(said[2], "72:1: t_s: no time stamp");
+    let unusable: Vec<String> = recording.quality.first_unusable.iter().map(|row| row.to_string()).collect();
+    assert_eq!(unusable[0], "42:2: gx_rads: \"1\"2x\" is not a number");
+    assert_eq!(unusable[1], "43: 1 cells where the header has 2: \"garbage\"");
+    assert_eq!(unusable[2], "72:1: t_s: no time stamp");
     let gaps: Vec<_> =
         recording.segments.iter().map(|s| (s.rows.clone(), s.tick, s.missing_before)).collect();
     assert_eq!(gaps, [(0..40, 0, 0), (40..68, 42, 2), (68..96, 71, 1)]);
@@ -193,7 +193,7 @@ fn empty_and_not_finite_cells_are_missing_in_their_channel_only() {
 }
 
 #[test]
-fn without_stamps_a_rate_is_needed_and_skipped_rows_keep_their_place() {
+fn logs_without_timestamps_need_a_rate_and_keep_skipped_rows() {
     let mut text = String::from("gx_rads\n");
     (0..100).for_each(|i| text += if i == 30 { "#!\n?\n" } else { "1\n" });
     let message = load_text(&text).unwrap_err().to_string();
@@ -217,7 +217,7 @@ fn copies_of_a_row_are_dropped_and_repeated_stamps_kept() {
     let text = log(|i| match i {
         // the sender repeats row 49 while two samples are lost
         50 | 51 => Some("0.49,490"),
-        // another sample under the stamp of the one before
+        // another sample with the timestamp of the one before
         80 => Some("0.79,800"),
         _ => None,
     });
@@ -252,7 +252,7 @@ fn segment_and_still_columns_are_understood() {
 }
 
 #[test]
-fn a_label_that_stands_only_where_it_changes_holds_until_the_next() {
+fn label_holds_until_the_next_one() {
     let label = |i| {
         if i == 0 {
             "rest"
@@ -269,7 +269,7 @@ fn a_label_that_stands_only_where_it_changes_holds_until_the_next() {
 }
 
 #[test]
-fn a_name_is_no_command_to_a_terminal() {
+fn replaces_control_characters_in_names() {
     let recording = load_text("t_s,gx_rads,\x1b[2Jwiped\n0,1,1\n0.01,2,3\n0.02,1,2\n0.03,1,5\n").unwrap();
     assert!(recording.channel("\u{fffd}[2Jwiped").is_ok());
 }
@@ -294,14 +294,14 @@ fn remarks_after_many_empty_cells_are_text() {
 }
 
 #[test]
-fn what_spreadsheets_and_loggers_do_to_csv_is_read() {
+fn reads_csv_of_spreadsheets_and_loggers() {
     let text = "\u{feff}# made by x\r\n\"t_s\", gx_rads ,\r\n\r\n0.0, 1 ,\r\n0.1,\"2\",\r\n0.2,3\t,\r\n";
     let recording = load_text(text).unwrap();
     assert_eq!(**recording.channel("gx_rads").unwrap().values, [1.0, 2.0, 3.0]);
 }
 
 #[test]
-fn files_that_are_no_logs_say_what_is_expected() {
+fn rejects_other_files_with_the_expected_format() {
     for (text, hint) in [
         ("", "empty"),
         ("1,2\n3,4\n", "no header"),
@@ -330,7 +330,7 @@ fn files_that_are_no_logs_say_what_is_expected() {
 }
 
 #[test]
-fn an_axis_of_text_is_left_out_and_told_of_where_an_axis_is_needed() {
+fn ignores_an_axis_of_text_and_reports_it_when_needed() {
     let recording = load_text("t_s,gx_rads\n0,up\n1,down\n").unwrap();
     let error = recording.axes().unwrap_err().to_string();
     assert!(
@@ -344,7 +344,7 @@ fn an_axis_of_text_is_left_out_and_told_of_where_an_axis_is_needed() {
 }
 
 #[test]
-fn a_compressed_log_that_is_damaged_says_how_far_it_can_be_read() {
+fn damaged_compressed_log_reports_the_last_readable_line() {
     let text: String =
         (0..20_000).map(|i| format!("{},{}\n", f64::from(i) * 0.01, f64::from(i * i % 977))).collect();
     let mut packed = GzEncoder::new(Vec::new(), Compression::default());
@@ -365,7 +365,7 @@ fn a_compressed_log_that_is_damaged_says_how_far_it_can_be_read() {
 }
 
 #[test]
-fn no_bytes_and_no_numbers_make_it_panic() {
+fn no_input_makes_it_panic() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let folder = folder();
     let pieces: [&[u8]; 16] = [

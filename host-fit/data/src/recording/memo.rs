@@ -1,4 +1,4 @@
-//! What others have found out about a recording, kept with it.
+//! Cache of results computed from a recording, stored with it.
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
@@ -6,18 +6,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 type Found = HashMap<TypeId, Arc<dyn Any + Send + Sync>>;
 
-/// One value of each type. A recording that is made of another begins with none, a clone with what the other has.
+/// One value of each type. A derived recording starts empty; a clone copies the cache.
 #[derive(Default)]
 pub(super) struct Memo(Mutex<Found>);
 
 impl Memo {
-    /// What `find` gives, which is asked once for each type `T`.
-    pub(super) fn once<T: Any + Send + Sync>(&self, find: impl FnOnce() -> T) -> Arc<T> {
+    /// Result of `find`, computed once for each type `T`.
+    pub(super) fn cached<T: Any + Send + Sync>(&self, find: impl FnOnce() -> T) -> Arc<T> {
         let known =
             |found: &Found| found.get(&TypeId::of::<T>()).cloned().and_then(|any| any.downcast().ok());
         let before = known(&self.found());
         before.unwrap_or_else(|| {
-            // without the lock: it takes long, and may ask for others
+            // without the lock: `find` takes long, and may use the cache itself
             let new = Arc::new(find());
             let mut found = self.found();
             known(&found).unwrap_or_else(|| {

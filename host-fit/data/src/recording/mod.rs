@@ -2,31 +2,31 @@
 //!
 //! [`load`] reads CSV, gzip'd CSV and Parquet with the columns of the log format (`t_s`, `ax_mps2` … `gz_rads`,
 //! `temp_c`, …; a [`ColumnMap`] names and converts others) into a [`Recording`]; [`write_columns`] writes.
-//! [`Recording::from_streams`] joins sensors that have stamps and rates of their own; how, is said in `streams/mod.rs` and, of
-//! each log, by its [`Alignment`]. The rules for what is wrong with real logs:
+//! [`Recording::from_streams`] resamples sensors with separate timestamps and rates; `streams/mod.rs` documents the
+//! method, and the [`Alignment`] of a log its result. Rules for the defects of real logs:
 //!
-//! | in the log | what happens |
+//! | in the log | treatment |
 //! |---|---|
-//! | samples missing | the segment ends; how they are told from jitter and bursts is said at [`Segment`] |
-//! | nothing for ten seconds and more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
-//! | a stated rate that is 7 % off what the stamps show, or stamps that cannot be time | the rows count in their order, at the stated rate; both are printed |
-//! | a temperature that moves faster than 5 K/s, stamps that a spreadsheet rounded, a clock that ticks slower than the sensor samples | warning, with the remedy |
-//! | a thermometer shows one of these values in every row | the column is left out, with a warning |
+//! | samples missing | the segment ends; [`Segment`] documents the distinction from jitter and bursts |
+//! | nothing for ten seconds or more, or pauses of a duty-cycled log (5 s of every 300 s; 3 s of every 6 s at regular intervals) | the segment ends; a pause, in which no sample is missing; the rate is that between pauses |
+//! | a stated rate that differs by 7 % from that of the timestamps, or timestamps that cannot be time | the rows count in their order, at the stated rate; both are printed |
+//! | a temperature that changes faster than 5 K/s, timestamps rounded by a spreadsheet, a clock that ticks slower than the sensor samples | warning, with the remedy |
+//! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and reported as a warning |
+//! | a thermometer shows one of these values in every row | the column is excluded, with a warning |
 //! | time goes back by more than a sample, and stays back | the segment ends; counted |
-//! | a row repeats the stamp and all inertial channels of the one before | dropped and counted; kept if over 10 % of stamps repeat (coarse clock) |
-//! | a stamp repeats, the sample differs | kept and counted |
+//! | a row repeats the timestamp and all inertial channels of the previous one | dropped and counted; kept if over 10 % of timestamps repeat (coarse clock) |
+//! | a timestamp repeats, the sample differs | kept and counted |
 //! | a cell is empty, NaN or infinite | NaN in that channel, counted; the row stays |
-//! | a thermometer shows 0, 85, −127 or −273(.15) °C, the values of a failed read, and 5 K from it before and after | NaN there, counted, and said as an oddity |
-//! | a cell is no number, a row is too short or long, a stamp is missing | row skipped, counted, the first five placed; it is a missing sample |
-//! | over 5 % of rows are like that, or one in strict mode | refused |
+//! | a cell is no number, a row is too short or long, a timestamp is missing | row skipped, counted, the first five located; it is a missing sample |
+//! | over 5 % of rows are like that, or one in strict mode | rejected |
 //! | an axis has a value in every second to twentieth row, or the rows of two sensors alternate | the streams that the table was merged from, resampled to the rows of the fastest |
-//! | stamps and values of every second row differ | refused: two devices in turn |
-//! | no cell of an axis is a number | the axis is left out, and said |
-//! | a column holds text | left out and listed (`segment`: its labels count) |
+//! | timestamps and values of every second row differ | rejected: two alternating devices |
+//! | no cell of an axis is a number | the axis is excluded and reported |
+//! | a column holds text | ignored and listed (`segment`: its labels count) |
 //! | the value of `segment` changes | the segment ends |
 //! | `still` is above 0.5 | the sensor is known to be still |
-//! | stamps that mean fewer than 0.01 or more than 10⁶ samples a second | refused: in another unit |
-//! | no `t_s` | row number over the stated rate, else refused |
+//! | timestamps that give fewer than 0.01 or more than 10⁶ samples a second | rejected: in another unit |
+//! | no `t_s` | row number over the stated rate, else rejected |
 
 mod cell;
 mod channel;
@@ -101,7 +101,7 @@ pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
 pub use failed_reads::FailedReads;
 pub use format::{Format, FormatKnowledge, KNOWN_FORMATS, LOG_ENDINGS, ReadAs, UnknownFormat, may_be_log};
-pub use glance::Oddity;
+pub use glance::LogWarning;
 pub use grid::{Boundary, Segment};
 pub use held::back_filled;
 pub use load::load;
@@ -119,24 +119,24 @@ pub use write::{check_log_path, write_columns};
 /// Measured data of one sensor. All columns have one length, [`Recording::n_rows`].
 #[derive(Clone, Debug)]
 pub struct Recording {
-    /// Where it came from: one file, or those it was joined of.
+    /// Source files: one, or several that were joined.
     pub sources: Vec<Source>,
-    /// Time of every row as stamped, s.
+    /// Timestamp of every row, s.
     pub time_s: Vec<f64>,
     channels: Vec<Channel>,
-    /// Stretches without gaps, in order; together they are all rows. Nothing is fitted or predicted across two.
+    /// Stretches without gaps, in order, covering all rows. Nothing is fitted or predicted across two.
     pub segments: Vec<Segment>,
-    /// The sample rate, as measured.
+    /// Measured sampling rate.
     pub rate: Rate,
-    /// Where the sensor is known to be still, one flag per row; `None` if the log does not say.
+    /// Rows in which the device is known to be still; `None` if the log does not state it.
     pub still: Option<Vec<bool>>,
-    /// Rows from which on gravity may have another direction than before; what a log does not say.
+    /// Rows from which gravity may have a different direction; not stated by a log.
     pub turns: Vec<usize>,
-    /// Rows in which the unit was moved count as any others.
+    /// True if rows with detected motion are used like any others.
     pub keeps_moved: bool,
-    /// What was wrong with the log.
+    /// Defects found in the log.
     pub quality: Quality,
-    /// How its streams were joined, if they had stamps of their own.
+    /// Resampling of its streams, if they had separate timestamps.
     pub alignment: Option<Alignment>,
     memo: memo::Memo,
 }
@@ -152,10 +152,10 @@ impl Recording {
         &self.channels
     }
 
-    /// The channel of this name.
+    /// Channel of this name.
     ///
     /// # Errors
-    /// There is none, and the error lists the channels and the most similar name; or it is an axis without a single number.
+    /// No such channel (the error lists the channels and the most similar name), or an axis without a single number.
     pub fn channel(&self, name: &str) -> Result<&Channel, RecordingError> {
         self.channels.iter().find(|channel| channel.name == name).ok_or_else(|| {
             if self.quality.empty_axes.iter().any(|axis| axis == name) {
@@ -178,10 +178,10 @@ impl Recording {
         RecordingError::NoValues { path: self.paths(), name: name.to_owned(), rows: self.n_rows() }
     }
 
-    /// The inertial channels that can be used: those with a number, and with one in their reference if they have one.
+    /// Usable inertial channels: those with a number, and with one in their reference if they have one.
     ///
     /// # Errors
-    /// It has none.
+    /// No axis is usable.
     pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
         let has_values = |channel: &Channel| channel.values.iter().any(|value| value.is_finite());
         let lacks = |axis: &str| -> Option<String> {
@@ -205,8 +205,8 @@ impl Recording {
         Ok(axes.into_iter().map(str::to_owned).collect())
     }
 
-    /// Segments of the first `fraction` of all rows, and segments of the rest: contiguous, never shuffled. A segment
-    /// that the cut falls into is cut in two. `fraction` is held to 0 … 1.
+    /// Segments of the first `fraction` of all rows, and segments of the remaining rows: contiguous, never shuffled. A
+    /// segment at the cut is split in two. `fraction` is clamped to 0 … 1.
     pub fn split(&self, fraction: f64) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let cut = (fraction.clamp(0.0, 1.0) * self.n_rows() as f64).round() as usize;
         let part = |from: usize, to: usize| {
@@ -216,7 +216,7 @@ impl Recording {
         (part(0, cut), part(cut, self.n_rows()))
     }
 
-    /// The first `rows` of it as a recording of its own.
+    /// First `rows` rows as a separate recording.
     pub fn first_rows(&self, rows: usize) -> Self {
         let rows = rows.min(self.n_rows());
         let first = |values: &[f64]| values[..rows].to_vec();
@@ -239,7 +239,7 @@ impl Recording {
         }
     }
 
-    /// The same with other values in a channel, one per row; without such a channel it is the same.
+    /// Copy with other values in a channel, one per row; an unchanged copy without such a channel.
     pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
         let mut other = Self { memo: memo::Memo::default(), ..self.clone() };
         if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
@@ -248,30 +248,31 @@ impl Recording {
         other
     }
 
-    /// The same with other rows known to be still, and from which of them on gravity may have turned.
+    /// Copy with other rows at rest, and other rows from which gravity may have turned.
     pub fn with_rests(&self, still: Vec<bool>, turns: Vec<usize>) -> Self {
         Self { still: Some(still), turns, memo: memo::Memo::default(), ..self.clone() }
     }
 
-    /// What `find` makes of the recording, which is asked once for each type `T`: of a recording that is made of another, anew.
-    pub(crate) fn once<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
-        self.memo.once(|| find(self))
+    /// Result of `find`, computed once for each type `T`; a derived recording computes it again.
+    pub(crate) fn cached<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
+        self.memo.cached(|| find(self))
     }
 
-    /// From the first sample to the last by the sample grid, s: stamps may go back.
+    /// Duration by the sample grid, s: timestamps may go back.
     pub fn duration_s(&self) -> f64 {
         let last = self.segments.last().map_or(0, |last| last.tick + last.rows.len() as u64);
         last.saturating_sub(1) as f64 * self.rate.period_s
     }
 
-    /// Samples that were lost: none in a pause.
+    /// Number of lost samples, not counting pauses.
     pub fn samples_missing(&self) -> u64 {
         let lossy = self.segments.iter().filter(|segment| segment.boundary != Boundary::Pause);
         lossy.map(|segment| segment.missing_before).sum()
     }
 
-    /// The same with times that go on where a segment is stamped as if it began before the end of the one before it.
-    pub fn counted_on(mut self) -> Self {
+    /// Same recording with monotonic time: a segment stamped as if it began before the end of the previous one is
+    /// shifted.
+    pub fn with_monotonic_time(mut self) -> Self {
         let period_s = self.rate.period_s;
         let mut shift_s = 0.0;
         let mut ended_s = f64::NEG_INFINITY;
@@ -287,30 +288,30 @@ impl Recording {
         self
     }
 
-    /// Stretches of rows that are still throughout, none across two segments; all segments if the log does not say.
+    /// Stretches of rows at rest, none across two segments; all segments if the log does not state it.
     pub fn still_rows(&self) -> Vec<Range<usize>> {
         self.stretches_where(|row| self.still.as_ref().is_none_or(|still| still[row]))
     }
 
-    /// Stretches of rows that all have what `holds` asks for, none across two segments.
+    /// Stretches of consecutive rows for which `holds` is true, none across two segments.
     pub fn stretches_where(&self, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
         self.segments.iter().flat_map(|segment| runs(segment.rows.clone(), &holds)).collect()
     }
 
-    /// Where it came from, in words.
+    /// Paths of the sources, separated by commas.
     pub fn paths(&self) -> String {
         self.sources.iter().map(|source| source.path.as_str()).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The first time of rows a period apart, by the median of some: one stamp may be wrong.
+/// Time of the first row, as a median over several rows a period apart: a single timestamp may be wrong.
 fn level(times: impl Iterator<Item = f64>, period_s: f64) -> f64 {
     let mut levels: Vec<f64> =
         times.take(9).enumerate().map(|(row, time_s)| time_s - row as f64 * period_s).collect();
     crate::statistics::median(&mut levels)
 }
 
-/// Ranges cut into pieces of `length`, each from the begin of its own; the last of each may be shorter.
+/// Splits ranges into pieces of `length`, each from its own begin; the last of each may be shorter.
 pub fn pieces(ranges: &[Range<usize>], length: usize) -> Vec<Range<usize>> {
     let of = |range: &Range<usize>| {
         let end = range.end;
@@ -319,7 +320,7 @@ pub fn pieces(ranges: &[Range<usize>], length: usize) -> Vec<Range<usize>> {
     ranges.iter().flat_map(of).collect()
 }
 
-/// The longest ranges within `rows` in which `holds` for every row, in order.
+/// Longest ranges within `rows` in which `holds` for every row, in order.
 pub fn runs(rows: Range<usize>, holds: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for row in rows.filter(|row| holds(*row)) {

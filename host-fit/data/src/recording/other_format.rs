@@ -1,6 +1,6 @@
-//! Files that are no log, but something that is known by its first bytes: what they are, and how a log is made of them.
+//! Files that are no log but are known by their first bytes: their kind, and how to convert them.
 
-/// A kind of file: what it begins with, what it is, and what to do.
+/// A kind of file: its first bytes, its description, and the remedy.
 struct Known {
     begin: &'static [u8],
     is: &'static str,
@@ -45,10 +45,10 @@ const KNOWN: &[Known] = &[
     Known { begin: b"ORC", is: "it is an ORC file", help: "write it as CSV or Parquet" },
 ];
 
-/// So many bytes tell them apart.
+/// Number of bytes that distinguish the kinds.
 pub(super) const BEGIN: usize = 16;
 
-/// What a file that begins so is, if it is no log, and what to do.
+/// Description and remedy of a file with these first bytes, if it is a known non-log.
 pub(super) fn known(begin: &[u8]) -> Option<(&'static str, &'static str)> {
     // the first sector is empty
     if begin.get(512..).is_some_and(|rest| rest.starts_with(b"MDTC"))
@@ -69,8 +69,7 @@ pub(super) fn known(begin: &[u8]) -> Option<(&'static str, &'static str)> {
     Some((known.is, known.help))
 }
 
-/// The first line of text that is not UTF-8: what it is instead, if every second byte or more of it is 0, and what to
-/// do.
+/// Description and remedy of a text that is not UTF-8, from its first line: UTF-16 if every second byte or more is 0.
 pub(super) fn known_text(line: &[u8]) -> Option<(&'static str, &'static str)> {
     let zeros = line.iter().filter(|&&byte| byte == 0).count();
     let is_wide = line.starts_with(b"\xff\xfe")

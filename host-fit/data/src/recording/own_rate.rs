@@ -1,31 +1,31 @@
-//! Axes that have a value in some rows of a table only, as they are sampled at a rate of their own: a table that was merged
-//! from streams. They are streams again, so that they are resampled to a common time base like any others.
+//! Axes with values in some rows only, since they are sampled at a separate rate: a table that was merged from streams.
+//! They are split into streams again and resampled to a common time base like any others.
 
 use super::Stream;
 use super::channel::Channel;
 use super::stream::stamps;
 use super::streams::is_followed;
 
-/// Fewest values that show a rate.
-const FEWEST: usize = 16;
+/// Minimum number of values that show a rate.
+const MIN_VALUES: usize = 16;
 
-/// Share of the waits between values that lie within half of the median wait about it. Cells that are missing at random, one
-/// in ten or more, leave fewer.
+/// Share of the intervals between values that lie within half of the median about it. Cells missing at random, one in
+/// ten or more, give a smaller share.
 const REGULAR: f64 = 0.95;
 
-/// Longest mean run of rows that all have a value, rows. With longer runs, of samples that were lost, an axis is fitted over
-/// the rows that it has.
+/// Longest mean run of rows that all have a value. Longer runs indicate lost samples; such an axis is fitted over the
+/// rows that it has.
 const LONGEST_RUN: f64 = 10.0;
 
-/// The channels of a table with timestamps, s, as streams, if an axis has a rate of its own; `None` where every axis has a
-/// value in most rows, or in no regular ones.
+/// Splits the channels of a table with timestamps (s) into streams if an axis has a separate rate; `None` if every axis
+/// has a value in most rows, or only at irregular ones.
 pub(super) fn streams(time_s: &[f64], channels: &[&Channel]) -> Option<Vec<Stream>> {
     let has_own_rate = |channel: &Channel| is_followed(&channel.name) && is_regular(time_s, &channel.values);
     if !channels.iter().copied().any(has_own_rate) {
         return None;
     }
     let all = stamps(time_s).into_iter().collect::<Option<Vec<i64>>>()?;
-    // axes without a rate of their own stay together, whatever cells they lack
+    // axes without a separate rate stay together, whatever cells they lack
     let mut patterns: Vec<(Vec<bool>, Vec<&Channel>)> = Vec::new();
     for channel in channels.iter().copied() {
         let pattern: Vec<bool> = match is_followed(&channel.name) && !has_own_rate(channel) {
@@ -51,10 +51,10 @@ pub(super) fn streams(time_s: &[f64], channels: &[&Channel]) -> Option<Vec<Strea
     Some(patterns.into_iter().map(stream).collect())
 }
 
-/// Whether values come at one rate, and not in every row.
+/// Returns true if values come at one rate, and not in every row.
 fn is_regular(time_s: &[f64], values: &[f64]) -> bool {
     let rows: Vec<usize> = (0..values.len()).filter(|row| values[*row].is_finite()).collect();
-    if rows.len() < FEWEST {
+    if rows.len() < MIN_VALUES {
         return false;
     }
     let runs = 1 + rows.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
@@ -72,7 +72,7 @@ mod tests {
 
     const ROWS: usize = 400;
 
-    /// ax and gx in the rows that are chosen, ax a line over the rows, at given times.
+    /// ax and gx in the chosen rows, ax a line over the rows, at given times.
     fn recording(
         time_s: impl Fn(usize) -> f64,
         has_ax: impl Fn(usize) -> bool,

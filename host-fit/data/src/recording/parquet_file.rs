@@ -18,29 +18,29 @@ use super::parquet_input::Ending;
 use super::table::{Column, Table, check_names, column_name, must_be_numeric};
 use crate::catch_panic::catch_panic;
 
-/// Cells decoded at once: enough to be quick, little beside the data.
+/// Number of cells decoded at once: large enough to be fast, small compared with the data.
 const BATCH_CELLS: usize = 65_536;
 
-/// Cells that room is made for at once: an hour at 200 Hz.
-const MOST_AHEAD: usize = 720_000;
+/// Maximum number of cells reserved in advance: an hour at 200 Hz.
+const MAX_AHEAD: usize = 720_000;
 
-/// What the cells of a column mean.
+/// Interpretation of the cells of a column.
 enum Kind {
     /// Numbers, flags; integers are divided by `divisor`, which is a power of ten for decimals.
     Numbers { unsigned: bool, divisor: f64 },
-    /// Numbers of 16 bits.
+    /// 16-bit floats.
     Halves,
-    /// Instants: seconds since the first one, taken as integers so that no digit is lost.
+    /// Instants as seconds since the first one, subtracted as integers so that no digit is lost.
     Seconds { per_second: f64, first: Option<i64> },
-    /// Each different content gets a number, in order of appearance.
+    /// Labels: each distinct value gets a number, in order of appearance.
     Labels(HashMap<Vec<u8>, f64>),
 }
 
-/// A column of the file that is read.
+/// A column of the file to read.
 struct Selected {
-    /// Its place among the columns of the file.
+    /// Index among the columns of the file.
     index: usize,
-    /// Cells may be empty.
+    /// True if cells may be empty.
     optional: bool,
     kind: Kind,
     empty: u64,
@@ -72,7 +72,7 @@ pub(super) fn read(
     let mut selected: Vec<Selected> = Vec::new();
     let mut index = 0;
     for (i, (field, name)) in fields.iter().zip(&names).enumerate() {
-        // a field with fields of its own has more columns than one, and is no number
+        // a nested field has several leaf columns, and is no number
         let first = index;
         while index < schema.num_columns() && schema.get_column_root_idx(index) == i {
             index += 1;
@@ -129,7 +129,7 @@ pub(super) fn read(
         if rows == 0 {
             continue;
         }
-        // columns that are left out are not even decoded
+        // ignored columns are not even decoded
         for (column, selected) in table.columns.iter_mut().zip(&mut selected) {
             let cells = library(|| group.get_column_reader(selected.index)).map_err(failed)?;
             append(cells, selected, &mut column.values, rows).map_err(failed)?;
@@ -141,7 +141,7 @@ pub(super) fn read(
             }
         }
     }
-    // how many rows come is not known before: what a file says of itself is not to be trusted with memory
+    // the row count of the metadata is not trusted for allocation, so the final size is only known now
     table.columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
     table.quality.rows_in_file = table.n_rows() as u64;
     for (i, selected) in selected.iter().enumerate() {
@@ -150,10 +150,10 @@ pub(super) fn read(
     Ok(table)
 }
 
-/// How to write a file with a codec that is read.
+/// Instructions for rewriting a file with a supported codec.
 const REWRITE: &str = "write it again with zstd, Snappy, gzip or uncompressed: in Python, pyarrow.parquet.write_table(pyarrow.parquet.read_table(\"a.parquet\"), \"b.parquet\", compression=\"zstd\")";
 
-/// The codec by its name, if the library was built without it (docs/decisions/libraries.md).
+/// Name of the codec if the library was built without it (docs/decisions/libraries.md).
 fn not_unpacked(codec: Compression) -> Option<&'static str> {
     match codec {
         Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::GZIP(_) | Compression::ZSTD(_) => None,
@@ -163,15 +163,15 @@ fn not_unpacked(codec: Compression) -> Option<&'static str> {
     }
 }
 
-/// Calls the library, which panics on some of what a damaged file says, such as that a column begins before the file.
+/// Calls the library, which panics on some damaged metadata, such as a column offset before the begin of the file.
 fn library<T>(call: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
     catch_panic(call)
-        .unwrap_or_else(|said| Err(ParquetError::General(format!("the file is damaged ({said})"))))
+        .unwrap_or_else(|panic| Err(ParquetError::General(format!("the file is damaged ({panic})"))))
 }
 
-/// How to read a column; `None` if it holds nothing that is a number.
+/// Interpretation of a column; `None` if it is not numeric.
 ///
-/// Writers of today say by the logical type what a column means, older ones by the converted type alone.
+/// Newer writers state the meaning by the logical type, older ones by the converted type alone.
 fn kind_of(column: &ColumnDescriptor, is_segment: bool) -> Option<Kind> {
     use ConvertedType as Old;
     if column.max_rep_level() > 0 {
@@ -213,7 +213,7 @@ fn kind_of(column: &ColumnDescriptor, is_segment: bool) -> Option<Kind> {
     }
 }
 
-/// Adds the first `rows` cells of a column to `values`; empty ones become NaN.
+/// Appends the first `rows` cells of a column to `values`; empty ones become NaN.
 fn append(
     cells: ColumnReader,
     selected: &mut Selected,
@@ -243,7 +243,7 @@ fn append(
 }
 
 impl Kind {
-    /// The value of an integer, given as what it is with a sign and without.
+    /// Value of an integer cell, passed both as signed and unsigned.
     fn integer(&mut self, cell: i64, unsigned_cell: u64) -> f64 {
         match self {
             Self::Numbers { unsigned: true, divisor } => unsigned_cell as f64 / *divisor,
@@ -257,12 +257,12 @@ impl Kind {
         }
     }
 
-    /// The value of bytes: a label, half a number, or a decimal, whose most significant byte is first.
+    /// Value of a byte cell: a label, a 16-bit float, or a big-endian decimal.
     fn bytes(&mut self, cell: &[u8]) -> f64 {
         match self {
             Self::Labels(labels) => {
                 let next = labels.len() as f64;
-                // most cells say what the cell before them said
+                // most cells repeat the one before them
                 match labels.get(cell) {
                     Some(&label) => label,
                     None => *labels.entry(cell.to_vec()).or_insert(next),
@@ -279,7 +279,7 @@ impl Kind {
     }
 }
 
-/// Where the cells of a column go.
+/// Destination of the cells of a column.
 struct Into<'a> {
     values: &'a mut Vec<f64>,
     rows: usize,
@@ -294,8 +294,8 @@ impl Into<'_> {
         mut number: impl FnMut(&T::T) -> f64,
     ) -> Result<(), ParquetError> {
         let mut left = self.rows;
-        // what the file says of itself may be wrong
-        self.values.reserve(left.min(MOST_AHEAD));
+        // the metadata of the file may be wrong
+        self.values.reserve(left.min(MAX_AHEAD));
         let (mut found, mut levels) = (Vec::new(), Vec::new());
         while left > 0 {
             crate::interrupt::check();
@@ -339,7 +339,7 @@ mod tests {
     use super::*;
     use crate::unit::Unit;
 
-    /// One row group with columns in the order of the schema.
+    /// Writes one row group with columns in the order of the schema.
     fn file(schema: &str, write: impl FnOnce(&mut SerializedRowGroupWriter<'_, File>)) -> tempfile::TempPath {
         let path = tempfile::Builder::new().suffix(".parquet").tempfile().unwrap();
         let schema = Arc::new(parse_message_type(schema).unwrap());
@@ -352,7 +352,7 @@ mod tests {
         path.into_temp_path()
     }
 
-    /// The next column; `None` is an empty cell.
+    /// Writes the next column; `None` is an empty cell.
     fn put<T: DataType>(group: &mut SerializedRowGroupWriter<'_, File>, cells: &[Option<T::T>]) {
         let mut column = group.next_column().unwrap().unwrap();
         let levels: Vec<i16> = cells.iter().map(|cell| i16::from(cell.is_some())).collect();
@@ -367,7 +367,7 @@ mod tests {
 
     #[test]
     fn instants_flags_integers_labels_and_nulls_are_understood() {
-        // 2023-11-14 in ns, where f64 would round stamps to 256 ns
+        // 2023-11-14 in ns, where f64 would round timestamps to 256 ns
         let instants: Vec<i64> = (0..6).map(|i| 1_700_000_000_000_000_001 + i * 5_000_000).collect();
         let schema = "message log {
             required int64 time (TIMESTAMP(NANOS, true));
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_with_any_bit_changed_is_read_or_refused() {
+    fn any_flipped_bit_is_read_or_rejected() {
         let path = file("message log { required double t_s; optional int32 gx; }", |group| {
             put::<DoubleType>(group, &all(&[0.0, 0.005, 0.01]));
             put::<Int32Type>(group, &[Some(1), None, Some(3)]);
@@ -420,7 +420,7 @@ mod tests {
                 Err(error) => damaged += usize::from(error.to_string().contains("the file is damaged (")),
             }
         }
-        // or the library does not panic any more, and need not be contained
+        // otherwise the library no longer panics, and containment can go
         assert!(damaged > 0);
     }
 
@@ -438,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_every_kind_keep_their_value_and_what_is_no_number_is_left_out() {
+    fn reads_numbers_of_every_kind_and_ignores_others() {
         let schema = "message log {
             required int64 old_stamp (TIMESTAMP_MICROS);
             required int32 small (UINT_32);

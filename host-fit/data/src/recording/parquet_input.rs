@@ -1,4 +1,4 @@
-//! A file as the Parquet library is to see it.
+//! File input for the Parquet library.
 
 use std::io::{ErrorKind, Read, Result};
 
@@ -6,8 +6,8 @@ use bytes::Bytes;
 use parquet::errors::Result as ParquetResult;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// A file whose end is an error: the library does not mind it when it passes over what it does not know, which a few
-/// bytes of a damaged file can have it do 2³¹ times.
+/// A file whose end is an error: the library ignores it while skipping unknown fields, and a few bytes of a damaged file
+/// can make it skip 2³¹ times.
 pub(super) struct Ending<R>(pub(super) R);
 
 impl<R: Length> Length for Ending<R> {
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_there_is_read_and_the_end_is_an_error() {
+    fn reading_past_the_end_is_an_error() {
         let input = Ending(Bytes::from_static(b"0123456789"));
         let mut read = input.get_read(7).unwrap();
         let mut rest = [0; 3];

@@ -11,13 +11,13 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// Rows that are encoded together.
+/// Rows encoded together.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Every column as doubles, every bit kept.
+/// Writes every column as doubles, preserving all bits.
 pub(super) fn write(file: &File, columns: &[(&str, &[f64])]) -> io::Result<()> {
     write_parquet(file, columns).map_err(|error| match error {
-        // what the system said is inside
+        // the error of the system is inside
         ParquetError::External(inner) => {
             inner.downcast::<io::Error>().map_or_else(io::Error::other, |inner| *inner)
         }

@@ -1,4 +1,4 @@
-//! Duty-cycled logs: bursts of samples, and pauses that are no loss.
+//! Duty-cycled logs: bursts of samples, and pauses without loss.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -6,7 +6,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::*;
 
-/// True period of the made logs: 0.7 % off 50 Hz.
+/// True period of the synthetic logs: 0.7 % off 50 Hz.
 const T: f64 = 0.02 * 1.007;
 
 fn load(time_s: Vec<f64>, rate_hz: Option<f64>) -> Result<Recording, RecordingError> {
@@ -16,7 +16,7 @@ fn load(time_s: Vec<f64>, rate_hz: Option<f64>) -> Result<Recording, RecordingEr
     Recording::from_columns(Source::made_by("test"), columns, &options)
 }
 
-/// Stamps of `bursts` bursts of `rows` rows, one every `every_s`, give or take a fifth of it.
+/// Timestamps of `bursts` bursts of `rows` rows, one every `every_s`, with a random delay of up to a fifth of it.
 fn duty_cycled(bursts: usize, rows: usize, every_s: f64, seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let begins = (0..bursts).map(|burst| (burst as f64 + random.random_range(0.0..0.2)) * every_s);
@@ -39,16 +39,16 @@ fn is_read(time_s: Vec<f64>, bursts: usize, within: f64) {
     }
 }
 
-/// 50 Hz for 5 s every 300 s was read as 0.83 Hz, the mean.
+/// 50 Hz for 5 s every 300 s used to be read as 0.83 Hz, the mean.
 #[test]
-fn the_rate_of_a_duty_cycled_log_is_that_between_its_pauses() {
+fn rate_of_a_duty_cycled_log_excludes_pauses() {
     for (bursts, rows, every_s) in [(288, 250, 300.0), (60, 256, 20.0), (500, 50, 60.0), (100, 1500, 600.0)] {
         is_read(duty_cycled(bursts, rows, every_s, 1), bursts, 1e-9);
     }
 }
 
 #[test]
-fn so_it_is_where_stamps_jitter_are_rounded_or_come_from_a_host_that_polls() {
+fn duty_cycle_survives_jitter_rounding_and_polling() {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let jitter = Normal::new(0.0, 0.2 * T).unwrap();
     let exact = duty_cycled(200, 250, 300.0, 3);
@@ -62,7 +62,7 @@ fn so_it_is_where_stamps_jitter_are_rounded_or_come_from_a_host_that_polls() {
 }
 
 #[test]
-fn what_is_lost_within_a_burst_is_missing() {
+fn counts_losses_within_a_burst() {
     let mut stamps = duty_cycled(200, 250, 300.0, 4);
     for burst in (0..200).rev().step_by(10) {
         stamps.drain(250 * burst + 100..250 * burst + 103);
@@ -71,9 +71,9 @@ fn what_is_lost_within_a_burst_is_missing() {
     assert_eq!((log.quality.gaps, log.samples_missing(), log.quality.pauses), (20, 60, 199));
 }
 
-/// Seconds between two polls are no pauses: all of it was recorded.
+/// Seconds between two polls are no pauses: everything was recorded.
 #[test]
-fn a_host_that_polls_every_few_seconds_makes_no_pause() {
+fn slow_polling_is_no_pause() {
     let stamps = |rate_hz: f64, poll_s: f64| -> Vec<f64> {
         let ready = (0..40_000).map(|row| ((row + 1) as f64 / rate_hz / poll_s).ceil() * poll_s);
         let mut stamps: Vec<f64> = ready.collect();
@@ -87,7 +87,7 @@ fn a_host_that_polls_every_few_seconds_makes_no_pause() {
         assert!((log.rate.true_hz / rate_hz - 1.0).abs() < 0.01, "{}", log.rate.true_hz);
         assert_eq!((log.segments.len(), log.rate.stamps), (1, Stamps::Bursts));
     }
-    // 2 s of 5 s at 50 Hz look the same as 20 Hz polled every 5 s: what is stated tells
+    // 2 s of 5 s at 50 Hz look the same as 20 Hz polled every 5 s: the stated rate decides
     let ambiguous = duty_cycled(200, 100, 5.0, 5);
     assert!((load(ambiguous.clone(), None).unwrap().rate.period_s / T - 1.0).abs() < 1e-6);
     assert!((load(ambiguous, Some(20.0)).unwrap().rate.true_hz / 20.0 - 1.0).abs() < 0.07);
@@ -104,7 +104,7 @@ fn ten_seconds_of_nothing_are_a_pause_and_five_a_loss() {
 }
 
 #[test]
-fn a_stated_rate_that_the_stamps_contradict_replaces_them_and_pauses_stay() {
+fn stated_rate_replaces_contradicting_timestamps_and_keeps_pauses() {
     for (rate_hz, is_right) in [(50.0, true), (52.0, true), (55.0, false), (40.0, false), (200.0, false)] {
         let log = load(duty_cycled(100, 250, 300.0, 6), Some(rate_hz)).unwrap();
         assert_eq!((log.rate.nominal_hz, log.segments.len(), log.quality.pauses), (Some(rate_hz), 100, 99));
@@ -118,7 +118,7 @@ fn a_stated_rate_that_the_stamps_contradict_replaces_them_and_pauses_stay() {
     }
 }
 
-/// Half a duty of 5.7 s: 49 % of the samples were said to be dropped.
+/// A duty cycle of one half in 5.7 s used to be reported as 49 % of the samples lost.
 #[test]
 fn short_pauses_at_regular_intervals_are_a_duty_cycle() {
     let stamps = |waits: &mut dyn FnMut(usize) -> f64| -> Vec<f64> {
@@ -133,7 +133,7 @@ fn short_pauses_at_regular_intervals_are_a_duty_cycle() {
     assert_eq!((log.quality.gaps, log.samples_missing(), log.quality.pauses), (0, 0, 119));
     let cycle = log.duty_cycle().unwrap();
     assert_eq!(cycle.to_string(), "recorded in 120 bursts of 2.9 s every 5.8 s");
-    // a gap that is none of them stays one
+    // a gap of another length is still a gap
     let log = load(stamps(&mut |burst| if burst == 60 { 8.0 } else { 2.8 }), Some(50.0)).unwrap();
     assert_eq!((log.quality.gaps, log.quality.pauses), (1, 118));
 }

@@ -1,4 +1,4 @@
-//! What a file seems to hold, before it is read as a log.
+//! Preview of a file: its columns and their probable channels, before it is read as a log.
 
 use crate::column::{AXES, Column, MAGNETOMETERS};
 use std::collections::BTreeMap;
@@ -12,49 +12,49 @@ use super::guess::{Guess, Guesses, guesses};
 use super::load;
 use crate::unit::{Unit, spellings_of};
 
-/// Values of each column that are shown.
+/// Number of values shown per column.
 const SHOWN: usize = 4;
 
-/// Channels beside the inertial ones and the magnetometers that effects know.
+/// Channels used by effects, other than the inertial ones and the magnetometers.
 const OTHERS: [&str; 3] = ["temp_c", "supply_v", "load_pct"];
 
-/// The columns of a file, and what they may be.
+/// Columns of a file with their probable channels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Preview {
-    /// In the order of the file.
+    /// Columns in the order of the file.
     pub columns: Vec<ColumnPreview>,
-    /// Channels that a column can be.
+    /// Channels that a column can be mapped to.
     pub targets: Vec<String>,
-    /// Units that each of them may come in, the SI unit first.
+    /// Possible units of each channel, the SI unit first.
     pub units: BTreeMap<String, Vec<&'static str>>,
 }
 
-/// A column of a file, and what it may be.
+/// A column of a file with its probable channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ColumnPreview {
     pub name: String,
-    /// The same as it stands in an entry of a column map.
+    /// Name as written in an entry of a column map.
     pub quoted: String,
     pub values: Vec<String>,
-    /// The channel that it seems to be.
+    /// Probable channel.
     pub target: Option<String>,
-    /// The unit that it seems to be in.
+    /// Probable unit.
     pub unit: Option<String>,
-    /// The column map entry for that; none where the name says all.
+    /// Column map entry for them; `None` if the name is sufficient.
     pub spec: Option<String>,
-    /// What the guess rests on.
+    /// Reason for the guess.
     pub why: String,
-    /// Whether its name alone settles it.
+    /// True if the name alone determines it.
     pub sure: bool,
 }
 
-/// Looks at the begin of a file.
+/// Reads the begin of a file.
 ///
 /// # Errors
 ///
-/// It cannot be read or is no log.
+/// The file cannot be read or is no log.
 pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
     let (table, meaning) = load::begin(path)?;
     let columns: Vec<(&str, &[f64])> =
@@ -76,7 +76,7 @@ pub fn preview(path: &Path) -> Result<Preview, RecordingError> {
         if let Some(format) = meaning.read_as.as_ref().map(|read_as| read_as.format)
             && !meaning.map.is_empty()
         {
-            // as it is read without being told anything
+            // the mapping used by default
             let mapping = meaning.map.mappings().iter().find(|mapping| mapping.column == name);
             return ColumnPreview {
                 name,

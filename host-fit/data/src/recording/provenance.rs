@@ -14,7 +14,7 @@ use crate::column::Triad;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Provenance {
-    /// That of the accelerometers.
+    /// Provenance of the accelerometers.
     pub accelerometers: SensorProvenance,
     pub gyros: SensorProvenance,
 }
@@ -31,7 +31,7 @@ pub struct SensorProvenance {
     pub device_id: Option<u32>,
     /// Corrections that the values contain.
     pub values: Values,
-    /// Axes that the values are given in.
+    /// Axes in which the values are given.
     pub frame: Frame,
 }
 
@@ -40,28 +40,28 @@ pub struct SensorProvenance {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Values {
-    /// The log does not say.
+    /// Not stated by the log.
     #[default]
     Unstated,
-    /// As the sensor or its driver delivers them.
+    /// Delivered by the sensor or its driver.
     Raw,
-    /// Corrected before they were logged, by what is named here.
+    /// Corrected before logging, by the named software or parameters.
     Corrected(Cow<'static, str>),
 }
 
-/// Axes that values are given in.
+/// Axes in which values are given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// The log does not say.
+    /// Not stated by the log.
     #[default]
     Unstated,
-    /// Those of the sensor's die.
+    /// Axes of the sensor's die.
     Sensor,
-    /// Those of the autopilot's board, in which autopilots correct by temperature.
+    /// Axes of the autopilot's board, in which autopilots correct by temperature.
     Board,
-    /// Those of the vehicle.
+    /// Axes of the vehicle.
     Vehicle,
     Phone,
 }
@@ -91,7 +91,7 @@ impl Provenance {
 }
 
 impl SensorProvenance {
-    /// What the values were corrected by; none if they are raw or if the log does not say.
+    /// Corrections contained in the values; `None` if they are raw or the log does not state any.
     pub fn corrected_by(&self) -> Option<&str> {
         match &self.values {
             Values::Corrected(by) => Some(by),
@@ -99,8 +99,8 @@ impl SensorProvenance {
         }
     }
 
-    /// The first statement of this one that contradicts `other`, in words: this one's, then the other's. None where one of
-    /// them states nothing.
+    /// First contradiction between two provenances, in words: the statement of this one, then of the other. `None` if
+    /// one of them states nothing.
     pub fn contradiction(&self, other: &Self) -> Option<[String; 2]> {
         let differ =
             |one: &dyn fmt::Display, other: &dyn fmt::Display| Some([one.to_string(), other.to_string()]);
@@ -111,7 +111,7 @@ impl SensorProvenance {
         } else if let (Some(one), Some(two)) = (self.instance, other.instance)
             && one != two
         {
-            // without an identity of the device, its number has to do
+            // without a device id the instance number must do
             return differ(&format!("IMU {one}"), &format!("IMU {two}"));
         }
         let is_stated = |values: &Values| *values != Values::Unstated;
@@ -125,7 +125,7 @@ impl SensorProvenance {
         None
     }
 
-    /// What holds of both: a statement that only one makes is dropped, but a correction of one is one of both.
+    /// Common part of both: a statement made by only one is dropped, but a correction of one counts for both.
     pub(super) fn common(&self, other: &Self) -> Self {
         let values = match (&self.values, &other.values) {
             (corrected @ Values::Corrected(_), _) | (_, corrected @ Values::Corrected(_)) => {

@@ -1,4 +1,4 @@
-//! What was wrong with a log, counted and placed.
+//! Defects of a log, counted and located.
 
 use std::fmt;
 
@@ -7,53 +7,53 @@ use serde::Serialize;
 use super::clock_check::ClockProblem;
 use super::failed_reads::FailedReads;
 
-/// How many rows that could not be used are kept with their place and content.
+/// Number of unusable rows stored with their position and content.
 const PLACES_KEPT: usize = 5;
 
-/// Longest content of a bad cell that is kept, characters.
+/// Longest stored content of a bad cell, characters.
 const CONTENT_KEPT: usize = 40;
 
-/// What was wrong with a log. All counts are zero for a clean one.
+/// Defects of a log. All counts are zero for a clean one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Quality {
     /// Data rows in the file, used or not (not the header, comments or blank lines).
     pub rows_in_file: u64,
-    /// Rows that could not be used: a cell that is no number, a wrong number of cells, no time.
+    /// Unusable rows: a cell that is no number, a wrong number of cells, no time.
     pub rows_unusable: u64,
-    /// The first few of them.
+    /// First few unusable rows.
     pub first_unusable: Vec<BadRow>,
-    /// Rows dropped since they repeat the stamp and the sample of the row before.
+    /// Rows dropped since they repeat the timestamp and the sample of the previous row.
     pub rows_repeated: u64,
-    /// Rows kept although their time stamp repeats the one before: the clock of the log is coarse.
+    /// Rows kept although they repeat the previous timestamp: the clock of the log is coarse.
     pub stamps_repeated: u64,
-    /// Times that the stamps go back by more than one sample period.
+    /// Number of times that the timestamps go back by more than one sample period.
     pub clock_back: u64,
     /// Empty or not finite cells, by column; only columns that have any.
     pub missing_cells: Vec<MissingCells>,
-    /// Axes without a single number, which are left out: the recording has no channel of these names.
+    /// Axes without a single number, which are excluded: the recording has no channel of these names.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub empty_axes: Vec<String>,
-    /// Readings of thermometers that failed, by column; they read NaN.
+    /// Failed reads of thermometers, by column; they read NaN.
     pub failed_reads: Vec<FailedReads>,
-    /// Reasons why the stamps are not the time of the samples.
+    /// Reasons why the timestamps are not the time of the samples.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clock: Vec<ClockProblem>,
-    /// Stretches of missing samples.
+    /// Number of stretches of missing samples.
     pub gaps: u64,
     /// Samples missing in them, counted on the regular sample grid.
     pub samples_missing: u64,
-    /// Times that nothing was recorded for a while, which is no loss.
+    /// Number of pauses in which nothing was recorded, without loss.
     pub pauses: u64,
-    /// How long in all, s.
+    /// Total duration of the pauses, s.
     pub paused_s: f64,
-    /// Columns that hold text and were left out.
+    /// Ignored columns of text.
     pub text_columns: Vec<String>,
-    /// The first text that was seen in one of them, in a file with lines.
+    /// First text found in one of them, in a file with lines.
     pub first_text: Option<BadRow>,
-    /// Entries of a column map that may be right, by names and values: nothing states them, and they are not followed.
+    /// Column map entries that may be right, by names and values: they are suggestions, and not applied.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub perhaps: Vec<String>,
-    /// Entries of a column map that were assumed by the values of a file without a header.
+    /// Column map entries inferred from the values of a file without a header.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumed_map: Vec<String>,
 }
@@ -61,50 +61,49 @@ pub struct Quality {
 /// Cells of one channel without a usable number; they read NaN.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MissingCells {
-    /// The column, as named in the file.
+    /// Column name in the file.
     pub column: String,
-    /// Cells with nothing in them (also `NA`, `null`, `none`).
+    /// Number of empty cells (also `NA`, `null`, `none`).
     pub empty: u64,
-    /// Cells with NaN or an infinity.
+    /// Number of cells with NaN or an infinity.
     pub not_finite: u64,
 }
 
-/// A row that could not be used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BadRow {
     /// Line of a text, row of a table.
     pub place: Place,
-    /// Name of the column that gave the reason, if one did.
+    /// Column at fault, if any.
     pub column: Option<String>,
-    /// The content, shortened.
+    /// Content, shortened.
     pub content: String,
-    /// What is wrong with it.
+    /// Reason why it is unusable.
     pub problem: Problem,
 }
 
-/// Where a row is in its file.
+/// Position of a row in its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
-    /// Line of a text file, the first is 1, and the cell in it, the first is 1 (0: the whole line).
+    /// Line of a text file, from 1, and cell in it, from 1 (0: the whole line).
     Line { line: u64, cell: u64 },
-    /// Data row, the first is 1; for files without lines.
+    /// Data row, from 1; for files without lines.
     Row(u64),
 }
 
-/// Why a row could not be used.
+/// Reason why a row is unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Problem {
     NotANumber,
     /// The row has more or fewer cells than the header.
     CellCount {
-        /// Cells in the header.
+        /// Number of cells in the header.
         expected: usize,
-        /// Cells in the row.
+        /// Number of cells in the row.
         found: usize,
     },
-    /// The time stamp is empty or not finite.
+    /// The timestamp is empty or not finite.
     NoTime,
 }
 
@@ -114,7 +113,7 @@ impl BadRow {
         BadRow { place, column: column.map(str::to_owned), content, problem }
     }
 
-    /// Whether a point instead of the comma would make it a number.
+    /// Returns true if a point instead of the comma would make it a number.
     pub(super) fn has_decimal_comma(&self) -> bool {
         self.content.contains(',') && self.content.replacen(',', ".", 1).parse::<f64>().is_ok()
     }
@@ -141,7 +140,7 @@ impl fmt::Display for BadRow {
 }
 
 impl Quality {
-    /// Counts a row that could not be used, and keeps it if it is among the first.
+    /// Counts an unusable row, and stores it if it is among the first.
     pub(super) fn note_unusable(&mut self, row: BadRow) {
         self.rows_unusable += 1;
         if self.first_unusable.len() < PLACES_KEPT {
@@ -151,7 +150,7 @@ impl Quality {
 }
 
 impl fmt::Display for Quality {
-    /// One line per kind of trouble; nothing at all for a log without any.
+    /// Writes one line per kind of defect; nothing for a log without any.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut lines = Vec::new();
         if self.rows_unusable > 0 {

@@ -1,4 +1,4 @@
-//! The true sample rate, from time stamps that jitter, arrive in bursts, pause and miss samples.
+//! True sampling rate, from timestamps with jitter, bursts, pauses and missing samples.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -7,56 +7,56 @@ use serde::Serialize;
 use super::grid::{Boundary, Grid};
 pub(super) use crate::statistics::{MAD_TO_SD, median};
 
-/// Largest share of stamps that may come early (less than half a period after the one before) in a log that was
-/// stamped sample by sample. Normal jitter with sd 0.3 T gives 12 %, bursts of two samples 50 %.
+/// Largest share of early timestamps (less than half a period after the previous one) in a log that was stamped sample
+/// by sample. Normal jitter with sd 0.3 T gives 12 %, bursts of two samples 50 %.
 const EARLY_SHARE: f64 = 0.2;
 
-/// Scatter below which stamps count as regular, sample periods. Rounding to a tenth of a period gives 0.03.
+/// Scatter below which timestamps count as regular, sample periods. Rounding to a tenth of a period gives 0.03.
 const REGULAR_SCATTER: f64 = 0.02;
 
-/// Rows per block in which the scatter of stamps is taken, short enough that no clock wanders in it.
+/// Rows per block in which the scatter of timestamps is computed, short enough that no clock wanders in it.
 const SCATTER_BLOCK: usize = 64;
 
-/// Longest reach in rows of the first estimate of the period.
+/// Longest distance in rows of the first estimate of the period.
 const FIRST_REACH: usize = 4096;
 
-/// A wait from which on the log may have paused: longer than a host lets a sensor's buffer fill, s, and so many usual
-/// waits.
+/// Minimum interval that may be a pause: longer than a host lets a sensor's buffer fill, s, and a multiple of the usual
+/// interval.
 const PAUSE_S: f64 = 1.0;
 const PAUSE_WAITS: f64 = 10.0;
 
-/// Between two pauses rows are stamped over at least this time, s. What a host reads out of a full buffer at once comes
-/// faster: 128 samples over a bus of 400 kHz take 50 ms.
+/// Minimum duration of the rows between two pauses, s. A host reads a full buffer faster: 128 samples over a bus of
+/// 400 kHz take 50 ms.
 const BETWEEN_PAUSES_S: f64 = 0.2;
 
-/// Pauses that do not make the mean period longer than that between them by this factor change nothing.
+/// Minimum ratio of the mean period to that between pauses; below it pauses have no influence.
 const PAUSED: f64 = 1.5;
 
-/// Slopes within a burst that are this far off the median, relative, are of stamps that are wrong.
+/// Largest relative deviation from the median of a slope within a burst; beyond it timestamps are wrong.
 const USUAL_SLOPE: f64 = 0.1;
 
-/// Rates that a log of a sensor can have, Hz: beyond them its time stamps are in another unit.
+/// Plausible sampling rates of a sensor, Hz: beyond them the timestamps are in another unit.
 pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
-/// The sample rate of a recording.
+/// Sampling rate of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rate {
-    /// As stated by the user or a case's `meta.json`, Hz.
+    /// Rate stated by the user or a case's `meta.json`, Hz.
     pub nominal_hz: Option<f64>,
-    /// As measured: one over `period_s`, Hz.
+    /// Measured rate, 1/`period_s`, Hz.
     pub true_hz: f64,
-    /// Slope of time stamp against sample count, missing samples counted: median over pairs of rows half the
-    /// longest unbroken stretch apart (after Theil 1950, Sen 1968), s. Of a duty-cycled log the mean of those that are
-    /// within a tenth of it.
+    /// Slope of timestamp against sample count, missing samples included: median over pairs of rows half the longest
+    /// unbroken stretch apart (after Theil 1950, Sen 1968), s. Of a duty-cycled log the mean of the slopes within a
+    /// tenth of it.
     pub period_s: f64,
-    /// Scatter of the stamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64
+    /// Scatter of the timestamps about the regular grid: 1.4826 × the median absolute deviation within blocks of 64
     /// rows, s.
     pub jitter_s: f64,
-    /// How the stamps lie on the grid.
+    /// Arrangement of the timestamps on the grid.
     pub stamps: Stamps,
 }
 
-/// How time stamps lie on the regular sample grid.
+/// Arrangement of timestamps on the regular sample grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stamps {
@@ -64,22 +64,22 @@ pub enum Stamps {
     Regular,
     /// Stamped sample by sample, with jitter.
     Jittered,
-    /// Stamped in bursts, as by a host that polls or by a clock of coarse ticks: late, never early.
+    /// Stamped in bursts, as by a host that polls or by a clock with coarse ticks: late, never early.
     Bursts,
-    /// None: the times are the row number over the stated rate.
+    /// No timestamps: times are the row number over the stated rate.
     Absent,
 }
 
-/// A first look at stamps, enough to look for gaps.
+/// First estimates from timestamps, sufficient to look for gaps.
 #[derive(Clone, Debug)]
 pub(super) struct FirstLook {
     /// Sample period, s.
     pub(super) period_s: f64,
     /// `Regular` or `Bursts`, or `Jittered`.
     pub(super) stamps: Stamps,
-    /// Scatter of single stamps, sample periods.
+    /// Scatter of single timestamps, sample periods.
     pub(super) scatter: f64,
-    /// Mean number of rows from one long wait to the next.
+    /// Mean number of rows from one long interval to the next.
     pub(super) burst_rows: f64,
     /// First rows after the pauses of a duty-cycled log.
     pub(super) after_pauses: Vec<usize>,
@@ -87,9 +87,9 @@ pub(super) struct FirstLook {
 
 /// Estimates the period before the gaps are known; `None` if time does not run forward.
 ///
-/// Long waits in between short ones are a host's that polls, or pauses of a duty-cycled log (5 s of every 300 s): the
-/// rate is the mean of all rows, or that between the pauses. What lies between two pauses lasts some time; what a host
-/// reads out at once does not. A stated rate that is the mean says that it polls.
+/// Long intervals between short ones come from a host that polls, or from pauses of a duty-cycled log (5 s of every
+/// 300 s): the rate is the mean of all rows, or that between the pauses. The rows between two pauses last some time;
+/// those that a host reads at once do not. A stated rate equal to the mean shows that the host polls.
 pub(super) fn first_look(time_s: &[f64], nominal_hz: Option<f64>) -> Option<FirstLook> {
     let whole = look_over(time_s, std::slice::from_ref(&(0..time_s.len())), nominal_hz)?;
     if whole.stamps != Stamps::Bursts || is_nominal(whole.period_s, nominal_hz) {
@@ -117,14 +117,14 @@ fn after_pauses(time_s: &[f64]) -> Vec<usize> {
     (1..time_s.len()).filter(|row| wait(*row) >= least).collect()
 }
 
-/// `n` rows cut before each of these.
+/// Splits `n` rows before each of `cuts`.
 fn stretches(n: usize, cuts: &[usize]) -> Vec<Range<usize>> {
     let begins = std::iter::once(0).chain(cuts.iter().copied());
     let ends = cuts.iter().copied().chain([n]);
     begins.zip(ends).map(|(begin, end)| begin..end).collect()
 }
 
-/// The length of a stretch such that half of all rows lie in shorter ones.
+/// Length of a stretch such that half of all rows lie in shorter ones.
 fn usual_length(stretches: &[Range<usize>]) -> usize {
     let mut lengths: Vec<usize> = stretches.iter().map(|rows| rows.len()).collect();
     lengths.sort_unstable();
@@ -141,7 +141,7 @@ fn is_nominal(period_s: f64, nominal_hz: Option<f64>) -> bool {
     nominal_hz.is_some_and(|hz| (period_s * hz - 1.0).abs() < 0.2)
 }
 
-/// The first look at rows in stretches, none of them held against one of another stretch.
+/// First estimates from stretches of rows, without comparing rows of different stretches.
 fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>) -> Option<FirstLook> {
     let rows = usual_length(stretches);
     let waits: Vec<f64> = stretches
@@ -150,7 +150,7 @@ fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>
         .collect();
     let typical_wait = median(&mut waits.clone());
 
-    // over many rows bursts and coarse stamps average out; missing samples lengthen it
+    // over many rows bursts and coarse timestamps average out; missing samples lengthen it
     let reach = (rows / 4).clamp(1, FIRST_REACH);
     let mut slopes: Vec<f64> = stretches
         .iter()
@@ -164,7 +164,7 @@ fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>
     let share = |count: usize| count as f64 / waits.len() as f64;
     let early = share(waits.iter().filter(|&&wait| wait < 0.5 * far).count());
 
-    // the mean of the usual waits, not their median: stamps in whole milliseconds
+    // the mean of the usual intervals, not their median: timestamps in whole milliseconds
     let usual: Vec<f64> = waits
         .iter()
         .copied()
@@ -174,7 +174,7 @@ fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>
     let near = if near.is_finite() { near } else { 0.0 };
 
     let after_pauses = Vec::new();
-    // waits of one and two ticks in turn may be loss or a coarse clock: only the stated rate can tell
+    // alternating intervals of one and two ticks may be loss or a coarse clock: only the stated rate distinguishes them
     let coarse = is_nominal(far, nominal_hz) && !is_nominal(near, nominal_hz);
     if early > EARLY_SHARE || near <= 0.0 || coarse {
         let long = share(waits.iter().filter(|&&wait| wait > 1.5 * far).count());
@@ -183,7 +183,7 @@ fn look_over(time_s: &[f64], stretches: &[Range<usize>], nominal_hz: Option<f64>
         return Some(FirstLook { period_s: far, stamps, scatter: 0.0, burst_rows, after_pauses });
     }
     let mut deviations: Vec<f64> = waits.iter().map(|wait| (wait - typical_wait).abs()).collect();
-    // the wait between two stamps scatters by √2 as much as a stamp
+    // the interval between two timestamps scatters by √2 as much as a timestamp
     let scatter = MAD_TO_SD * median(&mut deviations) / near / std::f64::consts::SQRT_2;
     Some(FirstLook { period_s: near, stamps: Stamps::Jittered, scatter, burst_rows: 1.0, after_pauses })
 }
@@ -204,14 +204,15 @@ pub(super) fn slope(time_s: &[f64], grid: &Grid) -> Option<f64> {
     }
     let mut slope = median(&mut slopes);
     if grid.segments.iter().any(|segment| segment.boundary == Boundary::Pause) {
-        // over a burst stamps in ticks or from polls make a few slopes only: not the one that is usual, but their mean
+        // in a burst, timestamps in ticks or from polls give only a few distinct slopes: take their mean, not the most
+        // usual
         slopes.retain(|other| (other / slope - 1.0).abs() < USUAL_SLOPE);
         slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
     }
     Some(slope).filter(|slope| *slope > 0.0 && slope.is_finite())
 }
 
-/// Scatter of the stamps about the grid, s.
+/// Scatter of the timestamps about the grid, s.
 pub(super) fn jitter(time_s: &[f64], grid: &Grid, period_s: f64) -> f64 {
     let ticks = grid.ticks();
     let mut deviations = Vec::with_capacity(time_s.len());
@@ -229,8 +230,8 @@ pub(super) fn jitter(time_s: &[f64], grid: &Grid, period_s: f64) -> f64 {
     MAD_TO_SD * median(&mut deviations)
 }
 
-/// Names the stamps by their scatter.
-pub(super) fn name_stamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps {
+/// Classifies jittered timestamps as regular by their scatter.
+pub(super) fn classify_timestamps(first: Stamps, jitter_s: f64, period_s: f64) -> Stamps {
     match first {
         Stamps::Jittered if jitter_s < REGULAR_SCATTER * period_s => Stamps::Regular,
         other => other,

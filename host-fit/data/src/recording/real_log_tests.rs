@@ -1,5 +1,5 @@
-//! Logs that other people recorded, where they are at hand ([`fos_testkit::outside`]). What they show is made from
-//! seeds in `generated_log_tests.rs`.
+//! Logs recorded by other people, if they are available ([`fos_testkit::outside`]). `generated_log_tests.rs` reproduces
+//! their features from seeds.
 
 use fos_testkit::outside;
 
@@ -29,10 +29,10 @@ fn a_regular_log_of_a_million_rows_is_one_segment() {
 }
 
 #[test]
-fn a_board_clock_that_jitters_by_more_than_a_period_shows_ten_lost_samples_and_no_more() {
+fn jitter_beyond_a_period_hides_no_lost_sample_and_adds_none() {
     let Some(log) = load_shared("data/icm45686_rocket_jackpot3_400hz.csv.gz") else { return };
-    // 164 waits exceed 1.5 periods and are made up for at once; at ten rows the stamps move by one period for good
-    // (0.98 T each), every 3929 rows (9.9 s) or a multiple of it, as when the recorder stalls
+    // 164 intervals exceed 1.5 periods and are made up for at once; at ten rows the timestamps shift by one period
+    // permanently (0.98 T each), every 3929 rows (9.9 s) or a multiple of it, as when the recorder stalls
     let rows = [795, 8653, 10224, 12581, 16510, 20439, 24368, 40086, 44014, 55802];
     assert_eq!(gaps(&log), rows.map(|row| (row, 1)));
     // so the sensor's own rate is above the mean of 397.28 Hz that is in the file
@@ -46,7 +46,8 @@ fn arrival_times_in_bursts_show_the_mean_rate_and_no_gap() {
     let Some(log) = load_shared("data/mpu6050_static_10min_100hz.csv.gz") else { return };
     assert_eq!(log.rate.stamps, Stamps::Bursts);
     assert!((log.rate.true_hz - 99.317).abs() < 0.1, "{}", log.rate.true_hz);
-    // ten waits are of 0.1 to 0.5 s; after each the stamps come back to where they were, within what this host scatters
+    // ten intervals are of 0.1 to 0.5 s; after each the timestamps return to where they were, within the scatter of the
+    // host
     assert_eq!(gaps(&log), []);
 }
 

@@ -1,4 +1,4 @@
-//! Provenance of a recording: what the logs that it was read from state, as far as they agree.
+//! Provenance of a recording: the statements of its source logs, as far as they agree.
 
 use super::provenance::SensorProvenance;
 use super::source::Source;
@@ -6,7 +6,7 @@ use super::{Recording, RecordingError};
 use crate::column::Triad;
 
 impl SensorProvenance {
-    /// That of a triad in these logs: what all of them have in common.
+    /// Provenance of a triad common to all of these logs.
     pub fn of_sources(sources: &[Source], triad: Triad) -> Self {
         let of_source = |source: &Source| {
             let stated = source.read_as.as_ref().and_then(|read_as| read_as.provenance.as_ref());
@@ -17,12 +17,12 @@ impl SensorProvenance {
 }
 
 impl Recording {
-    /// Provenance of a triad: that of the log it was read from, or what all logs it was joined of have in common.
+    /// Provenance of a triad: that of the source log, or the common part of several joined logs.
     pub fn provenance(&self, triad: Triad) -> SensorProvenance {
         SensorProvenance::of_sources(&self.sources, triad)
     }
 
-    /// Refuses to join logs of different sensors, or of differently corrected values.
+    /// Rejects joining logs of different sensors, or of differently corrected values.
     pub(super) fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
         for triad in [Triad::Accelerometers, Triad::Gyros] {
             if let Some([here, there]) = self.provenance(triad).contradiction(&next.provenance(triad)) {
@@ -61,21 +61,21 @@ mod tests {
     #[test]
     fn joins_logs_of_one_sensor_only() {
         let join = |one, other| Recording::join(vec![recording(one), recording(other)]);
-        // an autopilot may count its sensors in another order after a restart
+        // an autopilot may number its sensors in another order after a restart
         let joined = join(raw(0, Some(7)), raw(1, Some(7))).unwrap();
         assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance { instance: None, ..raw(0, Some(7)) });
         let corrected = SensorProvenance { values: Values::Corrected("PX4".into()), ..raw(0, Some(7)) };
         let vehicle = SensorProvenance { frame: Frame::Vehicle, ..raw(0, Some(7)) };
-        for (other, said) in [
+        for (other, expected) in [
             (raw(0, Some(8)), "device_id 8"),
             (corrected, "corrected by PX4"),
             (vehicle, "axes of the vehicle"),
         ] {
             let error = join(raw(0, Some(7)), other).unwrap_err().to_string();
-            assert!(error.contains(said) && error.contains("\nhelp: "), "{error}");
+            assert!(error.contains(expected) && error.contains("\nhelp: "), "{error}");
         }
         assert!(join(raw(0, None), raw(1, None)).unwrap_err().to_string().contains("IMU 1"));
-        // the log format states nothing, so that nothing is known of both
+        // the log format states no provenance, so the joined log has none
         let joined = join(raw(0, Some(7)), SensorProvenance::default()).unwrap();
         assert_eq!(joined.provenance(Triad::Gyros), SensorProvenance::default());
     }
@@ -88,7 +88,7 @@ mod tests {
             let text = serde_json::to_string(&written).unwrap();
             assert_eq!(serde_json::from_str::<Provenance>(&text).unwrap(), written, "{text}");
         }
-        // of an earlier version
+        // written by an earlier version
         let read: ReadAs = serde_json::from_str(r#"{"format": "ulog", "assumed": "…"}"#).unwrap();
         assert_eq!(read.provenance, None);
     }

@@ -1,4 +1,4 @@
-//! Where data came from: the file, and a checksum of its bytes.
+//! Source of a recording: the file and a checksum of its bytes.
 
 use std::fs;
 use std::io::{self, BufRead, Read};
@@ -11,28 +11,28 @@ use super::format::ReadAs;
 use crate::file::folder_of;
 use crate::text::hexadecimal;
 
-/// The file a recording was read from.
+/// File that a recording was read from.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Source {
-    /// Path as it was given; for data that never were a file, what made them.
+    /// Path as given; for data that never were a file, a description of their origin.
     pub path: String,
     /// Size of the file, bytes (0: not a file).
     pub bytes: u64,
     /// SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file).
     pub sha256: String,
-    /// Where it lies as seen from the folder of the study that names it; none where no study does, or an older one.
+    /// Path relative to the folder of the study that names it; `None` without a study, or with an older one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from_study: Option<String>,
-    /// As what it was read, where it is not in the log format.
+    /// Format and assumptions of the reader; `None` for the log format.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub read_as: Option<ReadAs>,
-    /// Where this process found it, from the root on; none if it was not read now, or is no file.
+    /// Absolute path at which this process found it; `None` if it was not read now, or is no file.
     #[serde(skip)]
     pub found: Option<PathBuf>,
 }
 
-/// The same content is the same source, wherever it lies; what never was a file is told apart by its name.
+/// Equal content is the same source, wherever it is stored; data that never were a file are compared by name.
 impl PartialEq for Source {
     fn eq(&self, other: &Source) -> bool {
         self.sha256 == other.sha256 && (!self.sha256.is_empty() || self.path == other.path)
@@ -42,7 +42,7 @@ impl PartialEq for Source {
 impl Eq for Source {}
 
 impl Source {
-    /// Names data that were not read from a file.
+    /// Source of data that were not read from a file.
     pub fn made_by(what: impl Into<String>) -> Source {
         Source {
             path: what.into(),
@@ -54,7 +54,7 @@ impl Source {
         }
     }
 
-    /// Names what was read, by its digest.
+    /// Source of a file with this digest.
     pub(super) fn of(path: &Path, bytes: u64, digest: &[u8]) -> Source {
         let sha256 = hexadecimal(digest);
         let found = found(path);
@@ -62,9 +62,9 @@ impl Source {
     }
 }
 
-/// The checksum of all that is read of a file, or of several.
+/// Checksum over all bytes read of one or several files.
 pub(super) struct Digest {
-    /// None of what is only looked at: nobody asks who it is.
+    /// `None` for a preview, which needs no identity.
     hash: Option<Sha256>,
     bytes: u64,
 }
@@ -78,7 +78,7 @@ impl Digest {
         Digest { hash: None, bytes: 0 }
     }
 
-    /// Takes the name of one of several files, which is no part of their bytes.
+    /// Includes the name of one of several files, which is not part of their bytes.
     pub(super) fn take_name(&mut self, name: &str) {
         if let Some(hash) = &mut self.hash {
             hash.update(name.as_bytes());
@@ -101,7 +101,7 @@ impl Digest {
     }
 }
 
-/// Passes bytes on and takes their checksum, so that what is hashed is what was read.
+/// Reader that hashes the bytes passed through, so that the checksum covers exactly the data read.
 pub(super) struct Hashing<'a, R> {
     inner: R,
     digest: &'a mut Digest,
@@ -112,7 +112,7 @@ impl<'a, R: Read> Hashing<'a, R> {
         Hashing { inner, digest }
     }
 
-    /// Reads what is left, if a checksum is taken: a decoder may stop before the end.
+    /// Reads to the end if a checksum is computed: a decoder may stop before.
     pub(super) fn read_rest(&mut self) -> io::Result<()> {
         if self.digest.hash.is_some() {
             io::copy(self, &mut io::sink())?;
@@ -135,7 +135,7 @@ impl<R: BufRead> BufRead for Hashing<'_, R> {
     }
 
     fn consume(&mut self, n: usize) {
-        // what is consumed lies in the buffer
+        // consumed bytes are still in the buffer
         if let Ok(bytes) = self.inner.fill_buf() {
             self.digest.take(&bytes[..n.min(bytes.len())]);
         }
@@ -143,7 +143,7 @@ impl<R: BufRead> BufRead for Hashing<'_, R> {
     }
 }
 
-/// A file or folder from the root on, by the folder that it really lies in.
+/// Absolute path of a file or folder, with links in its parent folder resolved.
 fn found(path: &Path) -> Option<PathBuf> {
     let name = path.file_name().filter(|_| path.is_file() || path.is_dir())?;
     fs::canonicalize(folder_of(path)).ok().map(|folder| folder.join(name))
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_only_looked_at_is_not_read_to_its_end() {
+    fn preview_stops_before_the_end() {
         let mut digest = Digest::none();
         let mut reader = Hashing::new(&b"abc"[..], &mut digest);
         reader.read_exact(&mut [0]).unwrap();

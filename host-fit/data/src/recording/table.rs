@@ -1,4 +1,4 @@
-//! Columns of numbers as a file holds them, before they mean anything.
+//! Columns of numbers as stored in a file, before interpretation.
 
 use std::path::Path;
 
@@ -6,17 +6,17 @@ use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::quality::{BadRow, MissingCells, Place, Problem, Quality};
 
-/// Equally long columns of numbers. NaN: the cell is empty or not finite.
+/// Columns of numbers of equal length. NaN: the cell is empty or not finite.
 #[derive(Debug, Default)]
 pub(super) struct Table {
     pub(super) columns: Vec<Column>,
-    /// Where rows of the file were left out, in order of rows.
+    /// Skipped rows of the file, in order.
     pub(super) skipped: Vec<Skipped>,
-    /// What was found so far.
+    /// Findings so far.
     pub(super) quality: Quality,
-    /// Columns of the file that a map leaves out.
+    /// Columns of the file that a map ignores.
     pub(super) ignored: Vec<String>,
-    /// The file has no header; columns are named by their places.
+    /// The file has no header; columns are named by their position.
     pub(super) is_unnamed: bool,
 }
 
@@ -26,27 +26,27 @@ pub(super) struct Column {
     pub(super) values: Vec<f64>,
 }
 
-/// Rows of the file left out just before one of the table.
+/// Rows of the file skipped just before a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Skipped {
     pub(super) before_row: usize,
     pub(super) rows: u64,
 }
 
-/// Are numbers needed in this column, so that text in it is an error?
+/// Returns true if text in this column is an error.
 pub(super) fn must_be_numeric(name: &str, map: &ColumnMap) -> bool {
     map.uses(name) || (["t_s", "still"].contains(&name) && map.column_of(name) == name)
 }
 
-/// Unnamed columns (the index column some programs write) are named by their place. A name is shown in terminals, where
-/// control characters are commands.
+/// Names unnamed columns (the index column that some programs write) by their position, and replaces control characters,
+/// which terminals would execute.
 pub(super) fn column_name(raw: &str, index: usize) -> String {
     let shown = |letter: char| if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter };
     let name: String = raw.trim().chars().map(shown).collect();
     if name.is_empty() { format!("column_{}", index + 1) } else { name }
 }
 
-/// Refuses two columns of one name.
+/// Rejects two columns of one name.
 pub(super) fn check_names(path: &Path, names: &[String]) -> Result<(), RecordingError> {
     let mut sorted: Vec<&String> = names.iter().collect();
     sorted.sort();
@@ -69,7 +69,7 @@ impl Table {
         self.columns.iter().position(|column| column.name == name)
     }
 
-    /// Notes cells without a number; infinities become NaN.
+    /// Counts cells without a number; infinities become NaN.
     pub(super) fn note_missing_cells(&mut self, column: usize, empty: u64) {
         let column = &mut self.columns[column];
         let mut missing = 0;
@@ -85,7 +85,7 @@ impl Table {
         }
     }
 
-    /// Leaves out rows whose cell in column `time` is NaN: there is no telling when they were.
+    /// Drops rows whose cell in column `time` is NaN, since their time is unknown.
     pub(super) fn drop_rows_without_time(&mut self, time: usize) {
         let keep: Vec<bool> = self.columns[time].values.iter().map(|stamp| stamp.is_finite()).collect();
         if keep.iter().all(|&keep| keep) {

@@ -1,14 +1,14 @@
-//! How many rows of a log may be unusable.
+//! Limit of unusable rows of a log.
 
 use std::path::Path;
 
 use super::error::RecordingError;
 use super::table::Table;
 
-/// Highest fraction of rows that are skipped since they cannot be used; above it the log is refused.
+/// Largest share of unusable rows that are skipped; above it the log is rejected.
 pub const MAX_UNUSABLE: f64 = 0.05;
 
-/// Refuses a log of which too many rows cannot be used.
+/// Rejects a log with too many unusable rows.
 pub(super) fn refuse_unusable(path: &Path, table: &Table, strict: bool) -> Result<(), RecordingError> {
     let quality = &table.quality;
     let Some(first) = quality.first_unusable.first() else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! Writes columns of numbers as CSV, gzip'd CSV or Parquet, whole or not at all.
+//! Writes columns of numbers as CSV, gzip'd CSV or Parquet, atomically.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -8,14 +8,13 @@ use super::error::RecordingError;
 use super::table::check_names;
 use crate::file::{FileError, check_output, replace};
 
-/// Writes columns of one length, in the format the file's name ends in: `.csv`, `.csv.gz` or `.parquet`.
+/// Writes columns of equal length, in the format given by the file name: `.csv`, `.csv.gz` or `.parquet`.
 ///
-/// A reader sees the old file or the whole new one: the data are written beside it, brought to the disk, and
-/// renamed. Parquet keeps every bit; CSV has the shortest digits that read back as the same number, and NaN as an
-/// empty cell.
+/// A reader sees the complete old or new file: the data are written next to it, synced, and renamed. Parquet preserves
+/// every bit; CSV has the shortest digits that read back as the same number, and NaN as an empty cell.
 ///
 /// # Errors
-/// An unknown ending, columns of different length or of one name, and what the system refuses.
+/// An unknown ending, columns of different lengths or of equal names, and errors of the system.
 pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Result<(), RecordingError> {
     let path = path.as_ref();
     let format = Ending::of(path)?;
@@ -46,10 +45,10 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &[(&str, &[f64])]) -> Resu
     }
 }
 
-/// Whether a log can be written to `path`, asked before what is to be in it is there.
+/// Checks that a log can be written to `path`, before its content is computed.
 ///
 /// # Errors
-/// An unknown ending, something there that is no file, a file that was read.
+/// An unknown ending, an existing path that is no regular file, or an input of this process.
 pub fn check_log_path(path: &Path) -> Result<(), RecordingError> {
     Ending::of(path)?;
     Ok(check_output(path)?)
@@ -62,7 +61,7 @@ enum Ending {
 }
 
 impl Ending {
-    /// By what the name ends in.
+    /// Format by the ending of the name.
     fn of(path: &Path) -> Result<Self, RecordingError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
         let formats = [(".csv", Self::Csv), (".csv.gz", Self::PackedCsv), (".parquet", Self::Parquet)];

@@ -1,5 +1,5 @@
-//! Where a log offers several candidates, one is taken with words or none at all: never a mix of two devices, and no choice of
-//! the user is passed over.
+//! Ambiguous logs: with several candidates the choice is reported, or the log rejected. Two devices are never mixed,
+//! and no choice of the user is ignored.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn map(specs: &[&str]) -> LoadOptions {
 /// Bias of the gyro of the second device, rad/s: far above the noise of both.
 const BIAS: f32 = 0.5;
 
-/// A log with samples of two devices, and how each of them is chosen; none where there is no choice.
+/// A log with samples of two devices, and the option that chooses each; `None` without a choice.
 struct Mixed {
     name: &'static str,
     bytes: Vec<u8>,
@@ -123,7 +123,7 @@ fn mixed() -> Vec<Mixed> {
     ]
 }
 
-/// Which device all samples of the gyro are of; none where they are a mix.
+/// Device that all samples of the gyro belong to; `None` if they are a mix.
 fn device_of(recording: &Recording) -> Option<usize> {
     let values = &recording.channel("gx_rads").unwrap().values;
     let is_second = |value: &f64| *value > f64::from(BIAS) / 2.0;
@@ -135,7 +135,7 @@ fn device_of(recording: &Recording) -> Option<usize> {
     }
 }
 
-/// What is wrong with how a reader deals with a mixed log.
+/// Description of a wrong treatment of a mixed log.
 fn mixes(log: &Mixed, read: impl Fn(&LoadOptions) -> Result<Recording, RecordingError>) -> Option<String> {
     match read(&LoadOptions::default()) {
         Ok(recording) => return Some(format!("{}: read as device {:?}", log.name, device_of(&recording))),
@@ -143,9 +143,10 @@ fn mixes(log: &Mixed, read: impl Fn(&LoadOptions) -> Result<Recording, Recording
             return Some(format!("{}: {error}", log.name));
         }
         Err(error) => {
-            let said = error.to_string();
-            if let Some(missing) = log.choices.into_iter().flatten().find(|choice| !said.contains(choice)) {
-                return Some(format!("{}: does not say {missing}: {said}", log.name));
+            let message = error.to_string();
+            if let Some(missing) = log.choices.into_iter().flatten().find(|choice| !message.contains(choice))
+            {
+                return Some(format!("{}: does not say {missing}: {message}", log.name));
             }
         }
     }
@@ -172,7 +173,7 @@ fn reads_no_mix_of_two_devices() {
     );
 }
 
-/// Samples of two devices by turns as those of one, as they were read before.
+/// Alternating samples of two devices as if from one, as they used to be read.
 fn interleaved() -> Result<Recording, RecordingError> {
     let one = Flight::new(1000, 5000, 1);
     let both: Vec<f64> =
@@ -184,25 +185,25 @@ fn interleaved() -> Result<Recording, RecordingError> {
 }
 
 #[test]
-fn the_check_for_mixes_notices_one() {
+fn check_detects_a_mix() {
     assert_eq!(device_of(&interleaved().unwrap()), None);
     assert!(mixed().iter().all(|log| mixes(log, |_| interleaved()).is_some()));
 }
 
 #[test]
-fn reads_one_device_that_no_other_disturbs() {
+fn reads_unambiguous_single_devices() {
     let one = Flight::new(1000, 5000, 1);
-    // a publisher that was started again is one device
+    // a restarted publisher is one device
     let mut again = one.clone();
     again.stamps_us.iter_mut().for_each(|us| *us += 10_000_000);
     let on = |connection, flight| Publisher { topic: "/imu", connection, frame: "imu", flight };
     let restarted = read("a.bag", &bag_of(&[on(0, &one), on(1, &again)]), &LoadOptions::default()).unwrap();
     assert_eq!(restarted.n_rows(), 2000);
-    // stamps that are rounded to a millisecond take turns at 400 Hz, and are of one device
+    // timestamps rounded to a millisecond alternate at 400 Hz, and are of one device
     let mut rounded = Flight::new(1000, 2500, 3);
     rounded.stamps_us.iter_mut().for_each(|us| *us = *us / 1000 * 1000);
     assert_eq!(read("a.mcap", &mcap_of(&[on(0, &rounded)]), &LoadOptions::default()).unwrap().n_rows(), 1000);
-    // of two topics with about as many messages, the raw one, whatever their order
+    // of two topics with about as many messages, the raw one, in any order
     let other = one.of_another(100, BIAS);
     let at = |topic: &'static str, connection, flight| Publisher { topic, connection, frame: "imu", flight };
     for publishers in [
@@ -211,13 +212,13 @@ fn reads_one_device_that_no_other_disturbs() {
     ] {
         let taken = read("a.bag", &bag_of(&publishers), &LoadOptions::default()).unwrap();
         assert_eq!(device_of(&taken), Some(0));
-        let said = taken.sources[0].read_as.as_ref().unwrap().assumed.clone();
-        assert!(said.starts_with("/imu/data_raw (there are /imu/data too)"), "{said}");
+        let message = taken.sources[0].read_as.as_ref().unwrap().assumed.clone();
+        assert!(message.starts_with("/imu/data_raw (there are /imu/data too)"), "{message}");
     }
 }
 
 #[test]
-fn says_where_accelerometer_and_gyro_are_of_different_chips() {
+fn reports_accelerometer_and_gyro_of_different_chips() {
     let one = Flight::new(1000, 5000, 1);
     let other = one.of_another(0, BIAS);
     let [acc, gyr, twin] = [0x1_0001_u32, 0x2_0009, 0x1_0001];
@@ -226,18 +227,21 @@ fn says_where_accelerometer_and_gyro_are_of_different_chips() {
         ("sensor_gyro", 0, gyr, &other),
         ("sensor_gyro", 1, twin, &one),
     ]);
-    let said = read("a.ulg", &log, &LoadOptions::default()).unwrap_err().to_string();
-    assert!(said.contains("sensor_gyro 1 is device 65537") && said.contains("0@65537,131081"), "{said}");
+    let message = read("a.ulg", &log, &LoadOptions::default()).unwrap_err().to_string();
+    assert!(
+        message.contains("sensor_gyro 1 is device 65537") && message.contains("0@65537,131081"),
+        "{message}"
+    );
     let both = read("a.ulg", &log, &topic("0@65537,131081")).unwrap();
     assert_eq!(device_of(&both), Some(1));
-    // where there is no other, it is said
+    // if there is no other, the difference is reported
     let only = ulog_of(&[("sensor_accel", 0, acc, &one), ("sensor_gyro", 0, gyr, &other)]);
     let only = read("a.ulg", &only, &LoadOptions::default()).unwrap();
     assert!(only.sources[0].read_as.as_ref().unwrap().assumed.contains("different chips"));
 }
 
 #[test]
-fn an_undecided_table_offers_maps_that_read_it() {
+fn ambiguous_table_offers_working_maps() {
     let axes = |of: &str, unit: &str| format!("{of}_x_{unit},{of}_y_{unit},{of}_z_{unit}");
     let header =
         format!("time_ms,{},{},{}", axes("imu0_gyro", "dps"), axes("imu1_gyro", "dps"), axes("acc", "g"));
@@ -301,30 +305,30 @@ fn without_effect(found: Option<Format>) -> Vec<LoadOptions> {
     options
 }
 
-/// Options that a reader takes and passes over.
-fn passed_over(read: impl Fn(&LoadOptions) -> Result<Recording, RecordingError>) -> Vec<LoadOptions> {
+/// Options that a reader accepts and ignores.
+fn ignored_options(read: impl Fn(&LoadOptions) -> Result<Recording, RecordingError>) -> Vec<LoadOptions> {
     let recording = read(&LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let found = recording.sources[0].read_as.as_ref().map(|read_as| read_as.format);
-    // a table may be readable in another way as well, which then is what was asked for
-    let is_deaf = |options: &LoadOptions| {
+    // a table may be readable in another way as well, which then is the requested one
+    let is_ignored = |options: &LoadOptions| {
         read(options).is_ok_and(|again| {
             let read_as = again.sources[0].read_as.as_ref().map(|read_as| read_as.format);
             options.format.is_none() || read_as != options.format
         })
     };
-    without_effect(found).into_iter().filter(is_deaf).collect()
+    without_effect(found).into_iter().filter(is_ignored).collect()
 }
 
 #[test]
 fn refuses_options_that_have_no_effect() {
     for (name, bytes) in every_format() {
-        let passed = passed_over(|options| read(&name, &bytes, options));
+        let passed = ignored_options(|options| read(&name, &bytes, options));
         assert_eq!(passed, [], "{name}");
     }
-    // the check notices a reader that looks at no option
+    // negative control: a reader that ignores all options
     let flight = Flight::new(500, 5000, 1);
     let deaf = |_: &LoadOptions| read("a.csv", flight.csv().as_bytes(), &LoadOptions::default());
-    let passed = passed_over(deaf).len();
+    let passed = ignored_options(deaf).len();
     assert!(passed > 10);
     println!(
         "attack: options without effect | {} files of every format: a topic, format, column map or strictness that would change nothing is refused | negative control: of a reader that looks at no option {passed} are noticed",
@@ -333,10 +337,13 @@ fn refuses_options_that_have_no_effect() {
 }
 
 #[test]
-fn a_table_without_topics_says_what_it_offers() {
+fn topic_option_on_a_table_lists_its_columns() {
     let flight = Flight::new(100, 5000, 1);
-    let said = read("a.csv", flight.csv().as_bytes(), &topic("nonsense")).unwrap_err().to_string();
-    assert!(said.contains("topic \"nonsense\" has no effect") && said.contains("t_s, ax_mps2"), "{said}");
+    let message = read("a.csv", flight.csv().as_bytes(), &topic("nonsense")).unwrap_err().to_string();
+    assert!(
+        message.contains("topic \"nonsense\" has no effect") && message.contains("t_s, ax_mps2"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -357,22 +364,22 @@ fn strict_refuses_a_damaged_log_of_any_format() {
 }
 
 #[test]
-fn leaves_out_an_axis_without_a_number() {
+fn excludes_an_axis_without_a_number() {
     let rows: String = (0..50).map(|n| format!("{},0.{n},,0.1{n}\n", f64::from(n) * 0.005)).collect();
     let text = format!("t_s,gx_rads,gy_rads,gz_rads\n{rows}");
     let recording = read("a.csv", text.as_bytes(), &LoadOptions::default()).unwrap();
     assert_eq!(recording.axes().unwrap(), ["gx_rads", "gz_rads"]);
     assert!(recording.quality.to_string().contains("gy_rads: every cell is empty"), "{}", recording.quality);
     for name in ["gy", "gy_rads"] {
-        let said = recording.axis(name).unwrap_err().to_string();
-        assert!(said.contains("gy_rads: every cell of its 50 rows is empty"), "{said}");
+        let message = recording.axis(name).unwrap_err().to_string();
+        assert!(message.contains("gy_rads: every cell of its 50 rows is empty"), "{message}");
     }
-    // named by the user, it stays an error, and so does a log without any
+    // if named by the user, it remains an error, and so does a log without any
     assert!(read("a.csv", text.as_bytes(), &map(&["gy_rads=gy_rads"])).is_err());
     let none = "t_s,gx_rads\n0,\n0.01,\n0.02,\n0.03,\n";
     let none = read("a.csv", none.as_bytes(), &LoadOptions::default()).unwrap();
     assert!(matches!(none.axes(), Err(RecordingError::NoValues { .. })));
-    // an axis whose reference is empty is not taken for a static one
+    // an axis whose reference is empty is not treated as a static one
     let reference = "t_s,gx_rads,gy_rads,ref_gx_rads\n0,1,1,\n0.01,2,1,\n0.02,1,2,\n0.03,1,1,\n";
     let reference = read("a.csv", reference.as_bytes(), &LoadOptions::default()).unwrap();
     assert_eq!(reference.axes().unwrap(), ["gy_rads"]);

@@ -1,5 +1,5 @@
-//! Logs in the formats of others that are damaged, or made so that reading them would never end: what a fuzzer found, and
-//! what it is too slow to find. Each is refused at once, by the file's name and with what to do.
+//! Foreign logs that are damaged, or crafted so that reading them would never end: cases found by a fuzzer, and cases
+//! that it is too slow to find. Each is rejected at once, with the file's name and a remedy.
 
 use std::fs;
 use std::io::Write as _;
@@ -31,7 +31,7 @@ fn message(kind: u8, payload: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn formats_of_ulog_that_would_take_for_ever_are_refused() {
+fn rejects_ulog_formats_of_excessive_size() {
     let begin = [&b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0"[..], &message(b'B', &[0; 40])].concat();
     let log = |formats: &[String], subscriptions: u16| {
         let mut log = begin.clone();
@@ -47,7 +47,7 @@ fn formats_of_ulog_that_would_take_for_ever_are_refused() {
     for formats in [&nested[..], &deep, &many] {
         refused("a.ulg", &log(formats, 1), "too deep or too large");
     }
-    // the same layout again and again, some megabytes each time
+    // the same layout repeatedly, some megabytes each time
     refused("a.ulg", &log(&["a:uint8_t[32767] x;".to_owned()], 2000), "no inertial topic");
 }
 
@@ -57,7 +57,7 @@ fn chunks_that_unpack_to_a_gigabyte_are_refused() {
         let text = [name.as_bytes(), b"=", value].concat();
         [&(text.len() as u32).to_le_bytes()[..], &text].concat()
     };
-    // 2000 bytes would do; the size that is claimed is enough to tell
+    // 2000 bytes would do; the claimed size alone is sufficient
     let size = 1_u32 << 30;
     let mut packed = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::best());
     packed.write_all(&[0; 1 << 16]).unwrap();
@@ -73,7 +73,7 @@ fn chunks_that_unpack_to_a_gigabyte_are_refused() {
 }
 
 #[test]
-fn a_file_in_a_damaged_container_is_no_matter_of_the_systems() {
+fn damage_in_a_container_is_not_a_system_error() {
     let flight = Flight::new(500, 5000, 1);
     let (csv, log) = (flight.csv(), ulog(&flight, Rate::Full));
     for (name, content) in [("a.csv", csv.as_bytes()), ("a.ulg", &log[..])] {
@@ -91,27 +91,27 @@ fn a_file_in_a_damaged_container_is_no_matter_of_the_systems() {
 }
 
 #[test]
-fn files_of_an_archive_are_named_with_it() {
+fn errors_name_archive_and_member() {
     let linear = b"time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\n";
     refused("b.zip", &zip(&[("Accelerometer.csv", linear)]), "b.zip/Accelerometer.csv");
-    // as a path of its own it would hide the archive's
+    // an absolute member path must not replace that of the archive
     refused("b.zip", &zip(&[("/etc/log.csv", b"")]), "b.zip/etc/log.csv");
     let rubbish = b"time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\nrubbish\n";
     refused("b.zip", &zip(&[("/etc/Gyroscope.csv", rubbish)]), "b.zip/etc/Gyroscope.csv");
 }
 
 #[test]
-fn rows_of_a_phone_without_a_stamp_are_left_out() {
+fn skips_rows_of_a_phone_without_a_timestamp() {
     let mut text =
         "\"Time (s)\",\"Gyroscope x (rad/s)\",\"Gyroscope y (rad/s)\",\"Gyroscope z (rad/s)\"\n".to_owned();
     for row in 0..1000 {
         let stamp = if row == 500 { String::new() } else { (100.0 + f64::from(row) * 0.01).to_string() };
         text.push_str(&format!("{stamp},0.01,0.02,{}\n", f64::from(row) * 1e-6));
     }
-    // no i64 of nanoseconds
+    // not representable as i64 nanoseconds
     text.push_str("1e300,0.01,0.02,0.03\n");
     let log = read("a.zip", &zip(&[("Gyroscope.csv", text.as_bytes())])).unwrap();
     assert_eq!((log.n_rows(), log.time_s[0], log.time_s[998]), (999, 100.0, 109.99));
-    let said = &log.sources[0].read_as.as_ref().unwrap().assumed;
-    assert!(said.contains("2 of 1001 rows cannot be used"), "{said}");
+    let assumed = &log.sources[0].read_as.as_ref().unwrap().assumed;
+    assert!(assumed.contains("2 of 1001 rows cannot be used"), "{assumed}");
 }

@@ -1,5 +1,5 @@
-//! docs/formats.md says of every format what the readers do: what is known of it, what comes out of a flight, what
-//! hostile files are told.
+//! docs/formats.md documents every format as the readers implement it: the description, the result for a flight, and the
+//! messages for hostile files.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,10 +14,10 @@ use tempfile::TempDir;
 
 const SAMPLES: usize = 2000;
 
-/// A file of a flight.
+/// Writes a flight as a file.
 type Write = Box<dyn Fn(&Flight) -> Vec<u8>>;
 
-/// A file of a flight: the format, the name of the file, what is written, and how.
+/// A variant of a format: file name, description, and writer.
 struct Variant {
     format: Format,
     name: &'static str,
@@ -62,7 +62,7 @@ fn variants() -> Vec<Variant> {
         },
         write: Box::new(write),
     }));
-    // one after the other, as the formats are listed
+    // in the order in which the formats are listed
     let place = |variant: &Variant| KNOWN_FORMATS.iter().position(|known| known.format == variant.format);
     all.sort_by_key(place);
     all
@@ -74,7 +74,7 @@ fn read_in(folder: &TempDir, name: &str, bytes: &[u8], format: Option<Format>) -
     load(&path, &LoadOptions { format, ..LoadOptions::default() }).map_err(|error| error.to_string())
 }
 
-/// Without 50 samples in the middle; a whole number of batches.
+/// Removes 50 samples in the middle; a whole number of batches.
 fn with_a_gap(flight: &Flight) -> Flight {
     let gone = SAMPLES / 2 - 20..SAMPLES / 2 + 30;
     let mut flight = flight.clone();
@@ -85,7 +85,7 @@ fn with_a_gap(flight: &Flight) -> Flight {
     flight
 }
 
-/// The largest difference of these columns to those of the flight; none where one is not there.
+/// Largest difference of these columns from those of the flight; `None` if one is absent.
 fn furthest(recording: &Recording, flight: &Flight, names: &[&str]) -> Option<f64> {
     let columns = flight.columns();
     let mut furthest = 0.0_f64;
@@ -106,7 +106,7 @@ fn size(value: Option<f64>) -> String {
 }
 
 #[test]
-fn what_is_known_of_every_format_stands_on_the_page() {
+fn page_documents_every_format() {
     let mut text = String::from("\n");
     for known in KNOWN_FORMATS {
         let _ = write!(
@@ -128,7 +128,7 @@ fn what_is_known_of_every_format_stands_on_the_page() {
 }
 
 #[test]
-fn what_comes_out_of_a_flight_stands_on_the_page() {
+fn page_documents_the_result_for_a_flight() {
     let flight = Flight::new(SAMPLES, 5000, 1);
     let folder = TempDir::new().unwrap();
     let mut text = String::from(
@@ -165,7 +165,7 @@ fn what_comes_out_of_a_flight_stands_on_the_page() {
 }
 
 #[test]
-fn what_hostile_files_are_told_stands_on_the_page() {
+fn page_documents_messages_for_hostile_files() {
     let flight = Flight::new(SAMPLES, 5000, 1);
     let folder = TempDir::new().unwrap();
     let all = variants();
@@ -210,11 +210,11 @@ fn what_hostile_files_are_told_stands_on_the_page() {
             ),
         ];
         for (what, bytes, said_to_be) in cases {
-            // what has no axis is refused when it is used
+            // a log without axes is rejected when it is used
             let read = read_in(&folder, name, &bytes, said_to_be).and_then(|recording| {
                 recording.axes().map(|_| recording.clone()).map_err(|error| error.to_string())
             });
-            let told = match &read {
+            let message = match &read {
                 Ok(recording) => cautions(recording, &clean),
                 Err(error) => {
                     let (first, help) = error.split_once('\n').unwrap_or((error, ""));
@@ -224,25 +224,25 @@ fn what_hostile_files_are_told_stands_on_the_page() {
                     first.replace(&format!("{name}, byte"), "byte")
                 }
             };
-            // lines of a text do not say how many there should be
+            // text has no line count, so a cut between lines goes unnoticed
             let is_text = !matches!(format, Format::Ulog | Format::Dataflash | Format::Mcap | Format::Bag);
-            let is_silent = told == "nothing";
-            assert!(!is_silent || is_text && what == "cut in half", "{name}, {what}: {told}");
-            // a file of another format is never taken for one of this
+            let is_silent = message == "nothing";
+            assert!(!is_silent || is_text && what == "cut in half", "{name}, {what}: {message}");
+            // a file of another format is never accepted as this one
             let is_taken = said_to_be.is_some() && read.is_ok();
-            assert!(!is_taken, "{name}, {what}: {told}");
-            let told = shortened(&told).replace('|', "\\|");
+            assert!(!is_taken, "{name}, {what}: {message}");
+            let message = shortened(&message).replace('|', "\\|");
             let (rows, wrong) = match &read {
                 Ok(recording) => (recording.n_rows().to_string(), wrong(recording, &clean).to_string()),
                 Err(_) => ("–".to_owned(), "–".to_owned()),
             };
-            let _ = writeln!(text, "| {} | {what} | {rows} | {wrong} | {told} |", format.id());
+            let _ = writeln!(text, "| {} | {what} | {rows} | {wrong} | {message} |", format.id());
         }
     }
     page::holds("formats.md", "<!-- hostile -->", "<!-- end of hostile -->", &text);
 }
 
-/// What is said of a log that is not said of the whole one.
+/// Warnings and assumptions of a log that the complete log lacks.
 fn cautions(recording: &Recording, whole: &Recording) -> String {
     let parts = |recording: &Recording| -> Vec<String> {
         let assumed = recording.sources[0].read_as.as_ref().map(|ReadAs { assumed, .. }| assumed.clone());
@@ -255,7 +255,7 @@ fn cautions(recording: &Recording, whole: &Recording) -> String {
     if new.is_empty() { "nothing".to_owned() } else { new.join("; ") }
 }
 
-/// Rows that the whole log does not have: another stamp, or other values.
+/// Number of rows that the complete log lacks: another timestamp, or other values.
 fn wrong(recording: &Recording, whole: &Recording) -> usize {
     let differs = |row: usize| {
         let found = whole.time_s.iter().position(|stamp| *stamp == recording.time_s[row]);
@@ -267,7 +267,7 @@ fn wrong(recording: &Recording, whole: &Recording) -> usize {
     (0..recording.n_rows()).filter(|row| differs(*row)).count()
 }
 
-/// As much as a table has room for.
+/// Text shortened for a table.
 fn shortened(text: &str) -> String {
     const MOST: usize = 150;
     let plain: String =

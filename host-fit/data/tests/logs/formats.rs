@@ -1,4 +1,4 @@
-//! Logs in the formats of others, written by other code than what reads them here, come out as what was measured.
+//! Logs in foreign formats, written by code independent of the readers, read back as the original measurements.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn format_of(recording: &Recording) -> (&'static str, String) {
     (read_as.format.id(), read_as.assumed.clone())
 }
 
-/// Every sample of the axes that are there, to within `tolerance` of its size and `step` of its unit.
+/// Checks every sample of the available axes to within `tolerance` of its size and `step` of its unit.
 fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f64) {
     for (name, expected) in flight.columns() {
         let Ok(channel) = recording.channel(name) else {
@@ -54,7 +54,7 @@ fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f
 }
 
 #[test]
-fn what_holds_every_digit_comes_out_to_the_last_bit() {
+fn lossless_formats_read_back_to_the_last_bit() {
     let flight = flight();
     for (id, name, bytes) in [
         ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
@@ -68,7 +68,7 @@ fn what_holds_every_digit_comes_out_to_the_last_bit() {
         is_the_flight(&recording, &flight, 0.0, 0.0);
         assert_eq!(recording.time_s, flight.time_s(), "{name}");
         assert!(recording.channel("temp_c").is_ok(), "{name}");
-        // as in the log format
+        // the same as in the log format
         let csv = read("a.csv", flight.csv().as_bytes());
         assert!(csv.sources[0].read_as.is_none());
         assert_eq!((&recording.time_s, recording.rate.true_hz), (&csv.time_s, csv.rate.true_hz), "{name}");
@@ -80,7 +80,7 @@ fn what_holds_every_digit_comes_out_to_the_last_bit() {
 }
 
 #[test]
-fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
+fn reads_texts_of_apps_and_tools_without_options() {
     let flight = flight();
     for (id, name, write) in TEXTS {
         let recording = read(name, &write(&flight));
@@ -91,7 +91,7 @@ fn texts_of_apps_and_tools_are_read_without_being_told_anything() {
         let step = if *id == "betaflight" { 0.5_f64.to_radians() + 1e-9 } else { 1e-9 };
         is_the_flight(&recording, &flight, 1e-12, step);
         assert_eq!(recording.axes().unwrap().len(), 6, "{name}");
-        // and again when the format is named
+        // and again with an explicit format
         let options = LoadOptions { format: Some(found.parse().unwrap()), ..LoadOptions::default() };
         assert_eq!(read_as(name, &write(&flight), &options).unwrap().time_s, recording.time_s, "{name}");
     }
@@ -111,7 +111,7 @@ fn recognises_renamed_files_of_sensor_logger() {
         let turn = read(name, sensor_logger(1.5).as_bytes());
         assert_eq!(turn.channel("gz_rads").unwrap().values[0], 1.5, "{name}");
     }
-    // by gravity where the name says nothing, as an iPhone has it
+    // by gravity if the name gives no hint, as on an iPhone
     let force = read("a.csv", sensor_logger(-1.0).as_bytes());
     assert!((force.channel("az_mps2").unwrap().values[0] - 9.80665).abs() < 1e-9);
     let error = read_as("a.csv", sensor_logger(0.3).as_bytes(), &LoadOptions::default()).unwrap_err();
@@ -148,7 +148,7 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
     assert!((first.rate.true_hz - 50.0).abs() < 0.01);
     assert_eq!(first.channel("gx_rads").unwrap().values[7], f64::from(flight.rate[7][0]));
     assert!(format_of(&first).1.contains("there are 1 too"), "{}", format_of(&first).1);
-    // a thermometer that is not there
+    // placeholder values of an absent thermometer
     assert!(first.channel("temp_c").is_err());
     assert!(first.oddities(&[true; SAMPLES]).iter().any(|odd| odd.to_string().contains("not a temperature")));
     for topic in ["1", "IMU 1", "IMU2"] {
@@ -162,7 +162,7 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
 }
 
 #[test]
-fn reads_what_wearables_log() {
+fn reads_logs_of_wearables() {
     let flight = flight();
     let g = 9.80665;
     for (name, bytes, axes, step) in [
@@ -186,11 +186,11 @@ fn reads_what_wearables_log() {
 }
 
 #[test]
-fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
+fn skips_damaged_blocks_of_wearables_with_a_warning() {
     let flight = flight();
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let mut gene = String::from_utf8(geneactiv(&flight)).unwrap();
-    // a page with a digit that is none, one that is cut short, one of an impossible time
+    // a page with an invalid digit, one cut short, one with an impossible time
     let samples: Vec<(usize, usize)> =
         gene.match_indices("200.0\r\n").map(|(at, text)| (at, at + text.len())).collect();
     gene.replace_range(samples[1].1..samples[1].1 + 1, "G");
@@ -220,17 +220,17 @@ fn leaves_out_damaged_blocks_of_wearables_and_says_so() {
 }
 
 #[test]
-fn names_what_to_export_of_files_that_are_known_and_not_read() {
+fn names_the_export_for_known_unreadable_files() {
     let matrix = [&[0; 512][..], b"MDTC\x01\0MDTCPACK"].concat();
     let gt3x = zip(&[("info.txt", b"Serial Number: X"), ("log.bin", &[0x1e; 400])]);
-    for (name, bytes, said) in [("a.BIN", matrix, "Parmay"), ("a.gt3x", gt3x, "ActiGraph")] {
+    for (name, bytes, product) in [("a.BIN", matrix, "Parmay"), ("a.gt3x", gt3x, "ActiGraph")] {
         let error = read_as(name, &bytes, &LoadOptions::default()).unwrap_err();
-        assert!(error.contains(said) && error.contains("help: export it"), "{error}");
+        assert!(error.contains(product) && error.contains("help: export it"), "{error}");
     }
 }
 
 #[test]
-fn a_file_of_one_sensor_is_known_by_its_name() {
+fn recognises_a_single_sensor_file_by_its_name() {
     let rows = "1,0.0,9.81,0.1,0.2\n2,0.01,9.82,0.1,0.2\n3,0.02,9.8,0.1,0.2\n";
     let text = format!("time,seconds_elapsed,z,y,x\n{rows}");
     let turn = read("Gyroscope.csv", text.as_bytes());
@@ -242,12 +242,12 @@ fn a_file_of_one_sensor_is_known_by_its_name() {
 }
 
 #[test]
-fn what_px4_decimates_is_read_where_it_is_not_and_said() {
+fn reads_px4_topics_at_full_rate_and_reports_decimation() {
     let flight = flight();
     let combined = read("a.ulg", &ulog(&flight, Rate::Decimated));
     let (_, assumed) = format_of(&combined);
     assert!(assumed.contains("sensor_combined") && assumed.contains("already corrected by PX4"), "{assumed}");
-    // the gyro's stamps lead; the accelerometer's are half a millisecond before, so that it is interpolated
+    // the gyro leads; the accelerometer's timestamps are half a millisecond earlier, so that it is interpolated
     assert_eq!(combined.time_s, flight.time_s());
     let turn = combined.channel("gx_rads").unwrap();
     assert!(turn.values.iter().zip(&flight.rate).all(|(found, rate)| *found == f64::from(rate[0])));
@@ -274,7 +274,7 @@ fn undoes_what_ardupilot_did_to_a_sample() {
         let recording = read("a.bin", &dataflash(&flight, &parameters, raw));
         let (_, assumed) = format_of(&recording);
         assert!(assumed.contains("undone: offsets, AHRS_ORIENTATION 4"), "{assumed}");
-        // turned by half a turn about z
+        // rotated by half a turn about z
         let x = recording.channel("ax_mps2").unwrap();
         let expected = flight.acceleration.iter().map(|value| -f64::from(value[0]) + 0.25);
         assert!(x.values.iter().zip(expected).all(|(found, expected)| *found == expected));
@@ -288,7 +288,7 @@ fn undoes_what_ardupilot_did_to_a_sample() {
 }
 
 #[test]
-fn another_sensor_is_taken_when_it_is_asked_for() {
+fn reads_the_requested_sensor() {
     let flight = flight();
     let topic = |name: &str| LoadOptions { topic: Some(name.to_owned()), ..LoadOptions::default() };
     let slow = read_as("a.mcap", &mcap(&flight), &topic("/imu/slow")).unwrap();
@@ -314,7 +314,7 @@ fn another_sensor_is_taken_when_it_is_asked_for() {
 }
 
 #[test]
-fn what_cannot_be_used_says_what_to_record() {
+fn unusable_logs_name_the_data_to_record() {
     let flight = flight();
     let linear = "time,seconds_elapsed,z,y,x\n1,0.0,0.1,0.1,0.1\n2,0.01,0.1,0.1,0.1\n";
     let mut missing = flight.clone();
@@ -340,7 +340,7 @@ fn what_cannot_be_used_says_what_to_record() {
 }
 
 #[test]
-fn a_log_cut_short_gives_what_was_read_and_says_so() {
+fn truncated_log_is_read_with_a_warning() {
     let flight = flight();
     for (name, bytes) in [
         ("a.ulg", ulog(&flight, Rate::Full)),
@@ -350,8 +350,8 @@ fn a_log_cut_short_gives_what_was_read_and_says_so() {
     ] {
         let recording = read(name, &bytes[..bytes.len() / 2]);
         assert!((SAMPLES / 3..SAMPLES).contains(&recording.n_rows()), "{name}: {}", recording.n_rows());
-        let said = format_of(&recording).1;
-        assert!(said.contains("cut short"), "{name}: {said}");
+        let assumed = format_of(&recording).1;
+        assert!(assumed.contains("cut short"), "{name}: {assumed}");
         // and noise in the middle
         let mut noisy = bytes.clone();
         let middle = noisy.len() / 2;
@@ -382,7 +382,7 @@ fn folders_are_opened_as_archives_are() {
     let source = &recording.sources[0];
     assert_eq!((source.path.as_str(), source.sha256.len()), (folder.path().to_str().unwrap(), 64));
     assert!(source.bytes > 0);
-    // the digest is that of what was read
+    // the digest covers the files read
     fs::write(data.join("sensor.yaml"), "rate_hz: 100\n").unwrap();
     assert_eq!(load(folder.path(), &LoadOptions::default()).unwrap().sources, recording.sources);
     fs::write(data.join("data.csv"), text("kalibr")).unwrap();
@@ -395,7 +395,7 @@ fn folders_are_opened_as_archives_are() {
 }
 
 #[test]
-fn what_is_packed_is_unpacked_first() {
+fn reads_compressed_files() {
     use std::io::Write as _;
     let flight = flight();
     let log = ulog(&flight, Rate::Full);
@@ -412,7 +412,7 @@ fn what_is_packed_is_unpacked_first() {
 }
 
 #[test]
-fn what_spreadsheets_do_to_a_table_is_undone() {
+fn reads_tables_altered_by_spreadsheets() {
     let flight = Flight::new(500, 5000, 2);
     let csv = flight.csv();
     let comma = csv.replace(',', ";").replace('.', ",");

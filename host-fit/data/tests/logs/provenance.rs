@@ -1,5 +1,5 @@
-//! Every reader states which sensor its values are of, what they were corrected by and in which axes they are: of every
-//! format and device instance that comes out in the recording, and survives a study file.
+//! Every reader states the sensor, the corrections and the axes of its values: for every format and device instance this
+//! reaches the recording, and survives a study file.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ use fos_testkit::foreign::{
 };
 use tempfile::TempDir;
 
-/// A file, and what its values are: accelerometers, then gyros.
+/// A file with the provenance of its values: accelerometers, then gyros.
 struct Case {
     name: &'static str,
     bytes: Vec<u8>,
@@ -29,7 +29,7 @@ fn corrected(by: &'static str) -> Values {
     Values::Corrected(by.into())
 }
 
-/// What is expected of a text format, by the documents of the programs that write it.
+/// Expected provenance of a text format, by the documents of the programs that write it.
 fn of_text(name: &str) -> [SensorProvenance; 2] {
     let phone =
         || sensor(corrected("the phone (factory calibration and its own bias estimate)"), Frame::Phone);
@@ -49,7 +49,7 @@ fn of_text(name: &str) -> [SensorProvenance; 2] {
             let by = "the factory calibration of the sensor";
             [sensor(corrected(by), Frame::Sensor), sensor(corrected(by), Frame::Sensor)]
         }
-        // they do not say
+        // they state none
         "named.csv" | "imu0.csv" => [SensorProvenance::default(), SensorProvenance::default()],
         other => panic!("{other}: no provenance is expected of it here"),
     }
@@ -77,7 +77,7 @@ fn cases(flight: &Flight) -> Vec<Case> {
         case("ros2.mcap", mcap(flight), None, Format::Mcap, unstated()),
         case("ros1.bag", bag(flight, Chunks::Some), None, Format::Bag, unstated()),
     ];
-    // a log of ArduPilot is as good as the parameters in it
+    // the provenance of a log of ArduPilot depends on the parameters in it
     let mounted =
         [("AHRS_ORIENTATION", 4.0), ("INS_ACC_ID", 77.0), ("INS_ACC2_ID", 88.0), ("INS_GYR_ID", 99.0)];
     let custom = [("AHRS_ORIENTATION", 101.0), ("INS_ACCOFFS_X", 0.5)];
@@ -126,7 +126,7 @@ fn cases(flight: &Flight) -> Vec<Case> {
     let ax6 = axivity(flight, Axivity::WithGyro);
     all.push(case("ax6.cwa", ax6, None, Format::Axivity, [raw(), raw()]));
     let by_header = sensor(corrected("the factory gain and offset in the header"), Frame::Sensor);
-    // no gyro, of which nothing is said
+    // no gyro, hence no provenance of it
     let accelerometers = [by_header, SensorProvenance::default()];
     all.push(case("left.bin", geneactiv(flight), None, Format::GeneActiv, accelerometers));
     for (id, name, write) in TEXTS {
@@ -142,7 +142,7 @@ fn read(folder: &TempDir, case: &Case, columns: ColumnMap) -> Recording {
     load(&path, &options).unwrap_or_else(|error| panic!("{}: {error}", case.name))
 }
 
-/// The recording's provenance is not the expected one; which triad.
+/// First triad whose provenance differs from the expected one.
 fn first_wrong(recording: &Recording, expected: &[SensorProvenance; 2]) -> Option<Triad> {
     let triads = [Triad::Accelerometers, Triad::Gyros].into_iter().zip(expected);
     triads
@@ -169,10 +169,13 @@ fn every_format_states_sensor_corrections_and_axes() {
             *source = serde_json::from_str::<Source>(&text).unwrap();
         }
         assert_eq!(first_wrong(&stored, &case.expected), None, "{name}");
-        // and as a person reads it
+        // and in words
         if let Some(read_as) = &recording.sources[0].read_as {
-            let said = read_as.to_string();
-            assert!(case.expected.iter().all(|sensor| said.contains(&sensor.to_string())), "{name}: {said}");
+            let description = read_as.to_string();
+            assert!(
+                case.expected.iter().all(|sensor| description.contains(&sensor.to_string())),
+                "{name}: {description}"
+            );
         }
     }
     let stated = cases.iter().filter(|case| case.expected != [const { SENSOR }; 2]).count();
@@ -190,7 +193,7 @@ fn every_format_states_sensor_corrections_and_axes() {
     }
 }
 
-/// The recording as a study of an earlier version stored it.
+/// The recording as stored in a study of an earlier version.
 fn without_provenance(recording: &Recording) -> Recording {
     let mut recording = recording.clone();
     for source in &mut recording.sources {
@@ -204,7 +207,7 @@ fn without_provenance(recording: &Recording) -> Recording {
 }
 
 #[test]
-fn a_cut_provenance_is_noticed() {
+fn detects_missing_provenance() {
     let flight = Flight::new(400, 5000, 1);
     let folder = TempDir::new().unwrap();
     for case in cases(&flight).iter().filter(|case| case.expected != [const { SENSOR }; 2]) {
@@ -217,7 +220,7 @@ const SENSOR: SensorProvenance =
     SensorProvenance { instance: None, device_id: None, values: Values::Unstated, frame: Frame::Unstated };
 
 #[test]
-fn columns_that_the_user_maps_have_no_provenance() {
+fn mapped_columns_have_no_provenance() {
     let flight = Flight::new(400, 5000, 1);
     let folder = TempDir::new().unwrap();
     let cases = cases(&flight);
@@ -239,8 +242,8 @@ fn turns_batches_in_the_axes_of_the_sensor_to_those_of_the_board() {
         read(&folder, &case, ColumnMap::default())
     };
     let (board, turned) = (read(Rate::Fifo), read(Rate::FifoOfTurned));
-    let said = &turned.sources[0].read_as.as_ref().unwrap().assumed;
-    assert!(said.contains("turned into the board's axes by its rotation 2"), "{said}");
+    let description = &turned.sources[0].read_as.as_ref().unwrap().assumed;
+    assert!(description.contains("turned into the board's axes by its rotation 2"), "{description}");
     for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
         let (found, expected) = (turned.channel(axis).unwrap(), board.channel(axis).unwrap());
         assert_eq!(found.values, expected.values, "{axis}");
@@ -269,7 +272,7 @@ fn reads_the_sign_of_a_phone_alike_with_and_without_metadata() {
         z.iter().sum::<f64>() / z.len() as f64
     };
     const G: f64 = 9.80665;
-    // an iPhone's own values are in g and have the other sign; in m/s² the metadata tell
+    // an iPhone's own values are in g and have the other sign; for m/s² the metadata decide
     let (own, standard, unlike) = (member(-1.0 / G), member(1.0), member(-1.0));
     let name = "AccelerometerUncalibrated.csv";
     for (content, metadata) in [

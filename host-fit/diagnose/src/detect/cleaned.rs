@@ -8,7 +8,7 @@ use super::dead_zone::{self, Searched};
 use super::prepared::STAIRS;
 use super::question::{DiagnoseError, Question};
 use fos_data::case::DataSheet;
-use fos_data::recording::{Oddity, Recording};
+use fos_data::recording::{LogWarning, Recording};
 
 /// Cleaned logs of a question.
 #[derive(Debug)]
@@ -92,17 +92,17 @@ impl<'a> Log<'a> {
             return Err(DiagnoseError::Stuck { column: column.to_owned(), value, seconds, all_s });
         }
         let without = match at_rest {
-            Cow::Borrowed(whole) => whole.only_measurements(column, 0..whole.n_rows(), &still).0,
+            Cow::Borrowed(whole) => whole.without_outliers(column, 0..whole.n_rows(), &still).0,
             Cow::Owned(marked) => {
-                Cow::Owned(marked.only_measurements(column, 0..whole.n_rows(), &still).0.into_owned())
+                Cow::Owned(marked.without_outliers(column, 0..whole.n_rows(), &still).0.into_owned())
             }
         };
         Ok(Self { whole, still, without, disturbances, zone })
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {
-        let concerns_column = |oddity: &Oddity| match oddity {
-            Oddity::NotGravity { .. } | Oddity::LevelAfterPause(_) => {
+        let concerns_column = |oddity: &LogWarning| match oddity {
+            LogWarning::NotGravity { .. } | LogWarning::LevelAfterPause(_) => {
                 Column::named(column).is_specific_force()
             }
             _ => true,

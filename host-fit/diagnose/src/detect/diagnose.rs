@@ -34,7 +34,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let mut diagnosis = diagnose_cleaned(&logs.question(question), logs.zone())?;
     diagnosis.cautions.extend(logs.cautions());
     diagnosis.notes.extend(question.field.duty_cycle().map(|cycle| cycle.to_string()));
-    diagnosis.moved = disturbance::told(question.field, logs.disturbances());
+    diagnosis.moved = disturbance::describe_disturbances(question.field, logs.disturbances());
     Ok(diagnosis)
 }
 

@@ -449,7 +449,7 @@ impl<'a> Refiner<'a> {
 
     /// Returns the log to explain without outliers of an axis.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
-        self.field.only_measurements(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
+        self.field.without_outliers(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
     }
 
     /// Returns the data for the simpler rivals, from the log to explain as read.

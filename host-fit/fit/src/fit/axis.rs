@@ -93,7 +93,7 @@ pub fn fit_axis(
     if let Some((value, _)) = recording.stuck_axis(&column, &fitted) {
         return Err(AxisError::Constant { column, value });
     }
-    let (cleaned, spikes) = recording.only_measurements(&column, training.clone(), &stillness.still);
+    let (cleaned, spikes) = recording.without_outliers(&column, training.clone(), &stillness.still);
     let reference = cleaned.error_series(&column)?.reference;
     let poses = Poses::of(&cleaned, stillness, (&column, &reference), &training)?;
     let in_first_pose = poses.in_first(&cleaned, |_| 0.0);

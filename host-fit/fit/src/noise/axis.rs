@@ -97,7 +97,7 @@ pub fn axis_noise(
     if let Some((value, _)) = recording.stuck_axis(&column, &stillness.still) {
         return Err(AxisNoiseError::Constant { column, value });
     }
-    let (cleaned, left_out) = recording.only_measurements(&column, rows.clone(), &stillness.still);
+    let (cleaned, left_out) = recording.without_outliers(&column, rows.clone(), &stillness.still);
     let series = cleaned.error_series(&column)?;
     let known: Vec<bool> = rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
     let in_poses = pose::has_unknown_level(&column, &series.reference);

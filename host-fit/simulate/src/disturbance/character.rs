@@ -1,20 +1,20 @@
-//! What a part makes of its own noise, in all logs alike, and no data sheet says.
+//! Character of a part's noise, the same in all logs and stated in no data sheet.
 
 use super::Disturbance;
 use super::distribution::Distribution;
 use super::filter::Filter;
 use crate::random::Random;
 
-/// How the noise of a part differs from coloured normal noise.
+/// Deviation of the noise of a part from coloured normal noise.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Character {
-    /// It goes through the part's digital filter.
+    /// Passes through the part's digital filter.
     Filtered(Filter),
     Scattered(Distribution),
 }
 
 impl Character {
-    /// That of a part in this world, if it has one.
+    /// Character of a part under this disturbance, if any.
     pub(crate) fn draw(disturbance: Disturbance, random: &mut Random) -> Option<Self> {
         match disturbance {
             Disturbance::Filter => Some(Self::Filtered(Filter::draw(random))),

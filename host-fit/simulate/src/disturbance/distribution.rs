@@ -1,22 +1,22 @@
-//! Noise that is not normal: heavy tails, now and then a wide sample, none beyond a bound, coarse steps. What is slow of it
-//! stays as it was.
+//! Noise that is not normal: heavy tails, occasional wide samples, a bounded range, coarse steps. Its slow part is
+//! unchanged.
 
 use crate::random::{Random, between, chance};
 
-/// How the samples of a part scatter about their slow course.
+/// Distribution of the samples about their slow course.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Distribution {
-    /// A power of a normal number, with its sign: above 1 the tails are heavier, as Laplace's about 1.5.
+    /// A power of a normal number, with its sign: above 1 the tails are heavier, similar to Laplace's at about 1.5.
     Power(f64),
-    /// This share of the samples scatters so many times as wide.
+    /// Share of the samples with a wider scatter, and the factor by which it is wider.
     Mixture(f64, f64),
-    /// None beyond about so many standard deviations, as of what is dithered or clipped.
+    /// Bound, in standard deviations, as of dithered or clipped noise.
     Bounded(f64),
-    /// Steps of so many standard deviations.
+    /// Quantisation step, in standard deviations.
     Coarse(f64),
 }
 
-/// What changes within so many samples is the scatter, and the rest the slow course.
+/// Window that separates the scatter from the slow course, samples.
 const FAST: usize = 101;
 
 impl Distribution {
@@ -29,7 +29,7 @@ impl Distribution {
         }
     }
 
-    /// The same noise, scattering so, with the variance it had.
+    /// Applies the distribution to noise, preserving its variance.
     pub(crate) fn apply(self, values: &[f64], random: &mut Random) -> Vec<f64> {
         let course = moving_mean(values);
         let fast: Vec<f64> = values.iter().zip(&course).map(|(value, slow)| value - slow).collect();
@@ -46,7 +46,7 @@ impl Distribution {
         course.iter().zip(shaped).map(|(slow, fast)| slow + to_deviation * fast).collect()
     }
 
-    /// Of a number that scatters by 1.
+    /// Applies the distribution to a number of unit variance.
     fn shaped(self, value: f64, random: &mut Random) -> f64 {
         match self {
             Self::Power(power) => value.signum() * value.abs().powf(power),
@@ -61,7 +61,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// Mean of the [`FAST`] samples about each, of fewer at the ends.
+/// Mean of the [`FAST`] samples about each sample, of fewer at the ends.
 fn moving_mean(values: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0];
     sums.extend(values.iter().scan(0.0, |sum, value| {

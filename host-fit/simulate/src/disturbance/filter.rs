@@ -1,24 +1,24 @@
-//! The digital filter of a part, which its noise goes through and which no data sheet draws: the spectrum has slopes,
-//! notches and images that are no interference.
+//! Digital filter of a part, which shapes its noise and is in no data sheet: the spectrum has slopes, notches and images
+//! that are no interference.
 
 use crate::random::{Random, between};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Filter {
-    /// Mean of the last few samples.
+    /// Mean of the last n samples.
     MovingAverage(usize),
-    /// First-order low-pass, run this often; cut-off as a share of the sample rate.
+    /// First-order low-pass, applied n times; cut-off as a share of the sampling rate.
     LowPass(f64, usize),
-    /// A windowed FIR that keeps this share of the band, as in front of a decimator.
+    /// A windowed FIR with these taps, as in front of a decimator.
     Fir(Vec<f64>),
-    /// A notch at this share of the sample rate, of this width.
+    /// A notch at this share of the sampling rate, of this width.
     Notch(f64, f64),
     /// Every sample twice: the output rate is twice that of the part.
     Doubled,
 }
 
 impl Filter {
-    /// One of the families of parts.
+    /// Draws one of the families of filters.
     pub(crate) fn draw(random: &mut Random) -> Self {
         match between(random, 0.0, 6.0) as usize {
             0 => Self::MovingAverage(2 + between(random, 0.0, 6.99) as usize),
@@ -54,7 +54,7 @@ impl Filter {
     }
 }
 
-/// The taps of a low-pass: a sinc in a Hann window, of unit gain at zero frequency.
+/// Taps of a low-pass: a sinc in a Hann window, of unit gain at zero frequency.
 fn windowed_sinc(cutoff: f64, length: usize) -> Vec<f64> {
     let middle = (length - 1) as f64 / 2.0;
     let tap = |k: usize| {
@@ -74,7 +74,7 @@ fn convolved(values: &[f64], taps: &[f64]) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// Zeros on the unit circle, poles just inside: unit gain far from it.
+/// Notch with zeros on the unit circle and poles just inside: unit gain far from it.
 fn notched(values: &[f64], at: f64, width: f64) -> Vec<f64> {
     let (cos, radius) = ((std::f64::consts::TAU * at).cos(), 1.0 - std::f64::consts::PI * width);
     // unit gain at zero frequency
@@ -96,7 +96,7 @@ mod tests {
     use crate::random::{Stream, normal, random};
 
     #[test]
-    fn a_level_goes_through_and_noise_becomes_less_or_stays() {
+    fn filters_keep_the_level_and_never_amplify_noise() {
         let filters = [
             Filter::MovingAverage(4),
             Filter::LowPass(0.1, 1),

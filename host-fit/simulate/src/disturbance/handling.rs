@@ -1,4 +1,5 @@
-//! Picked up, turned about in the hand, put down again: where it was to within a degree, or in another pose.
+//! Handling: the device is picked up, rotated in the hand, and put down, in the old orientation within a degree or in a
+//! new one.
 
 use std::f64::consts::TAU;
 
@@ -8,16 +9,16 @@ use super::motion::{Motion, times};
 use crate::random::{Random, between, chance, direction, log_between, normal};
 use crate::world::World;
 
-/// One to six times, for 3 to 20 s each, never within 20 s of one another. The sensor sees turns, the acceleration of
-/// the hand and its tremor; afterwards gravity in the pose in which it was put down, which is the old one to within
-/// 1.5° two times of three.
+/// Adds one to six pick-ups of 3 to 20 s each, never within 20 s of one another. The sensor measures rotations, the
+/// acceleration of the hand and its tremor; afterwards gravity in the new orientation, which in two of three cases is
+/// the old one to within 1.5°.
 pub(super) fn handling(world: &World, random: &mut Random) -> Motion {
     let n = world.len();
     let period_s = world.period_s;
     let mut motion = Motion::none(n);
     let wanted = times(world, [1.0, 6.99], random);
     let room_s = world.duration_s() / wanted as f64;
-    // how the unit is turned against the pose that the log began with
+    // rotation relative to the initial orientation
     let mut turned = UnitQuaternion::identity();
     let mut row = 0;
     for time in 0..wanted {
@@ -88,7 +89,7 @@ fn force_of(world: &World, row: usize) -> Vector3<f64> {
     Vector3::from(std::array::from_fn(|axis| world.force_mps2[axis][row]))
 }
 
-/// At rest in another pose than that of the world: the difference of the forces.
+/// Adds the difference of the specific forces at rest in an orientation other than that of the world.
 fn lie(motion: &mut Motion, world: &World, turned: UnitQuaternion<f64>, rows: std::ops::Range<usize>) {
     if turned == UnitQuaternion::identity() {
         return;

@@ -1,4 +1,4 @@
-//! Short blows: knocks on the table, steps on the floor, doors. Each excites a few modes of what the unit stands on.
+//! Short blows: knocks on the table, steps on the floor, doors. Each excites a few modes of the support of the device.
 
 use std::f64::consts::TAU;
 
@@ -6,29 +6,29 @@ use super::motion::{Motion, times};
 use crate::random::{Random, between, chance, direction, log_between, sign};
 use crate::world::World;
 
-/// What the unit stands on: modes that ring when it is struck.
+/// Support of the device: modes that ring when it is struck.
 struct Support {
     modes: Vec<Mode>,
 }
 
-/// A mode: its frequency, how long it rings, how it moves the unit.
+/// A mode: frequency, decay, and coupling into the device.
 struct Mode {
     hz: f64,
-    /// Time in which it falls to 1/e, s.
+    /// Decay time to 1/e, s.
     decay_s: f64,
-    /// Share of each axis: force per unit of the blow; rate, rad/s per m/s².
+    /// Coupling into each axis: force per unit of the blow; rate, rad/s per m/s².
     force: [f64; 3],
     rate: [f64; 3],
 }
 
 impl Support {
-    /// One to four modes between these frequencies, each ringing for 2 to 15 periods.
+    /// Draws one to four modes between these frequencies, each ringing for 2 to 15 periods.
     fn draw([low_hz, high_hz]: [f64; 2], random: &mut Random) -> Self {
         let count = 1 + between(random, 0.0, 3.99) as usize;
         let modes = (0..count).map(|number| {
             let hz = log_between(random, low_hz, high_hz);
             let share = if number == 0 { 1.0 } else { between(random, 0.1, 0.8) };
-            // the turn that goes with a swing: speed over a lever of 2 cm to 2 m
+            // the rotation that accompanies a swing: speed over a lever of 2 cm to 2 m
             let lever_m = log_between(random, 0.02, 2.0);
             let turn = direction(random).map(|part| share * part / (TAU * hz * lever_m));
             Mode {
@@ -41,7 +41,7 @@ impl Support {
         Self { modes: modes.collect() }
     }
 
-    /// A blow of `size` m/s² at `at_s`; returns when it has died away.
+    /// Adds a blow of `size` m/s² at `at_s`; returns the time at which it has decayed.
     fn strike(
         &self,
         motion: &mut Motion,
@@ -72,7 +72,7 @@ impl Support {
     }
 }
 
-/// 2 to 8 knocks within 25 minutes, of 0.05 to 30 m/s², some of them two or three in a row.
+/// Adds 2 to 8 knocks within 25 minutes, of 0.05 to 30 m/s², some of them two or three in a row.
 pub(super) fn knocks(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([8.0, 90.0], random);
@@ -92,7 +92,7 @@ pub(super) fn knocks(world: &World, random: &mut Random) -> Motion {
     motion
 }
 
-/// Walks of 4 to 30 steps, 1.5 to 2.3 a second, each of 3 to 300 mm/s², nearer and then further off.
+/// Adds walks of 4 to 30 steps, 1.5 to 2.3 per second, each of 3 to 300 mm/s², approaching and then receding.
 pub(super) fn footsteps(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([6.0, 30.0], random);
@@ -115,7 +115,7 @@ pub(super) fn footsteps(world: &World, random: &mut Random) -> Motion {
     motion
 }
 
-/// 1 to 6 doors: a blow of 5 mm/s² to 1 m/s² to the building, low and long.
+/// Adds 1 to 6 doors: a blow of 5 mm/s² to 1 m/s² to the building, of low frequency and long decay.
 pub(super) fn doors(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let support = Support::draw([3.0, 25.0], random);

@@ -1,10 +1,10 @@
-//! What the world does to a log beside the effect: knocks, steps, doors, sway, motors, fans, hands; wild and stuck
-//! samples; the part's own digital filter, noise that is not normal, and clocks of its own for each sensor.
+//! Influences on a log other than the effect: knocks, steps, doors, sway, motors, fans, hands; outliers and stuck
+//! samples; the part's own digital filter, noise that is not normal, and separate clocks for each sensor.
 //!
-//! Shapes and strengths are drawn over families as wide as the world's, from sources that are named where they are
-//! used; none is fitted to what a diagnosis looks for. Mechanical disturbances are true motion: they show on several
-//! axes of both triads, and are added to what the axes measure. The planted effect is sized without them, so that the
-//! same case can be rendered with and without.
+//! Shapes and strengths are drawn from families as wide as in reality, with sources where they are used; none is fitted
+//! to what a diagnosis looks for. Mechanical disturbances are true motion: they show on several axes of both triads, and
+//! are added to the measurements of the axes. The size of the planted effect is computed without them, so that the same
+//! case can be simulated with and without.
 
 mod character;
 mod distribution;
@@ -31,7 +31,7 @@ pub(super) use wild::spoil;
 pub enum Disturbance {
     #[default]
     Clean,
-    /// Somebody knocks the table, 2 to 8 times.
+    /// Knocks on the table, 2 to 8 times.
     Knocks,
     Footsteps,
     Doors,
@@ -43,20 +43,20 @@ pub enum Disturbance {
     Fan,
     /// Picked up and put down again, six times at most.
     Handling,
-    /// 1 to 50 samples far off.
+    /// 1 to 50 outliers.
     Spikes,
-    /// The axis holds its value for 0.1 to 2 s.
+    /// Stretches of 0.1 to 2 s in which the axis repeats a value.
     Stuck,
-    /// The noise of quiet log and field went through the part's digital filter.
+    /// The noise of the reference log and the log to explain passes through the part's digital filter.
     Filter,
     /// The noise of all logs is not normal.
     Noise,
-    /// Nothing: accelerometer, gyro and thermometer have rates and clocks of their own, and stamps that jitter.
+    /// No disturbance: accelerometer, gyro and thermometer have separate rates and clocks, and timestamps with jitter.
     Streams,
 }
 
 impl Disturbance {
-    /// All of them, the clean log first.
+    /// All disturbances, the clean log first.
     pub const ALL: [Self; 13] = [
         Self::Clean,
         Self::Knocks,
@@ -73,12 +73,12 @@ impl Disturbance {
         Self::Streams,
     ];
 
-    /// Whether a unit that is used in this way is disturbed so: nobody takes one out of a rig whose motion is logged.
+    /// Returns true if a set-up can be disturbed in this way: nobody picks up a device in a rig whose motion is logged.
     pub fn suits(self, setup: Setup) -> bool {
         self != Self::Handling || matches!(setup, Setup::Bench | Setup::Desk)
     }
 
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",
@@ -97,7 +97,7 @@ impl Disturbance {
         }
     }
 
-    /// In words, for a table.
+    /// Description for a table.
     pub fn words(self) -> &'static str {
         match self {
             Self::Clean => "nothing but noise and effects",
@@ -117,7 +117,7 @@ impl Disturbance {
     }
 }
 
-/// The motion that a disturbance brings into log number `log` of a case.
+/// Motion that a disturbance adds to log number `log` of a case.
 pub(super) fn motion(disturbance: Disturbance, world: &World, (seed, log): (u64, u64)) -> Motion {
     let random: &mut Random = &mut random(seed, Stream::Disturbance(log));
     let mut motion = match disturbance {

@@ -1,4 +1,4 @@
-//! What shakes for a while: a building in the wind, a phone's vibration motor, a fan.
+//! Temporary vibration: a building in the wind, a phone's vibration motor, a fan.
 
 use std::f64::consts::TAU;
 
@@ -7,10 +7,10 @@ use crate::random::{Random, between, chance, direction, log_between};
 use crate::thermal::raised_cosine;
 use crate::world::World;
 
-/// How a vibration moves the unit: a share of each axis.
+/// Coupling of a vibration into the device: a share for each axis.
 struct Coupling {
     force: [f64; 3],
-    /// rad/s per m/s².
+    /// Rate per specific force, rad/s per m/s².
     rate: [f64; 3],
 }
 
@@ -42,8 +42,7 @@ fn add(
     }
 }
 
-/// A mode of 0.1 to 0.6 Hz of a tall building, of 0.5 to 30 mm/s² at its strongest, for 10 to 40 % of the time in
-/// gusts.
+/// Adds a mode of 0.1 to 0.6 Hz of a tall building, with a peak of 0.5 to 30 mm/s², in gusts for 10 to 40 % of the time.
 pub(super) fn sway(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let share = between(random, 0.1, 0.4);
@@ -93,7 +92,7 @@ pub(super) fn motor(world: &World, random: &mut Random) -> Motion {
             let until_s = envelope[3].0;
             add(&mut motion, &coupling, (at_s, until_s), world.period_s, |t| {
                 let speed = raised_cosine(&envelope, t);
-                // the force of an eccentric mass goes with the square of its speed
+                // the force of an eccentric mass is proportional to the square of its speed
                 (hz * speed, size * speed * speed)
             });
             at_s = until_s + off_s;
@@ -103,8 +102,8 @@ pub(super) fn motor(world: &World, random: &mut Random) -> Motion {
     motion
 }
 
-/// A fan of 15 to 95 Hz and its harmonic, 5 to 500 mm/s², that runs for 20 to 60 % of the time; it starts within 2 to 6
-/// s and runs out in 3 to 15 s; its speed wanders by parts in a thousand.
+/// Adds a fan of 15 to 95 Hz and its harmonic, 5 to 500 mm/s², that runs for 20 to 60 % of the time; it spins up in 2 to
+/// 6 s and down in 3 to 15 s; its speed wanders by parts in a thousand.
 pub(super) fn fan(world: &World, random: &mut Random) -> Motion {
     let mut motion = Motion::none(world.len());
     let hz = between(random, 15.0, 95.0);

@@ -1,10 +1,10 @@
-//! Samples that are no measurements: bits that flipped on the bus, a register that was not renewed.
+//! Invalid samples: bits flipped on the bus, a register that was not updated.
 
 use super::Disturbance;
 use super::motion::Disturbed;
 use crate::random::{Random, Stream, between, log_between, random, sign};
 
-/// Spoils the target's samples, of this noise from one sample to the next; says when.
+/// Corrupts samples of the target, given its sample-to-sample noise; returns the affected stretches.
 pub(crate) fn spoil(
     disturbance: Disturbance,
     values: &mut [f64],
@@ -21,7 +21,7 @@ pub(crate) fn spoil(
     when
 }
 
-/// 1 to 50 samples, one by one or up to three together, 5 to 1000 standard deviations off.
+/// 1 to 50 outliers, in groups of up to three, 5 to 1000 standard deviations off.
 fn spikes(values: &mut [f64], deviation: f64, period_s: f64, random: &mut Random) -> Vec<Disturbed> {
     let wanted = log_between(random, 1.0, 50.99) as usize;
     let mut when = Vec::new();
@@ -39,7 +39,7 @@ fn spikes(values: &mut [f64], deviation: f64, period_s: f64, random: &mut Random
     when
 }
 
-/// 1 to 10 stretches of 0.1 to 2 s in which the last value stays.
+/// 1 to 10 stretches of 0.1 to 2 s that repeat the last value.
 fn stuck(values: &mut [f64], period_s: f64, random: &mut Random) -> Vec<Disturbed> {
     (0..log_between(random, 1.0, 10.99) as usize)
         .map(|_| {

@@ -1,11 +1,12 @@
-//! What is wrong with a text for where it goes, if something is: held against the same made of harmless text.
+//! Checks of a text in its target format, by comparison with the output for harmless text; each returns the problem
+//! found.
 
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// Without a shape, but with an effect.
+/// Returns true for a character without a shape that has an effect.
 fn is_hidden(letter: char) -> bool {
     letter.is_control()
         || matches!(letter, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
@@ -16,8 +17,8 @@ fn hidden_in(text: &str) -> Option<String> {
     text.chars().find(|&letter| letter != '\n' && is_hidden(letter)).map(|letter| format!("holds {letter:?}"))
 }
 
-/// Something that a terminal would obey. With `colours` those of the program are allowed: bold, red, green, yellow, and
-/// their end.
+/// Finds text that a terminal would execute. With `colours` those of the program are allowed: bold, red, green, yellow,
+/// and their end.
 pub(crate) fn reaches_a_terminal(bytes: &[u8], colours: bool) -> Option<String> {
     let mut text = String::from_utf8(bytes.to_vec()).map_err(|_| "not UTF-8".to_owned()).ok()?;
     if colours {
@@ -35,7 +36,7 @@ pub(crate) fn reaches_a_terminal(bytes: &[u8], colours: bool) -> Option<String> 
     hidden_in(&text)
 }
 
-/// Whether there is a compiler of C.
+/// Returns true if a C compiler exists.
 pub(crate) fn compiler() -> bool {
     static THERE: OnceLock<bool> = OnceLock::new();
     *THERE.get_or_init(|| {
@@ -47,7 +48,7 @@ pub(crate) fn compiler() -> bool {
     })
 }
 
-/// Other tokens than in what harmless text made, numbers aside: an image holds the text, as numbers.
+/// Compares the tokens with those for harmless text, except numbers: an image contains the text as numbers.
 pub(crate) fn c_differs(found: &str, benign: &str) -> Option<String> {
     hidden_in(found).or_else(|| {
         if !compiler() {
@@ -64,7 +65,7 @@ pub(crate) fn c_differs(found: &str, benign: &str) -> Option<String> {
     })
 }
 
-/// What is left without comments and without the headers that it includes.
+/// Source without comments and included headers.
 fn preprocessed(source: &str, standard: &str) -> String {
     let own: String = source.lines_by_lf().filter(|line| !line.starts_with("#include")).collect();
     let mut cc = Command::new("cc")
@@ -85,15 +86,15 @@ fn preprocessed(source: &str, standard: &str) -> String {
         .expect("it is there");
     cc.stdin.take().expect("piped").write_all(own.as_bytes()).expect("it reads");
     let output = cc.wait_with_output().expect("it ends");
-    let said = String::from_utf8_lossy(&output.stderr)
+    let message = String::from_utf8_lossy(&output.stderr)
         .lines()
         .filter(|line| line.contains("error"))
         .collect::<String>();
-    without_numbers(&String::from_utf8_lossy(&output.stdout)) + &said
+    without_numbers(&String::from_utf8_lossy(&output.stdout)) + &message
 }
 
 trait LinesByLf {
-    /// Lines with their ends, which are LF and nothing else.
+    /// Lines with their ends, split at LF only.
     fn lines_by_lf(&self) -> impl Iterator<Item = &str>;
 }
 
@@ -103,15 +104,15 @@ impl LinesByLf for str {
     }
 }
 
-/// The words that are no numbers.
+/// Words that are no numbers.
 fn without_numbers(text: &str) -> String {
     let is_word =
         |word: &&str| !word.trim_start_matches(['-', '{']).starts_with(|first: char| first.is_ascii_digit());
     text.split_whitespace().filter(is_word).collect::<Vec<_>>().join(" ")
 }
 
-/// Other lines than in what harmless text made, comments aside; in them nothing that rustc takes for a line's end, or
-/// refuses.
+/// Compares the lines with those for harmless text, except comments, which must not contain a line end of rustc or a
+/// character that it rejects.
 pub(crate) fn rust_differs(found: &str, benign: &str) -> Option<String> {
     let code = |text: &str| {
         let lines = text.split('\n').filter(|line| !line.trim_start().starts_with("//"));
@@ -123,7 +124,7 @@ pub(crate) fn rust_differs(found: &str, benign: &str) -> Option<String> {
     })
 }
 
-/// A tag: its name and those of its attributes; whether it ends one.
+/// Tags with the names of their attributes, and whether each is an end tag.
 fn tags(page: &str) -> Result<Vec<(String, bool)>, String> {
     let mut tags = Vec::new();
     let mut rest = page;
@@ -145,7 +146,7 @@ fn tags(page: &str) -> Result<Vec<(String, bool)>, String> {
         let (end, _) = end
             .ok_or_else(|| format!("a tag without an end: {}", rest.chars().take(80).collect::<String>()))?;
         let tag = &rest[..end];
-        // what is between quotes is no part of its shape
+        // quoted text is not part of the structure
         let shape: String = tag.split('"').step_by(2).collect::<Vec<_>>().join("\"");
         let (shape, is_end) =
             shape.strip_prefix('/').map_or((shape.clone(), false), |shape| (shape.to_owned(), true));
@@ -155,11 +156,11 @@ fn tags(page: &str) -> Result<Vec<(String, bool)>, String> {
     Ok(tags)
 }
 
-/// A tag that the page of a harmless log does not have, one that is not closed, a character that XML has no place for.
+/// Finds a tag that the page of a harmless log does not have, an unclosed tag, or a character that XML does not allow.
 pub(crate) fn page_differs(found: &str, benign: &str) -> Option<String> {
     const ALONE: [&str; 4] = ["meta", "br", "!doctype", "hr"];
     let known: BTreeSet<String> = tags(benign).expect("sound").into_iter().map(|(tag, _)| tag).collect();
-    // pictures have more attributes than one may need
+    // pictures have more attributes than needed
     let name = |tag: &str| tag.split_whitespace().next().unwrap_or_default().to_ascii_lowercase();
     let names: BTreeSet<String> = known.iter().map(|tag| name(tag)).collect();
     let attributes = |tag: &str| -> BTreeSet<String> {
@@ -197,7 +198,7 @@ pub(crate) fn page_differs(found: &str, benign: &str) -> Option<String> {
     (!open.is_empty()).then(|| format!("{open:?} do not end"))
 }
 
-/// More headings, rows, items, quotes or fences than a harmless log has; a tag or a link outside of code.
+/// Finds more headings, rows, items, quotes or fences than for a harmless log; a tag or a link outside of code.
 pub(crate) fn markdown_differs(found: &str, benign: &str) -> Option<String> {
     if let Some(hidden) = hidden_in(found) {
         return Some(hidden);
@@ -209,7 +210,7 @@ pub(crate) fn markdown_differs(found: &str, benign: &str) -> Option<String> {
     }
 }
 
-/// How many lines begin with what Markdown takes for a heading, a row and so on; and cells of rows.
+/// Numbers of lines that begin as a Markdown heading, row and so on; and of cells of rows.
 fn shape(text: &str) -> Result<[usize; 7], String> {
     let mut counts = [0; 7];
     let mut fence: Option<String> = None;
@@ -259,7 +260,7 @@ fn escapes_before(text: &str, at: usize) -> usize {
     text[..at].bytes().rev().take_while(|&byte| byte == b'\\').count()
 }
 
-/// A line without its spans of code.
+/// A line without its code spans.
 fn without_code(line: &str) -> String {
     let mut rest = line;
     let mut text = String::new();

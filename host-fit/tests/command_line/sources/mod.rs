@@ -1,9 +1,9 @@
-//! The source of the program and of the crates under it.
+//! Source files of the program and of the crates under it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The Rust files under these folders of `host-fit/`, each with its path from there and its text.
+/// Rust files under these folders of `host-fit/`, each with its relative path and its text.
 pub(crate) fn sources(folders: &[&str]) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();

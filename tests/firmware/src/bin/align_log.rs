@@ -1,18 +1,18 @@
-//! Joins a simulated pair of streams: the same source on the board and on the host, to the same bits.
+//! Aligns a simulated pair of streams: the same source on the board and on the host, to the same bits.
 //!
-//! A gyro of 208 Hz leads, an accelerometer of 104 Hz on a clock 200 ppm faster follows, a thermometer is held; stamps jitter by
-//! up to a millisecond, samples come in batches of 0.2 s, and some are lost, wild or not finite. Prints how many rows there
-//! were, a digest of them (FNV-1a), and what a sample of the lead costs (board only).
+//! A gyro of 208 Hz leads, an accelerometer of 104 Hz on a clock 200 ppm faster follows, a thermometer is held;
+//! timestamps have a jitter of up to a millisecond, samples come in batches of 0.2 s, and some are lost, wrong or not
+//! finite. Prints the number of rows, a digest of them (FNV-1a), and the cost of a sample of the lead (board only).
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_core::align::{Aligner, Stream};
 use fos_firmware::{Instructions, Tally, println};
 
-/// Samples of the gyro, in all and in a batch.
+/// Number of samples of the gyro, in total and in a batch.
 const SAMPLES: i64 = 20_000;
 const BATCH: i64 = 40;
 
-/// ns.
+/// Periods and jitter, ns.
 const GYRO_PERIOD: i64 = 4_807_692;
 const ACCEL_PERIOD: i64 = 9_617_308;
 const TEMPERATURE_PERIOD: i64 = 100_000_000;
@@ -27,7 +27,7 @@ impl Random {
         (self.0 >> 40) as f32 / 16_777_216.0
     }
 
-    /// Where the clock of a stream is at its sample n.
+    /// Timestamp of sample n of a stream, ns.
     fn stamp(&mut self, n: i64, period: i64) -> i64 {
         let wild = if self.next() < 0.0005 { 1_000_000_000_000 } else { 0 };
         n * period + (JITTER * (2.0 * self.next() - 1.0)) as i64 + wild
@@ -55,7 +55,7 @@ impl Digest {
         }
     }
 
-    /// Every NaN alike.
+    /// Adds a number; every NaN counts as the same one.
     fn value(&mut self, value: f32) {
         self.update(&if value.is_nan() { 0x7fc0_0000 } else { value.to_bits() }.to_le_bytes());
     }

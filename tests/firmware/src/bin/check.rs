@@ -1,6 +1,6 @@
 //! An exported model checks itself: the same bits on the board as on the machine that exported it.
 //!
-//! The source is what `fos export --rust` writes of the model of tests/tests/workspace/exported_model.
+//! The source is the output of `fos export --rust` for the model of tests/tests/workspace/exported_model.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_firmware::{Instructions, fail, println};

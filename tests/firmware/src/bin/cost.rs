@@ -1,11 +1,11 @@
-//! What a hub costs: instructions and stack on an emulated Cortex-M, and RAM, part by part, beside what people pay
-//! today.
+//! Cost of a hub: instructions and stack on an emulated Cortex-M, and RAM, part by part, compared with present
+//! corrections.
 //!
 //! ```text
 //! cost [profile]
 //! ```
 //!
-//! Prints tables in Markdown. With `profile` it takes samples at rest between two marks, for a trace of the emulator
+//! Prints tables in Markdown. With `profile` it processes samples at rest between two marks, for a trace of the emulator
 //! (`.ci/device profile`). On the host it runs without counting; sizes are those of the machine it runs on.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -26,7 +26,7 @@ const PERIOD_S: f64 = 0.005;
 const STEPS: u32 = 2000;
 const AXES: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
-/// Ten lags: what six axes of ten terms each are.
+/// Ten lags, for six axes of ten terms each.
 static LINEAR: [Term<f32>; 10] = [
     Term::new(0.3, &[y(1)]),
     Term::new(0.2, &[y(2)]),
@@ -40,7 +40,7 @@ static LINEAR: [Term<f32>; 10] = [
     Term::new(0.02, &[y(10)]),
 ];
 
-/// What a search of cross-product degree 3 tends to find: half linear, the rest quadratic but for one cubic.
+/// Typical result of a search of cross-product degree 3: half linear, the rest quadratic except for one cubic.
 static MIXED: [Term<f32>; 10] = [
     Term::new(0.3, &[y(1)]),
     Term::new(0.2, &[y(2)]),
@@ -54,7 +54,7 @@ static MIXED: [Term<f32>; 10] = [
     Term::new(0.001, &[y(1), y(1), y(2)]),
 ];
 
-/// Of temperature: the thermometer's and the die's.
+/// Terms of the temperature of the thermometer and of the die.
 static PHYSICAL: [Term<f32>; 2] = [Term::new(0.2, &[u(0, 0)]), Term::new(0.1, &[u(1, 0)])];
 
 const SCALES: Scales = Scales {
@@ -115,7 +115,7 @@ fn with_model<T>(
     })
 }
 
-/// Codes that are never the same twice, of a unit at rest.
+/// Codes of a device at rest that never repeat.
 struct Sensor(u32);
 
 impl Sensor {
@@ -134,7 +134,7 @@ impl Sensor {
     }
 }
 
-/// What `step` costs, sample after sample.
+/// Cost of `step`, sample by sample.
 fn tally(instructions: &mut Instructions, mut step: impl FnMut(&RawSample)) -> Tally {
     let (mut tally, mut sensor) = (Tally::default(), Sensor(1));
     for _ in 0..STEPS {
@@ -148,7 +148,7 @@ fn row(name: &str, tally: &Tally) {
     println!("| {name} | {} | {} |", tally.median(), tally.worst());
 }
 
-/// A hub that counts as still, bytes of its image, and what `load` has of it.
+/// A hub in the still state, with its sensor and its image in the first bytes of a buffer.
 fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>(
     name: &str,
     (physical, stochastic): (&[Term<f32>], &[Term<f32>]),
@@ -173,17 +173,17 @@ fn resting_hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
     (hub, sensor, buffer, image)
 }
 
-/// What the budget is of.
+/// Measurements compared with the budget.
 struct Taken {
-    /// Instructions of a sample at rest, the median.
+    /// Median number of instructions of a sample at rest.
     still: usize,
-    /// Instructions of loading the model.
+    /// Number of instructions for loading the model.
     loading: f64,
     load_stack: usize,
     stack: usize,
 }
 
-/// A whole hub: a line of the table, what a sample costs at rest and in motion.
+/// A whole hub: prints a line of the table with the cost of a sample at rest and in motion.
 fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>(
     instructions: &mut Instructions,
     name: &str,
@@ -201,7 +201,7 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<
         let _ = hub.update(raw);
     });
     hub.set_motion(None);
-    // a gap is the deepest way through
+    // a gap uses the most stack
     let gap = RawSample { skipped: 1000, ..sensor.sample() };
     let mut other: Hub<INPUTS, TERMS, HISTORY, R> = Hub::new(SCALES);
     let mut loaded = Ok(());
@@ -226,7 +226,7 @@ fn hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<
     Taken { still: tracked.median(), loading, load_stack, stack }
 }
 
-/// The parts of a hub's sample, one by one.
+/// Parts of a hub's sample, one by one.
 fn parts(instructions: &mut Instructions) {
     println!("| part | median | worst |");
     println!("|---|---|---|");
@@ -307,7 +307,7 @@ fn parts(instructions: &mut Instructions) {
     );
 }
 
-/// What autopilots do: a cubic of temperature, held within its range, taken off each axis.
+/// Correction of autopilots: a cubic of temperature, clipped to its range, subtracted from each axis.
 #[inline(never)]
 fn cubic_correction(raw: &RawSample, coefficients: &[[f32; 4]; 6]) -> [f32; 6] {
     let mut corrected = SCALES.measured(raw);
@@ -318,17 +318,17 @@ fn cubic_correction(raw: &RawSample, coefficients: &[[f32; 4]; 6]) -> [f32; 6] {
     corrected
 }
 
-/// Samples that are traced.
+/// Number of traced samples.
 const TRACED: usize = 64;
 
-/// Where counting begins and ends in a trace.
+/// Marks the begin and end of counting in a trace.
 #[unsafe(no_mangle)]
 #[inline(never)]
 extern "C" fn trace_mark() {
     black_box(());
 }
 
-/// A hub at rest, ten linear terms an axis: [`TRACED`] samples between two marks; prints how many.
+/// A hub at rest, ten linear terms an axis: processes [`TRACED`] samples between two marks and prints their number.
 fn profile() {
     let mut hub = resting_hub::<0, 60, 64, f32>("profile", (&[], &LINEAR)).0;
     let mut sensor = Sensor(3);
@@ -377,7 +377,7 @@ fn run() {
     );
 }
 
-/// The hubs that need them; instructions of a sample at rest of one whose terms are half products.
+/// The hubs that need all features; returns the instructions of a sample at rest of one whose terms are half products.
 fn with_all_features(instructions: &mut Instructions) -> usize {
     let products =
         hub::<0, 60, 64, f32>(instructions, "10 terms an axis, half of them products", (&[], &MIXED));

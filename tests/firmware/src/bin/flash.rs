@@ -1,11 +1,11 @@
-//! The smallest firmware, for its size: without a hub, or with one of the features below. What it has more than without is
-//! what the code takes of a device's flash; a stored model comes on top.
+//! The smallest firmware, to measure its size: without a hub, or with one of the features below. The difference in size
+//! is the flash used by the code; a stored model comes on top.
 //!
 //! - `flash-hub`: decodes a stored model, then corrects, sample by sample.
 //! - `flash-fixed`: the same in fixed point.
 //! - `flash-compiled-in`: the model is compiled in, and nothing is decoded.
 //!
-//! For the target; on the host there is nothing to see.
+//! For the target; on the host it does nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,11 +1,11 @@
-//! Writes what the C programs are checked with, on the host: a model image, the same as a C array, and a log of raw
-//! codes in which everything happens that a hub has a word for. Prints what the hub makes of the log, in Rust.
+//! Writes the inputs of the checks of the C programs, on the host: a model image, the same as a C array, and a log of
+//! raw codes that sets every flag of a hub. Prints the outputs of the hub for the log, in Rust.
 //!
 //! ```text
 //! hub_files FOLDER        # model.fosm, model.h, log.fosh, and linear.fosm
 //! ```
 //!
-//! linear.fosm is what a device without products and transforms can run. The log is a hub log (`fos_embedded::test_log`).
+//! linear.fosm is a model for a device without products and transforms. The log is a hub log (`fos_embedded::test_log`).
 
 use std::error::Error;
 use std::fmt::Write;
@@ -89,7 +89,7 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
         scale: if is_accel { 0.02 } else { 0.003 },
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
-        // narrow: p is limited now and then
+        // narrow: p is sometimes limited
         physical_range: Range::new(-0.05, 0.06),
         full_scale: 0.0,
         stuck_after_repeats: 12,
@@ -99,7 +99,7 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
     }
 }
 
-/// A model of these terms, with the first so many of the inputs.
+/// Image of a model of these terms, with the first `n_inputs` inputs.
 fn image(
     n_inputs: usize,
     physical: &[Term<f32>],
@@ -139,8 +139,8 @@ impl Random {
     }
 }
 
-/// Sample `n`. Its clock is 3 % fast, the second half has faults of the bus, and the last quarter has an offset that
-/// the model does not know.
+/// Sample `n`. Its clock is 3 % fast, the second half has bus faults, and the last quarter has an offset that is not in
+/// the model.
 fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> HubLogRecord<'a> {
     let motion = match n % 3000 {
         0..2000 => None,
@@ -199,7 +199,7 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     hub.load(&image)?;
     let header = HubLogHeader { scales: SCALES, n_given: 2 };
     let (mut log, mut digest, mut random) = (header.encode().to_vec(), HubDigest::default(), Random(1));
-    // what has happened: validity, faults; innovations, drift, still, moving
+    // events so far: validity, faults; innovations, drift, still, moving
     let (mut validity, mut faults, mut seen) = (Validity::VALID, Faults::empty(), [0_u32; 4]);
     for n in 0..SAMPLES {
         let mut given = [0.0; 2];
@@ -216,7 +216,7 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
             *seen += u32::from(now);
         }
     }
-    // a log in which something never happens would check nothing of it
+    // an event that never occurs in the log would not be checked
     let never = Validity::NOT_FINITE | Validity::MISSING;
     let always = validity | never;
     let all_faults = faults | Faults::OVERRUN | Faults::WRONG_PART;

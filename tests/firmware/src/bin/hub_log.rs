@@ -1,4 +1,4 @@
-//! The firmware: a replayed sensor, the hub, and telemetry of all it says; the same source on the board and on the
+//! The firmware: a replayed sensor, the hub, and telemetry of all its outputs; the same source on the board and on the
 //! host, to the same bits.
 //!
 //! ```text
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a hub log (`fos_embedded::test_log`); TELEMETRY is written for
-//! `fos record`. Prints how many samples there were, a digest of all outputs, the same of a hub in fixed point and how far
-//! that is from the other, and (board only) what each part costs.
+//! `fos record`. Prints the number of samples, a digest of all outputs, the same of a hub in fixed point and its largest
+//! difference from the other, and (board only) the cost of each part.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use core::convert::Infallible;
@@ -20,11 +20,11 @@ use fos_embedded::telemetry::{HUB_AXES, Recorder, Snapshot, StartFrame, VERSION}
 use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 
-/// Room for 16 inputs, 128 terms, 256 values of history.
+/// Hub with capacity for 16 inputs, 128 terms, 256 values of history.
 type Device = Hub<16, 128, 256>;
 type FixedDevice = Hub<16, 128, 256, Fixed>;
 
-/// The log is read, and telemetry written, in pieces of at most so many bytes.
+/// Size of the pieces in which the log is read and telemetry written, bytes.
 const CHUNK: usize = 8192;
 
 const MAX_IMAGE: usize = 32_768;
@@ -59,12 +59,12 @@ impl Write for Stream {
     }
 }
 
-/// How far the corrected values of two hubs were apart.
+/// Largest difference of the corrected values of two hubs.
 #[derive(Default)]
 struct Furthest {
     accel_mps2: f32,
     gyro_rads: f32,
-    /// Samples of which they say something else of an axis: its value stood on the edge of a range.
+    /// Number of samples with different flags of an axis: its value was at the edge of a range.
     otherwise: u32,
 }
 

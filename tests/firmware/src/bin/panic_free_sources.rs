@@ -1,7 +1,7 @@
-//! As `panic_free`, for the sources of samples and the drivers under them, over blocking buses.
+//! The same check as `panic_free`, for the sources of samples and the drivers under them, over blocking buses.
 //!
-//! An `async fn` has a panic of its own, against being asked again after it is done. No `await` does that, but the
-//! optimiser only sees so where everything is in one function:
+//! An `async fn` contains a panic for being polled again after completion. No `await` does that, but the optimiser can
+//! prove it only if everything is in one function:
 //!
 //! ```text
 //! DEVICE_RUSTFLAGS='-C opt-level=3 -C llvm-args=-inline-threshold=1000000' \
@@ -48,7 +48,7 @@ mod image {
         }
     }
 
-    /// A bus of which nothing is known: any bytes, any error.
+    /// A bus unknown to the compiler: any bytes, any error.
     struct Bus;
 
     #[inline(never)]

@@ -1,6 +1,6 @@
-//! The counter-check of `panic_free`: one index that may be out of bounds, so that this must not link on the target.
+//! Counter-check of `panic_free`: one index may be out of bounds, so that this must not link on the target.
 //!
-//! It must fail for want of `a_panic_can_be_reached`, the function that the panic handler calls, and for nothing else.
+//! The only reason for the failure must be the missing `a_panic_can_be_reached`, which the panic handler calls.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -74,7 +74,7 @@ fn parameters(axis: usize) -> AxisParameters<f32> {
         scale: if axis < 3 { 0.02 } else { 0.003 },
         constant: 0.01,
         range: Range::new(-4.0, 4.0),
-        // narrow: p is limited now and then
+        // narrow: p is sometimes limited
         physical_range: Range::new(-0.05, 0.06),
         full_scale: if axis < 3 { 39.2 } else { 8.7 },
         stuck_after_repeats: 8,

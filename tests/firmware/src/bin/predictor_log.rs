@@ -4,9 +4,9 @@
 //! predictor_log IMAGE LOG
 //! ```
 //!
-//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints how many
-//! samples there were, a digest of all corrections and one of the innovations, what a step costs (board only) and how
-//! much memory the model takes.
+//! IMAGE is a model image (docs/MODEL_FORMAT.md), LOG a log for replay (`fos_embedded::test_log`). Prints the number of
+//! samples, a digest of all corrections and one of the innovations, the cost of a step (board only) and the memory of
+//! the model.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use fos_core::{Image, Predictor};
@@ -16,7 +16,7 @@ use fos_firmware::{File, Instructions, Tally, argument, fail, println};
 /// Capacities for six axes, 16 inputs, 128 terms in all, and 256 values of history.
 type Device = Predictor<f32, 6, 16, 128, 256>;
 
-/// The log is read in pieces of at most so many bytes.
+/// Size of the pieces in which the log is read, bytes.
 const CHUNK: usize = 8192;
 
 const MAX_IMAGE: usize = 32_768;

@@ -1,11 +1,12 @@
-//! A hub again over what telemetry says was measured, on the host: innovations and validity to the same bits, or not.
+//! Replays the measurements of a telemetry stream in a hub on the host, and compares innovations and validity bit by
+//! bit.
 //!
 //! ```text
 //! telemetry_again IMAGE TELEMETRY FULL-SCALE-ACCEL FULL-SCALE-GYRO PERIOD-S
 //! ```
 //!
-//! For telemetry of a hub that had the model from its first sample on and whose values are after the factory's correction: a
-//! phone's. Full scales are in m/s² and rad/s. Prints how many samples there were; fails at the first that differs.
+//! For telemetry of a hub that had the model from its first sample on and whose values have the factory's correction: a
+//! phone's. Full scales are in m/s² and rad/s. Prints the number of samples; fails at the first that differs.
 
 use std::error::Error;
 use std::fs;
@@ -46,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The hub's answer to what was measured.
+/// Response of the hub to a measurement.
 fn again(hub: &mut CHub, sent: &Sent, last: Option<u32>) -> Result<Vec<u8>, Box<dyn Error>> {
     let [ax, ay, az, gx, gy, gz] = sent.measured[..] else { return Err("not six axes".into()) };
     let skipped = match last {
@@ -62,7 +63,7 @@ fn again(hub: &mut CHub, sent: &Sent, last: Option<u32>) -> Result<Vec<u8>, Box<
 
 fn bits(still: bool, innovations: &[f32], validity: &[u16]) -> Vec<u8> {
     let mut bits = vec![u8::from(still)];
-    // NaN has many forms: where there is none is what counts
+    // NaN has many forms: only its presence counts
     bits.extend(innovations.iter().flat_map(|value| {
         if value.is_nan() { f32::NAN.to_bits().to_le_bytes() } else { value.to_le_bytes() }
     }));

@@ -31,7 +31,7 @@ impl Timer {
         Self(timer)
     }
 
-    /// Ticks while `work` runs; the timer has 24 bits.
+    /// Number of ticks while `work` runs; the timer has 24 bits.
     #[inline(always)]
     pub(super) fn of(&mut self, work: impl FnOnce()) -> u32 {
         self.0.clear_current();

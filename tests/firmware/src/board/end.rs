@@ -1,14 +1,14 @@
-//! How a program ends.
+//! End of a program.
 
 use semihosting::println;
 
-/// What should not happen ends the program, or it would hang.
+/// Ends the program on a fault, which would otherwise hang.
 pub(super) fn fault() -> ! {
     println!("hard fault");
     semihosting::process::exit(102)
 }
 
-/// Ends the program: all is well.
+/// Ends the program successfully.
 pub fn done() -> ! {
     semihosting::process::exit(0)
 }

@@ -1,4 +1,4 @@
-//! The emulated boards: what they have in common by semihosting, and the start and the timer of each core.
+//! Emulated boards: the common part by semihosting, and the start and the timer of each core.
 
 #[cfg(target_arch = "arm")]
 mod arm;
@@ -35,17 +35,17 @@ pub fn argument(index: usize, buffer: &mut [u8; 1024]) -> Option<&core::ffi::CSt
     core::ffi::CStr::from_bytes_until_nul(buffer).ok()
 }
 
-/// A path as files are opened by.
+/// Path in the form that opens files.
 pub(super) fn as_path(path: &core::ffi::CStr) -> &core::ffi::CStr {
     path
 }
 
-/// So many bytes below the stack pointer are looked at.
+/// Number of bytes examined below the stack pointer.
 const STACK: usize = 32_768;
 
 const PAINT: u8 = 0xa5;
 
-/// Bytes of stack that `work` takes: what it overwrites of a painted stack.
+/// Stack used by `work`, bytes: the part of a painted stack that it overwrites.
 #[inline(never)]
 pub fn stack_of(work: impl FnOnce()) -> usize {
     // nothing below the stack pointer is in use, and neither loop calls anything
@@ -66,16 +66,16 @@ pub fn stack_of(work: impl FnOnce()) -> usize {
     STACK - untouched
 }
 
-/// Counts instructions by a timer: with `-icount shift=5` the emulator takes 32 ns an instruction; how many of them a tick
-/// is, 2000 instructions at the start tell.
+/// Counts instructions by a timer: with `-icount shift=5` an instruction takes 32 ns in the emulator; 2000 instructions
+/// at the start calibrate the number of instructions per tick.
 pub struct Instructions {
     timer: Timer,
     a_tick: f64,
-    /// What counting itself costs.
+    /// Cost of counting itself, instructions.
     overhead: f64,
 }
 
-/// A function of its own, or constants of its caller would lie too far away.
+/// A separate function, since the constants of its caller would otherwise be too far away.
 #[inline(never)]
 fn two_thousand() {
     // SAFETY: it does nothing
@@ -83,7 +83,7 @@ fn two_thousand() {
 }
 
 impl Instructions {
-    /// Takes the timer, and finds out how fast it goes.
+    /// Takes the timer, and calibrates its rate.
     pub fn start() -> Self {
         let mut counting = Self { timer: Timer::start(), a_tick: 1.0, overhead: 0.0 };
         let empty = counting.of(|| {});
@@ -93,7 +93,7 @@ impl Instructions {
         counting
     }
 
-    /// Instructions that `work` takes; it must take fewer than 10 million.
+    /// Number of instructions of `work`; it must be below 10 million.
     pub fn of(&mut self, work: impl FnOnce()) -> f64 {
         let ticks = self.timer.of(work);
         (f64::from(ticks) * self.a_tick - self.overhead).max(0.0)

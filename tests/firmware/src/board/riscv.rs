@@ -2,7 +2,7 @@
 
 pub use riscv_rt::entry;
 
-/// Of riscv-rt: where exceptions and interrupts go that nobody has asked for.
+/// Handler of riscv-rt for exceptions and interrupts without a handler of their own.
 #[unsafe(no_mangle)]
 extern "C" fn abort() -> ! {
     super::end::fault()
@@ -16,7 +16,7 @@ pub(super) fn stack_pointer() -> usize {
     pointer
 }
 
-/// The count of instructions retired, which QEMU 7 gives in ns of its clock.
+/// Counter of retired instructions, which QEMU 7 reports in ns of its clock.
 pub(super) struct Timer;
 
 impl Timer {
@@ -24,7 +24,7 @@ impl Timer {
         Self
     }
 
-    /// Ticks while `work` runs, to 32 bits.
+    /// Number of ticks while `work` runs, modulo 2³².
     #[inline(always)]
     pub(super) fn of(&mut self, work: impl FnOnce()) -> u32 {
         let before = riscv::register::minstret::read();

@@ -14,7 +14,7 @@ impl Digest {
         }
     }
 
-    /// Its bits; what is not a number is always the same.
+    /// Adds the bits of a number; every NaN counts as the same one.
     pub(crate) fn number(&mut self, value: f64) {
         let value = if value.is_nan() { f64::NAN.to_bits() & !(1 << 63) } else { value.to_bits() };
         self.bytes(&value.to_le_bytes());

@@ -49,7 +49,7 @@ pub(crate) fn store(flash: Flash) -> Store {
     ModelStore::new(Blocking(flash), range).unwrap_or_else(|_| panic!("a range"))
 }
 
-/// The newest image and the one before.
+/// Newest image and the previous one.
 pub(crate) fn images(store: &mut Store) -> Result<[Option<Vec<u8>>; 2], String> {
     let newest = poll_once(store.load()).expect("done at once").map_err(|error| format!("{error:?}"))?;
     let newest = newest.map(<[u8]>::to_vec);

@@ -1,4 +1,4 @@
-//! Every format that is stored or sent: its version today, and what a file of it comes to.
+//! Every format that is stored or sent: its present version, and the results of a file of it.
 
 use std::fmt::Write;
 use std::fs;
@@ -20,29 +20,29 @@ use super::digest::Digest;
 use super::flash::{Flash, images, store};
 use super::{folder, kinds, make};
 
-/// Makes of a file one that says it is of that version.
+/// Converts a file to one that states this version.
 pub(crate) type AsVersion = fn(&[u8], u32) -> Vec<u8>;
 
 /// A format of files or streams.
 pub(crate) struct Format {
-    /// As in a sentence.
+    /// Name in a sentence.
     pub(crate) title: &'static str,
-    /// Names of its fixtures: NAME_vVERSION.EXTENSION.
+    /// Stem of its fixtures: NAME_vVERSION.EXTENSION.
     pub(crate) name: &'static str,
     pub(crate) extension: &'static str,
-    /// That is written today.
+    /// Version that is written at present.
     pub(crate) version: u32,
-    /// What a file comes to, to the last bit, in words of its own that no later version changes; or why it is refused.
+    /// Results of a file, to the last bit, in a text that no later version changes; or the reason for rejecting it.
     pub(crate) outputs: fn(&[u8]) -> Result<String, String>,
-    /// The same file as if it were of another version; none where there is no number to refuse.
+    /// Converts the file to state another version; `None` if there is no version to reject.
     pub(crate) as_version: Option<AsVersion>,
-    /// Places of the bytes that must not change unnoticed.
+    /// Positions of the bytes whose change must be detected.
     pub(crate) payload: fn(&[u8]) -> Vec<usize>,
     /// A new file, from our own simulator.
     pub(crate) make: fn() -> Vec<u8>,
 }
 
-/// In the order in which they are made: one may be made of those before it.
+/// Formats in the order in which their files are made: one may be made from those before it.
 pub(crate) const FORMATS: &[Format] = &[
     Format {
         title: "model image",
@@ -88,7 +88,8 @@ pub(crate) const FORMATS: &[Format] = &[
         title: "store of images in flash",
         name: "flash",
         extension: "bin",
-        // it has no number of its own: sequential-storage's layout, four bytes before the image, and the version of that
+        // without its own version: sequential-storage's layout, four bytes before the image, and the version of the
+        // image
         version: fos_core::image::VERSION as u32,
         outputs: of_flash,
         as_version: None,
@@ -127,7 +128,7 @@ pub(crate) const FORMATS: &[Format] = &[
     },
 ];
 
-/// The number behind the `/` of a schema.
+/// Number after the `/` of a schema.
 const fn number_of(schema: &str) -> u32 {
     let bytes = schema.as_bytes();
     let (mut number, mut place, mut behind) = (0, 0, false);
@@ -141,12 +142,12 @@ const fn number_of(schema: &str) -> u32 {
     number
 }
 
-// ---- what a file comes to ----
+// ---- results of a file ----
 
-/// The hub of a device.
+/// Hub of a device.
 type Device = Hub<16, 128, 256>;
 
-/// What `load` makes of a hub says of the samples of the stored hub log, as `fos_embedded`'s firmware prints it.
+/// Outputs of a hub set up by `load` for the samples of the stored hub log, as printed by `fos_embedded`'s firmware.
 fn corrections(load: impl FnOnce(&mut Device) -> Result<(), HubError>) -> Result<String, String> {
     let log = fs::read(folder().join("hub_log_v1.fosh")).map_err(|error| error.to_string())?;
     let header = HubLogHeader::decode(&log).map_err(|error| error.to_string())?;
@@ -176,11 +177,11 @@ fn of_flash(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = String::new();
     let held = images(&mut store(Flash(bytes.to_vec())))?;
     for (name, image) in ["newest", "previous"].into_iter().zip(held) {
-        let said = match image {
+        let corrected = match image {
             Some(image) => corrections(|hub| hub.load(&image))?,
             None => "none\n".to_owned(),
         };
-        let _ = write!(outputs, "{name}\n{said}");
+        let _ = write!(outputs, "{name}\n{corrected}");
     }
     Ok(outputs)
 }
@@ -224,7 +225,7 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
     Ok(format!("records {records}\ncontent {digest}\n"))
 }
 
-/// Through the axes of the stored image.
+/// Results of the log with the axes of the stored image.
 fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
     let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
     let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
@@ -236,20 +237,20 @@ fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
         .map_err(|error| error.to_string())?;
     let (mut measured, mut quantities) =
         (vec![0.0; header.n_axes.into()], vec![0.0; header.n_quantities.into()]);
-    let (mut said, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
+    let (mut corrected, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
     for bytes in bytes[PredictorLogHeader::LENGTH..].chunks(header.record_length()) {
         let record = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities)
             .map_err(|error| error.to_string())?;
         content.number(f64::from(record.skipped));
         content.bytes(format!("{:?}", record.motion).as_bytes());
         content.numbers(record.measured.iter().chain(record.quantities).copied());
-        said.update(record.step(&mut predictor));
+        corrected.update(record.step(&mut predictor));
         records += 1;
     }
-    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", said.corrections()))
+    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", corrected.corrections()))
 }
 
-/// A file of this content, for what reads files; in a folder that the second part keeps.
+/// A file with this content, for readers of files; in a folder that lives as long as the second value.
 fn as_file(name: &str, bytes: &[u8]) -> Result<(std::path::PathBuf, tempfile::TempDir), String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let path = folder.path().join(name);
@@ -305,7 +306,7 @@ fn of_case(bytes: &[u8]) -> Result<String, String> {
     let (path, _folder) = as_file("meta.json", bytes)?;
     let meta = CaseMeta::read(path.parent().unwrap_or(Path::new("."))).map_err(|error| error.to_string())?;
     let mut outputs = format!("{}, target {}, {:?} Hz\n", meta.case, meta.target, meta.nominal_rate_hz);
-    // the target decides which numbers are asked for
+    // the target determines which numbers are used
     for target in ["ax_mps2", "gx_rads"] {
         let meta = CaseMeta { target: target.to_owned(), ..meta.clone() };
         let sheet = meta.data_sheet().map(|sheet| (sheet.noise_density, sheet.bias_instability));
@@ -317,16 +318,16 @@ fn of_case(bytes: &[u8]) -> Result<String, String> {
     Ok(outputs)
 }
 
-// ---- as if of another version ----
+// ---- conversion to another version ----
 
-/// The u16 behind the four letters of a header.
+/// Replaces the u16 after the four letters of a header.
 fn with_version_in_header(bytes: &[u8], version: u32) -> Vec<u8> {
     let mut other = bytes.to_vec();
     other[4..6].copy_from_slice(&(version as u16).to_le_bytes());
     other
 }
 
-/// Nothing but its schema, as the rest of another version is not known.
+/// Replaces the schema and drops everything else, since the content of another version is unknown.
 fn with_version_in_schema(bytes: &[u8], version: u32) -> Vec<u8> {
     let text = std::str::from_utf8(bytes).expect("UTF-8");
     let (before, after) = text.split_once("\"schema\": \"").expect("a schema");
@@ -335,18 +336,18 @@ fn with_version_in_schema(bytes: &[u8], version: u32) -> Vec<u8> {
     format!("{{ \"schema\": \"{name}/{version}\" }}").into_bytes()
 }
 
-// ---- what must not change unnoticed ----
+// ---- positions whose change must be detected ----
 
 fn every_byte(bytes: &[u8]) -> Vec<usize> {
     (0..bytes.len()).collect()
 }
 
-/// Where a stream ends, its last frame ends, with a delimiter or without.
+/// All but the last byte: the end of a stream ends its last frame, with or without a delimiter.
 fn all_but_the_last(bytes: &[u8]) -> Vec<usize> {
     (0..bytes.len() - 1).collect()
 }
 
-/// Of a hub log's sample without a temperature, the code of one is not looked at.
+/// All but the temperature codes of samples without a temperature in a hub log, which are ignored.
 fn all_but_absent_temperatures(bytes: &[u8]) -> Vec<usize> {
     let header = HubLogHeader::decode(bytes).expect("a header");
     let is_absent = |place: usize| {
@@ -358,7 +359,7 @@ fn all_but_absent_temperatures(bytes: &[u8]) -> Vec<usize> {
     every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
 }
 
-/// Of a value that is not there, written as not a number, the bits are not looked at.
+/// All but the bits of missing values, any NaN of which is accepted.
 fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
     let is_absent = |place: usize| {
         let word = place / 4 * 4;
@@ -370,7 +371,7 @@ fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
     every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
 }
 
-/// The images in a flash: what stands around them may be repaired.
+/// Images in a flash: the bytes around them may be repaired.
 fn images_in_flash(bytes: &[u8]) -> Vec<usize> {
     let images = images(&mut store(Flash(bytes.to_vec()))).expect("images");
     let place = |image: &Vec<u8>| {
@@ -381,7 +382,7 @@ fn images_in_flash(bytes: &[u8]) -> Vec<usize> {
     images.iter().flatten().flat_map(place).collect()
 }
 
-/// Digits of numbers that are results, but for the last two: of seventeen digits they may mean the same number.
+/// Digits of results, except for the last two: of seventeen digits they may represent the same number.
 fn digits_of_results(bytes: &[u8]) -> Vec<usize> {
     const RESULTS: [&str; 7] = [
         "coefficient",
@@ -393,7 +394,7 @@ fn digits_of_results(bytes: &[u8]) -> Vec<usize> {
         "density_",
     ];
     let text = std::str::from_utf8(bytes).expect("UTF-8");
-    // how the model was found is not what it comes to
+    // the report of the search is no result
     let skipped = match (text.find("\n  \"axes\": ["), text.find("\n  \"steps\": [")) {
         (Some(from), Some(to)) => from..to,
         _ => 0..0,

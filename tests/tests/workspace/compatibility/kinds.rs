@@ -1,5 +1,5 @@
-//! An image with every kind of input, quantity and axis: numbers that stand for them in an image must never change
-//! places.
+//! An image with every kind of input, quantity and axis: the numbers that encode them in an image must never be
+//! swapped.
 
 use std::fmt::Write;
 
@@ -26,7 +26,7 @@ const QUANTITIES: [Quantity; 10] = [
 
 const AXES: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
 
-/// Every transform, over what it can be computed from.
+/// Every transform, over every possible source.
 const INPUTS: [(Source, Transform<f32>); 11] = [
     (Source::Quantity(0), Transform::Identity),
     (Source::Quantity(0), Transform::LowPass { tau_s: 0.3 }),
@@ -101,7 +101,7 @@ pub(crate) fn image() -> Vec<u8> {
     encode(&model, &info, &mut [0; 4096]).expect("it fits").to_vec()
 }
 
-/// What it comes to, and what it says that it is.
+/// Outputs of an image, and its description of itself.
 pub(crate) fn outputs(bytes: &[u8]) -> Result<String, String> {
     let mut outputs = of_image(bytes)?;
     let image = Image::parse(bytes).map_err(|error| error.to_string())?;

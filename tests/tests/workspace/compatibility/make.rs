@@ -22,7 +22,7 @@ use super::flash::{BYTES, Flash, store};
 use super::formats::FORMATS;
 use super::{file_of, folder, read, recorded};
 
-/// Files that are there stay as they are: what was released was released.
+/// Existing files are kept: a released file never changes.
 #[test]
 #[ignore = "writes files: tests/fixtures/README.md"]
 fn write_the_fixtures_of_new_versions() {
@@ -49,7 +49,7 @@ const SCALES: Scales = Scales {
     values: fos_core::FittedOn::Raw,
 };
 
-/// A second of a simulated unit: six axes, and degrees Celsius.
+/// Two seconds of a simulated device: six axes, and °C.
 fn simulated() -> Vec<([f64; 6], f64)> {
     let log = fos_simulate::simulate(&Simulation { duration_s: 2.0, seed: 21, ..Simulation::default() });
     let column = |name: &str| &log.columns.iter().find(|(column, _)| column == name).expect("a column").1;
@@ -85,7 +85,7 @@ pub(crate) fn hub_log() -> Vec<u8> {
     bytes
 }
 
-/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: what the stored image takes.
+/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: the inputs of the stored image.
 pub(crate) fn replay_log() -> Vec<u8> {
     let mut bytes = PredictorLogHeader { n_axes: 2, n_quantities: 2 }.encode().to_vec();
     for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
@@ -100,7 +100,7 @@ pub(crate) fn replay_log() -> Vec<u8> {
     bytes
 }
 
-/// The model of the study.
+/// Model of the study.
 pub(crate) fn image() -> Vec<u8> {
     let model = written_study().model;
     host_fit::export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
@@ -110,7 +110,7 @@ fn stored_image() -> Vec<u8> {
     read(&folder().join("model_v1.fosm"))
 }
 
-/// The stored image, then the model of the study.
+/// A flash with the stored image, then the model of the study.
 pub(crate) fn flash() -> Vec<u8> {
     let mut store = store(Flash(vec![0xff; BYTES]));
     for bytes in [stored_image(), image()] {
@@ -119,7 +119,7 @@ pub(crate) fn flash() -> Vec<u8> {
     store.release().0.0
 }
 
-/// What is sent.
+/// Bytes sent.
 struct Line(Vec<u8>);
 
 impl ErrorType for Line {
@@ -137,7 +137,7 @@ impl Write for Line {
     }
 }
 
-/// What a hub with the stored image sends of the first samples of the stored hub log; one frame is lost.
+/// Telemetry of a hub with the stored image for the first samples of the stored hub log; one frame is lost.
 pub(crate) fn telemetry() -> Vec<u8> {
     let log = read(&folder().join("hub_log_v1.fosh"));
     let header = HubLogHeader::decode(&log).expect("a header");
@@ -159,7 +159,7 @@ pub(crate) fn telemetry() -> Vec<u8> {
     recorder.release().0
 }
 
-/// A stream whose start frame has another version.
+/// A stream whose start frame states another version.
 pub(crate) fn telemetry_as_version(bytes: &[u8], version: u32) -> Vec<u8> {
     let start = StartFrame {
         version: version as u16,
@@ -187,7 +187,7 @@ pub(crate) fn case() -> Vec<u8> {
     read(&folder.join("meta.json"))
 }
 
-/// A gyro's axis with a thermal lag added to it.
+/// Study of a gyro axis with a thermal lag added to it.
 fn written_study() -> Study {
     let case = simulated_case();
     let recording = |name: &str, columns| {

@@ -1,6 +1,6 @@
 //! A stored file of every format loads, and gives the recorded results to the bit.
 //!
-//! `tests/fixtures/README.md` describes the files and how a new one is made.
+//! `tests/fixtures/README.md` describes the files and how to make a new one.
 
 mod digest;
 mod flash;
@@ -18,7 +18,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
 }
 
-/// `NAME_vVERSION.EXTENSION`.
+/// Path of a fixture, `NAME_vVERSION.EXTENSION`.
 fn file_of(format: &Format) -> PathBuf {
     folder().join(format!("{}_v{}.{}", format.name, format.version, format.extension))
 }
@@ -27,7 +27,7 @@ fn read(path: &Path) -> Vec<u8> {
     fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What it must come to stands beside a fixture, in a file of its name with `.txt` behind it.
+/// Path of the recorded results of a fixture: its name with `.txt` appended.
 fn recorded(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".txt");
@@ -56,18 +56,18 @@ fn writers_give_the_bytes_of_the_fixtures() {
         ("telemetry", make::telemetry),
     ] {
         let format = FORMATS.iter().find(|format| format.name == name).expect("a format");
-        // nothing but the writer decides: no fit is in them
+        // determined by the writer alone: no fit is in them
         assert!(make() == read(&file_of(format)), "{}: other bytes, and no other version", format.title);
     }
     let study = folder().join("study_v1.json");
     let written = Study::read(&study).expect("it is read").to_bytes();
     assert_eq!(String::from_utf8_lossy(&written), String::from_utf8_lossy(&read(&study)));
-    // of an image: the writer against the format's description, byte by byte, in fos-core/tests/image.rs
+    // fos-core/tests/image.rs compares the writer of images with the description of the format, byte by byte
 }
 
 #[test]
 fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
-    // `reference`: answers computed by others, with a README of its own
+    // `reference`: answers computed by others, with a separate README
     let mut known: Vec<PathBuf> = ["README.md", "reference"].map(|name| folder().join(name)).into();
     for format in FORMATS {
         let path = file_of(format);
@@ -80,20 +80,20 @@ fn a_file_in_the_folder_is_a_fixture_with_its_outputs() {
 }
 
 #[test]
-fn another_version_is_refused_by_its_number() {
+fn rejects_another_version_by_its_number() {
     for format in FORMATS {
         let Some(as_version) = format.as_version else { continue };
         let bytes = read(&file_of(format));
         for version in [format.version + 1, 999] {
-            let said = (format.outputs)(&as_version(&bytes, version)).expect_err("it is refused");
+            let message = (format.outputs)(&as_version(&bytes, version)).expect_err("it is refused");
             for word in [version.to_string(), "this program reads".to_owned(), format.version.to_string()] {
-                assert!(said.contains(&word), "{}: {word:?} is not in: {said}", format.title);
+                assert!(message.contains(&word), "{}: {word:?} is not in: {message}", format.title);
             }
         }
     }
 }
 
-/// The negative control: a changed byte changes the results or is refused.
+/// Negative control: a changed byte changes the results or is rejected.
 #[test]
 fn every_changed_byte_is_refused_or_changes_the_results() {
     for format in FORMATS {

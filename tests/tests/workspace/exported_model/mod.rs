@@ -1,4 +1,4 @@
-//! The model that the tests of export are about.
+//! Model used by the tests of export.
 
 use fos_core::{
     Axis, AxisParameters, Factor, FittedOn, InnovationStatistics, Input, Quantity, Range, Source,

@@ -1,4 +1,4 @@
-//! Files that belong together: a folder, or a zip archive of one.
+//! Access to the files of one recording: a folder, or a zip archive of one.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -11,20 +11,20 @@ use super::opened::READ_BUFFER;
 use super::opened::damage;
 use crate::file::{self, FileError};
 
-/// Folders are looked into so deep: `bag/mav0/imu0/data.csv`.
-const DEEPEST: usize = 4;
+/// Maximum depth of the search in folders: `bag/mav0/imu0/data.csv`.
+const MAX_DEPTH: usize = 4;
 
-/// So many files are listed; what has more is no recording.
-const MOST_FILES: usize = 10_000;
+/// Maximum number of files listed; a folder with more is no recording.
+const MAX_FILES: usize = 10_000;
 
 #[cfg(feature = "zip")]
 const ZIP: &str = "zip archive";
 
-/// Files that belong together, by names with `/` between folder and file.
+/// Files of a recording, by names with `/` between folder and file.
 pub(super) struct Archive {
     names: Vec<String>,
     files: Files,
-    /// Of the names and contents of the files, in the order they are read.
+    /// Checksum over the names and contents of the files, in the order they are read.
     digest: Digest,
 }
 
@@ -37,14 +37,14 @@ enum Files {
     },
 }
 
-/// A folder, and what takes the checksum of the files that are read of it.
+/// Opens a folder with a checksum of the files read from it.
 ///
 /// # Errors
 ///
 /// The folder cannot be read.
 pub(super) fn folder(path: &Path, digest: Digest) -> Result<Archive, RecordingError> {
     let mut names = Vec::new();
-    list(path, "", DEEPEST, &mut names).map_err(FileError::reading(path))?;
+    list(path, "", MAX_DEPTH, &mut names).map_err(FileError::reading(path))?;
     names.sort();
     Ok(Archive { names, files: Files::Folder(path.to_owned()), digest })
 }
@@ -54,7 +54,7 @@ fn list(folder: &Path, begin: &str, deep: usize, names: &mut Vec<String>) -> std
         let entry = entry?;
         let name = format!("{begin}{}", entry.file_name().to_string_lossy());
         let kind = entry.file_type()?;
-        if names.len() >= MOST_FILES {
+        if names.len() >= MAX_FILES {
             break;
         }
         if kind.is_dir() && deep > 1 {
@@ -66,17 +66,17 @@ fn list(folder: &Path, begin: &str, deep: usize, names: &mut Vec<String>) -> std
     Ok(())
 }
 
-/// An archive; its checksum is that of the one file that it is, which is not taken here.
+/// Opens an archive; its checksum is that of the archive file, computed by the caller.
 ///
 /// # Errors
 ///
-/// It is damaged, or this build knows nothing of zip.
+/// It is damaged, or this build excludes zip.
 #[cfg(feature = "zip")]
 pub(super) fn zip(path: &Path, file: File) -> Result<Archive, RecordingError> {
     let archive = crate::catch_panic::catch_panic(|| zip::ZipArchive::new(file))
         .unwrap_or_else(|_| Err(zip::result::ZipError::InvalidArchive("it cannot be read".into())))
         .map_err(|source| damaged(path, &source.to_string()))?;
-    let files = archive.file_names().take(MOST_FILES).filter_map(Result::ok);
+    let files = archive.file_names().take(MAX_FILES).filter_map(Result::ok);
     let mut names: Vec<String> =
         files.filter(|name| !name.ends_with('/')).map(|name| name.into_owned()).collect();
     names.sort();
@@ -89,7 +89,7 @@ pub(super) fn zip(path: &Path, _: File) -> Result<Archive, RecordingError> {
     Err(RecordingError::not_built_in(path, "zip"))
 }
 
-/// What a file of an archive is called in messages; its name may begin like that of any file.
+/// Path of a member for messages; its name may begin like that of any file.
 pub(super) fn member_path(archive: &Path, name: &str) -> PathBuf {
     archive.join(name.trim_start_matches(['/', '\\']))
 }
@@ -104,11 +104,11 @@ impl Archive {
         &self.names
     }
 
-    /// Has one of them read, by its path, which is the archive's in messages.
+    /// Reads a file by name; `read` gets its path for messages, which contains that of the archive.
     ///
     /// # Errors
     ///
-    /// It cannot be read, and what `read` refuses.
+    /// The file cannot be read, and errors of `read`.
     pub(super) fn read<T>(
         &mut self,
         name: &str,
@@ -120,11 +120,11 @@ impl Archive {
         })
     }
 
-    /// The same of one that is no data: it does not count in the checksum.
+    /// The same for a file without data: it is excluded from the checksum.
     ///
     /// # Errors
     ///
-    /// As of [`read`](Self::read).
+    /// Those of [`read`](Self::read).
     pub(super) fn look_into<T>(
         &mut self,
         name: &str,
@@ -155,7 +155,7 @@ impl Archive {
         }
     }
 
-    /// What was read of a folder, by its name.
+    /// Source of the files read from a folder, with its name.
     pub(super) fn source(self, path: &Path) -> Source {
         self.digest.finish(path)
     }

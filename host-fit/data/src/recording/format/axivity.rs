@@ -14,18 +14,18 @@ use crate::file::{FileError, read_up_to};
 use crate::interrupt;
 use crate::unit::STANDARD_GRAVITY;
 
-/// The first bytes of a file: `MD` and the length of the header.
+/// First bytes of a file: `MD` and the length of the header.
 pub(super) const SIGNATURE: &[u8] = b"MD\xfc\x03";
 
 const HEADER: usize = 1024;
 const BLOCK: usize = 512;
 
-/// Bytes of a block that hold its samples.
+/// Byte range of the samples in a block.
 const SAMPLES: std::ops::Range<usize> = 30..510;
 
 /// # Errors
 ///
-/// It cannot be read, or holds no samples.
+/// The file cannot be read, or holds no samples.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -56,7 +56,7 @@ pub(super) fn read(
                 interrupt::check();
             }
             match take(&block, &mut blocks) {
-                // blank blocks are those that the device has not written yet
+                // the device has not written blank blocks yet
                 Taken::Samples | Taken::Nothing => {}
                 Taken::OtherAxes => other_axes += 1,
                 Taken::Damaged => blocks.damaged += 1,
@@ -80,7 +80,7 @@ enum Taken {
     Damaged,
 }
 
-/// Storage of the samples of a block.
+/// Storage format of the samples of a block.
 #[derive(Clone, Copy)]
 enum Layout {
     /// Three numbers of 10 bits and a common exponent of two in 32 bits.
@@ -146,7 +146,7 @@ fn take(block: &[u8; BLOCK], blocks: &mut Blocks) -> Taken {
                 let packed = u32::from_le_bytes([sample[0], sample[1], sample[2], sample[3]]);
                 let exponent = packed >> 30;
                 let axis = |shift: u32| {
-                    // the ten bits at the top of a number of 16, which keeps their sign
+                    // the top ten bits of a 16-bit number, which preserves their sign
                     let number = (((packed >> shift) << 6) as u16 as i16) >> 6;
                     f64::from(i32::from(number) << exponent) * STANDARD_GRAVITY / 256.0
                 };
@@ -165,14 +165,14 @@ fn take(block: &[u8; BLOCK], blocks: &mut Blocks) -> Taken {
     Taken::Samples
 }
 
-/// The time of the first sample of a block, ns since 1970, and the sampling rate, Hz.
+/// Time of the first sample of a block, ns since 1970, and the sampling rate, Hz.
 fn start(block: &[u8; BLOCK]) -> Option<(i64, f64)> {
     let packed = u32::from_le_bytes([block[14], block[15], block[16], block[17]]);
     let field = |shift: u32, bits: u32| i64::from((packed >> shift) & ((1 << bits) - 1));
     let date = [2000 + field(26, 6), field(22, 4), field(17, 5)];
     let whole_s = ns_since_1970(date, [field(12, 5), field(6, 6), field(0, 6)])?;
     let offset = i16::from_le_bytes([block[26], block[27]]);
-    // the first devices have the rate itself where later ones have the sample of the time stamp
+    // the first devices store the rate itself where later ones have the sample of the timestamp
     let (rate_hz, mut offset) = match block[24] {
         0 => (f64::from(offset), 0.0),
         code => (3200.0 / f64::from(1_u32 << (15 - (code & 15))), f64::from(offset)),
@@ -184,7 +184,7 @@ fn start(block: &[u8; BLOCK]) -> Option<(i64, f64)> {
     let mut fraction = 0.0;
     if fractional & 0x8000 != 0 {
         fraction = f64::from(fractional & 0x7fff) / 32_768.0;
-        // the offset was lessened by the whole samples of the fraction, for readers that do not know of it
+        // the offset was reduced by the whole samples of the fraction, for readers that do not support it
         offset += (fraction * rate_hz).floor();
     }
     let ns = (fraction - offset / rate_hz) * 1e9;

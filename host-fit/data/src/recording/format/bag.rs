@@ -1,6 +1,6 @@
 //! Bags of ROS 1, version 2.0: records of named fields and data, most of them in chunks that may be compressed.
 //!
-//! Read from its begin to its end, so that a bag that was not closed, and has no index, is read too.
+//! Read sequentially, so that a bag that was not closed, and has no index, is read too.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -21,18 +21,18 @@ const MESSAGE: u8 = 0x02;
 const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;
 
-/// Longest header of a record, bytes: names of topics and texts of types.
+/// Longest header of a record, bytes: names of topics and definitions of types.
 const LONGEST_HEADER: u32 = 1 << 24;
 
-/// Longest data of a record, bytes: beyond, the length in a damaged file is no length.
+/// Longest data of a record, bytes: a larger length comes from damage.
 const LONGEST: u32 = 1 << 30;
 
-/// Longest unpacked chunk, bytes: a few kilobytes unpack to any length. A chunk is closed when it is longer than a megabyte.
+/// Longest decompressed chunk, bytes: a few kilobytes may expand to any length. Writers close chunks beyond a megabyte.
 const LONGEST_UNPACKED: u32 = 1 << 27;
 
 /// # Errors
 ///
-/// It cannot be read, or holds no inertial topic.
+/// The file cannot be read, or holds no inertial topic.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -82,7 +82,7 @@ pub(super) fn read(
     read.topics.finish(path, Format::Bag, damage, options.strict)
 }
 
-/// Reads header and data of a record; false at the end.
+/// Reads header and data of a record; returns false at the end.
 fn record(input: &mut impl BufRead, header: &mut Vec<u8>, data: &mut Vec<u8>) -> io::Result<bool> {
     if input.fill_buf()?.is_empty() {
         return Ok(false);
@@ -95,7 +95,7 @@ fn record(input: &mut impl BufRead, header: &mut Vec<u8>, data: &mut Vec<u8>) ->
             return Err(io::Error::new(io::ErrorKind::InvalidData, format!("a record of {length} bytes")));
         }
         part.clear();
-        // grows with what is there, whatever the length says
+        // grows with the bytes that exist, whatever the length field states
         input.by_ref().take(u64::from(length)).read_to_end(part)?;
         if part.len() < length as usize {
             return Err(io::ErrorKind::UnexpectedEof.into());
@@ -104,7 +104,7 @@ fn record(input: &mut impl BufRead, header: &mut Vec<u8>, data: &mut Vec<u8>) ->
     Ok(true)
 }
 
-/// The fields of a header: `length name=value`, one after the other.
+/// Fields of a header: a sequence of `length name=value`.
 fn fields(mut header: &[u8]) -> HashMap<&[u8], &[u8]> {
     let mut fields = HashMap::new();
     while let Some((length, rest)) = split_length(header) {
@@ -126,10 +126,10 @@ fn number(field: Option<&&[u8]>) -> Option<u32> {
     Some(u32::from_le_bytes((*field?).try_into().ok()?))
 }
 
-/// What was read so far.
+/// Content read so far.
 struct Read {
     topics: Topics,
-    /// Numbers of topics, by the number of the connection.
+    /// Indices of topics, by connection id.
     connections: HashMap<u32, usize>,
 }
 
@@ -160,7 +160,7 @@ impl Read {
         Ok(())
     }
 
-    /// A record that is in a chunk, or in a bag without chunks.
+    /// Processes a record in a chunk, or in a bag without chunks.
     fn take_inner(&mut self, header: &[u8], data: &[u8]) {
         let record = fields(header);
         let Some(connection) = number(record.get(&b"conn"[..])) else { return };
@@ -184,7 +184,7 @@ impl Read {
     }
 }
 
-/// What a length and as many bytes stand at the begin of, and what follows.
+/// Splits off a part that is preceded by its length, and returns the remaining bytes.
 fn part(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = split_length(bytes)?;
     rest.split_at_checked(length)

@@ -10,20 +10,20 @@ use super::found::Found;
 use super::{Format, header};
 use crate::column::{ACCELEROMETERS, GYROS};
 
-/// Counts to 1 g of the accelerometers that flight controllers have: a power of two.
+/// Counts per g of the accelerometers on flight controllers: a power of two.
 const COUNTS_PER_G: [f64; 7] = [256.0, 512.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0];
 
-/// Gravity differs from a power of two of counts by at most this factor, by scale, bias and flight.
+/// Largest ratio of measured gravity to a power of two of counts, due to scale error, bias and flight.
 const WITHIN: f64 = 1.25;
 
-/// The columns of a blackbox, if it is one.
+/// Columns of a blackbox, if the table is one.
 ///
 /// # Errors
 ///
-/// A header states a unit that cannot be read.
+/// A header states an unreadable unit.
 pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, RecordingError> {
     let of = |name: &str| {
-        // as `gyroADC[0]` or `gyroADC[0] (deg/s)`
+        // such as `gyroADC[0]` or `gyroADC[0] (deg/s)`
         let is = |column: &&Column| header::split(&column.name).0 == name;
         table.columns.iter().find(is)
     };
@@ -50,11 +50,11 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
             unit => Some((unit.to_owned(), format!("in {unit}"))),
         };
         match how {
-            Some((how, said)) => {
+            Some((how, state)) => {
                 for (target, column) in ACCELEROMETERS.into_iter().zip(columns) {
                     entries.push((target, column.name.clone(), how.clone()));
                 }
-                assumed.push_str(&format!("; accSmooth {said}, filtered by the flight controller"));
+                assumed.push_str(&format!("; accSmooth {state}, filtered by the flight controller"));
             }
             None => assumed.push_str("; accSmooth excluded: gravity does not show how many counts are 1 g"),
         }
@@ -71,7 +71,6 @@ pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, Recor
     }))
 }
 
-/// Counts to 1 g.
 fn counts_per_g(triad: [&Column; 3]) -> Option<f64> {
     let gravity = gravity(triad.map(|column| column.values.as_slice()))?;
     let is_near = |counts: &&f64| (1.0 / WITHIN..WITHIN).contains(&(gravity / **counts));

@@ -1,4 +1,4 @@
-//! What is in bytes that are no container: told by the first of them.
+//! Recognises files that are no container by their first bytes.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -11,16 +11,16 @@ use super::opened::{Extent, Opened};
 use super::{axivity, choice, geneactiv, gnss_logger};
 use crate::file::FileError;
 
-/// What is read of a file to see what is in it.
+/// Number of bytes read to recognise a file.
 const BEGIN_BYTES: u64 = 1 << 18;
 
-/// What is said of a bag of ROS 2 that is no MCAP.
+/// Problem and remedy for a bag of ROS 2 other than MCAP.
 pub(super) const BAG_IN_SQLITE: (&str, &str) = (
     "it is a ROS 2 bag in SQLite",
     "convert it to MCAP: `ros2 bag convert`, or `rosbags-convert --src BAG --dst NEW --dst-storage mcap`",
 );
 
-/// What is in bytes that are no container; `is_packed`: they came out of one that a damage of shows in reading.
+/// Reads data that are no container; `is_packed` if they come from a container whose damage shows while reading.
 pub(super) fn unpacked(
     path: &Path,
     mut input: impl BufRead,
@@ -98,12 +98,12 @@ pub(super) fn unpacked(
     let longest = if extent == Extent::Whole { u64::MAX } else { BEGIN_BYTES };
     let (map, strict) = (&options.columns, options.strict);
     let table = csv_file::read(path, input.take(longest), map, strict, is_packed)?;
-    choice::refuse_topic(path, options, &choice::offers_of(&table))?;
+    choice::refuse_topic(path, options, &choice::describe_table(&table))?;
     Ok(Opened::Table(Box::new(table)))
 }
 
 impl Format {
-    /// Whether it is no table.
+    /// Returns true for a binary format.
     fn has_bytes_of_its_own(self) -> bool {
         matches!(
             self,
@@ -118,7 +118,7 @@ impl Format {
     }
 }
 
-/// The format by the signature that a file begins with.
+/// Format by the signature at the begin of a file.
 fn of_signature(begin: &[u8]) -> Option<Format> {
     const SIGNATURES: [(&[u8], Format); 5] = [
         (b"ULog\x01\x12\x35", Format::Ulog),

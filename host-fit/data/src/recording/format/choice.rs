@@ -1,4 +1,4 @@
-//! Which of several sensors of a log is read, and what is said of the others.
+//! Choice among several sensors of a log, and the description of the others.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use super::super::load_options::LoadOptions;
 use super::super::table::Table;
 use super::Format;
 
-/// The number of the instance that an option names, alone or after one of `names`; the first if it names none.
+/// Instance number in an option, alone or after one of `names`; the first instance by default.
 ///
 /// # Errors
 ///
@@ -27,7 +27,7 @@ pub(super) fn instance(
     })
 }
 
-/// What is said of the other ones of so many instances.
+/// Names the other instances out of `count`.
 #[cfg(any(feature = "dataflash", feature = "ulog"))]
 pub(super) fn other_instances(count: usize, taken: u8) -> String {
     let others: Vec<String> =
@@ -35,22 +35,22 @@ pub(super) fn other_instances(count: usize, taken: u8) -> String {
     others_too(&others)
 }
 
-/// What is said, behind the sensor that is read, of others by their names: nothing where there are none.
+/// Names other sensors after the chosen one; empty if there are none.
 #[cfg(any(feature = "bag", feature = "dataflash", feature = "mcap", feature = "ulog"))]
 pub(super) fn others_too(names: &[String]) -> String {
     if names.is_empty() { String::new() } else { format!(" (there are {} too)", names.join(", ")) }
 }
 
-/// A device with fewer messages than one over this many of the fullest's is none: a damaged message may name any device, and so
-/// few are no log of one. They are left out, never mixed in.
+/// A device with fewer messages than one over this many of the fullest's is ignored: a damaged message may name any
+/// device, and so few are no log of one. They are excluded, never mixed in.
 #[cfg(any(feature = "bag", feature = "mcap", feature = "ulog"))]
 pub(super) const SELDOM: u64 = 100;
 
-/// Refuses the choice of a sensor where there is none to choose.
+/// Rejects the choice of a sensor if there is nothing to choose.
 ///
 /// # Errors
 ///
-/// A topic is named; the error says what the file offers.
+/// A topic is named; the error lists the content of the file.
 pub(super) fn refuse_topic(path: &Path, options: &LoadOptions, offers: &str) -> Result<(), RecordingError> {
     match &options.topic {
         None => Ok(()),
@@ -63,16 +63,16 @@ pub(super) fn refuse_topic(path: &Path, options: &LoadOptions, offers: &str) -> 
     }
 }
 
-/// A table, for [`refuse_topic`].
-pub(super) fn offers_of(table: &Table) -> String {
+/// Description of a table, for [`refuse_topic`].
+pub(super) fn describe_table(table: &Table) -> String {
     format!("one table with the columns {}", table.names().join(", "))
 }
 
-/// Refuses a log that is damaged, or of which some messages cannot be read, where the user wants none skipped.
+/// Rejects a log that is damaged, or has unreadable messages, if the user wants none skipped.
 ///
 /// # Errors
 ///
-/// `strict`, and there is damage or an unreadable message.
+/// `strict`, and damage or an unreadable message.
 pub(super) fn refuse_damage(
     path: &Path,
     format: Format,
@@ -93,7 +93,7 @@ pub(super) fn refuse_damage(
     }
 }
 
-/// What is missing in a log of `format`, what is there, and what to record instead.
+/// Error for a log of `format` without the required sensors: the problem, and data to record instead.
 pub(super) fn no_sensors(path: &Path, format: Format, problem: String, help: &str) -> RecordingError {
     RecordingError::NoSensors {
         path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! From a path to what is in it: a container is looked into, the rest is told by its first bytes.
+//! Opens a path: a container is searched, any other file is recognised by its first bytes.
 
 use std::io::{BufReader, Seek};
 use std::path::Path;
@@ -20,15 +20,15 @@ use super::opened::{Extent, Opened, READ_BUFFER};
 use super::{archive, several};
 use crate::file::{self, FileError};
 
-/// Rows that are read of a file to see what is in it.
+/// Number of rows read to recognise a file.
 #[cfg(feature = "parquet")]
 const BEGIN_ROWS: usize = 2000;
 
-/// Opens a file, or a folder that a program writes.
+/// Opens a file, or a folder written by a program.
 ///
 /// # Errors
 ///
-/// It cannot be read, or is nothing that is known.
+/// The path cannot be read, or is nothing known.
 pub(in super::super) fn open(
     path: &Path,
     options: &LoadOptions,
@@ -51,7 +51,7 @@ pub(in super::super) fn open(
     file.rewind().map_err(failed())?;
     let mut hashing = Hashing::new(file.try_clone().map_err(failed())?, &mut digest);
     if begin.starts_with(b"PK\x03\x04") {
-        // read out of order, so not by way of the checksum; the two share one open file
+        // an archive is not read in order, so hash it first; both share one open file
         hashing.read_rest().map_err(failed())?;
         let mut archive = archive::zip(path, file)?;
         let opened = several::read(path, &mut archive, options, extent)?;
@@ -63,10 +63,10 @@ pub(in super::super) fn open(
         #[cfg(feature = "parquet")]
         {
             let rows = (extent == Extent::Begin).then_some(BEGIN_ROWS);
-            // once, before: what is read moves the place where the checksum would go on
+            // hash first: reading moves the position at which the checksum would continue
             hashing.read_rest().map_err(failed())?;
             let table = parquet_file::read(path, file, &options.columns, rows)?;
-            choice::refuse_topic(path, options, &choice::offers_of(&table))?;
+            choice::refuse_topic(path, options, &choice::describe_table(&table))?;
             return Ok((Opened::Table(Box::new(table)), digest.finish(path)));
         }
     }
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn of_what_is_only_looked_at_no_checksum_is_taken() {
+    fn preview_computes_no_checksum() {
         let folder = tempfile::tempdir().unwrap();
         for path in logs(folder.path()) {
             let source = |extent| open(&path, &LoadOptions::default(), extent).unwrap().1;
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// The end of a Parquet file once counted twice, so that nobody else came to its digest.
+    /// The end of a Parquet file used to be hashed twice, so that the digest was wrong.
     #[test]
     fn size_and_checksum_are_those_of_the_file() {
         let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_packed_in_a_way_that_is_not_known_says_what_to_do() {
+    fn unsupported_compression_states_a_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let mut bytes = zip(&[("a.csv", b"t_s,gx_rads\n0,1\n1,2\n")]);
         // PKWARE's APPNOTE, 4.4.5: Deflate64, in the header of the file and in the directory
@@ -153,9 +153,12 @@ mod tests {
         let path = folder.path().join("a.zip");
         std::fs::write(&path, bytes).unwrap();
         for extent in [Extent::Begin, Extent::Whole] {
-            let said = open(&path, &LoadOptions::default(), extent).map(drop).unwrap_err().to_string();
-            assert!(said.contains("a.zip/a.csv: it cannot be unpacked: ") && said.contains(": 9"), "{said}");
-            assert!(said.ends_with("\nhelp: unpack it, and name the log itself"), "{said}");
+            let message = open(&path, &LoadOptions::default(), extent).map(drop).unwrap_err().to_string();
+            assert!(
+                message.contains("a.zip/a.csv: it cannot be unpacked: ") && message.contains(": 9"),
+                "{message}"
+            );
+            assert!(message.ends_with("\nhelp: unpack it, and name the log itself"), "{message}");
         }
     }
 }

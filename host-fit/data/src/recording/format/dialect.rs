@@ -1,4 +1,4 @@
-//! Tables whose columns have names that a known program gives them: what each column is, and in what unit.
+//! Tables with the column names of a known program: channel and unit of each column.
 
 use std::path::Path;
 
@@ -10,27 +10,27 @@ use super::found::Entry;
 use super::{Format, header};
 use crate::unit::Unit;
 
-/// How a known program names its columns: the name before the unit, which a header may state in any spelling. A name
-/// that ends in `()` is found only with a unit. Capitals do not count.
+/// Column names of a known program, without the unit, which a header may state in any spelling. A name that ends in `()`
+/// matches only with a unit. Matching is case-insensitive.
 pub(super) struct Dialect {
     pub(super) format: Format,
-    /// Columns that are all there.
+    /// Columns that must all exist.
     marks: &'static [&'static str],
-    /// Channel, column, and what stands behind the column in an entry of a column map: arithmetic, and the unit where the
+    /// Channel, column, and the part after the column in an entry of a column map: arithmetic, and the unit if the
     /// header states none.
     columns: &'static [(&'static str, &'static str, &'static str)],
-    /// The stamps of the gyros, where they have their own.
+    /// Column of separate timestamps of the gyros.
     pub(super) gyro_clock: Option<&'static str>,
-    /// What is assumed beside the units.
+    /// Assumptions other than the units.
     assumed: &'static str,
-    /// What the values were corrected by; empty where they are raw, none where the program does not say.
+    /// Corrections in the values; empty if they are raw, `None` if the program does not state any.
     corrected_by: Option<&'static str>,
     frame: Frame,
-    /// Why it cannot be used, and what to record instead.
+    /// Reason for rejecting it, and data to record instead.
     pub(super) refused: Option<(&'static str, &'static str)>,
 }
 
-/// Nothing of a dialect that need not be said.
+/// Defaults of a dialect.
 const PLAIN: Dialect = Dialect {
     format: Format::Log,
     marks: &[],
@@ -42,8 +42,8 @@ const PLAIN: Dialect = Dialect {
     refused: None,
 };
 
-/// Phones subtract their estimate of the bias from what TYPE_ACCELEROMETER and TYPE_GYROSCOPE deliver (Android), and from
-/// what Core Motion fuses (iOS).
+/// Phones subtract their bias estimate from the output of TYPE_ACCELEROMETER and TYPE_GYROSCOPE (Android), and from the
+/// data that Core Motion fuses (iOS).
 pub(super) const PHONE: &str = "the phone (factory calibration and its own bias estimate)";
 
 /// Android's uncalibrated sensors are after factory calibration and temperature compensation (docs/phone.md).
@@ -217,7 +217,7 @@ const PHYPHOX: &[(&str, &str, &str)] = &[
 
 const PHYPHOX_ASSUMED: &str = "with gravity";
 
-/// Whether a column is the one of a pattern.
+/// Returns true if a column matches a pattern.
 pub(super) fn is_named(column: &str, pattern: &str) -> bool {
     let (name, unit) = header::split(column);
     match pattern.strip_suffix(" ()") {
@@ -228,7 +228,7 @@ pub(super) fn is_named(column: &str, pattern: &str) -> bool {
 }
 
 impl Dialect {
-    /// The dialect that a table is in, or the one of `format`, if it is in that.
+    /// Dialect of a table, or the one of `format`, if the table matches it.
     pub(super) fn of(table: &Table, format: Option<Format>) -> Option<&'static Self> {
         let text = &table.quality.text_columns;
         let has = |pattern: &&str| {
@@ -240,11 +240,11 @@ impl Dialect {
             .find(|dialect| dialect.marks.iter().all(has))
     }
 
-    /// Channel, column, arithmetic and unit of what a table has. The unit is the one in the header, where it states one.
+    /// Channel, column, arithmetic and unit of the columns of a table. A unit stated in the header takes precedence.
     ///
     /// # Errors
     ///
-    /// A header states a unit that cannot be read, of a column that the user does not map.
+    /// A header states an unreadable unit for a column that the user does not map.
     pub(super) fn entries(
         &self,
         path: &Path,
@@ -270,7 +270,7 @@ impl Dialect {
         Ok(entries)
     }
 
-    /// What is assumed, with the units that the columns are read in.
+    /// Assumptions, with the units in which the columns are read.
     pub(super) fn assumed(&self, entries: &[Entry]) -> String {
         let mut units: Vec<(&str, Vec<&str>)> = Vec::new();
         for (target, _, how) in entries {
@@ -293,7 +293,7 @@ impl Dialect {
         format!("{}; {}", units.join(", "), self.assumed)
     }
 
-    /// The column of the stamps, if the dialect says which one it is.
+    /// Column of the timestamps, if the dialect defines one.
     pub(super) fn clock(&self) -> Option<&'static str> {
         self.columns.iter().find(|(target, ..)| *target == "t_s").map(|(_, pattern, _)| *pattern)
     }
@@ -316,7 +316,7 @@ mod tests {
     use super::super::super::{Recording, load};
     use super::*;
 
-    /// Spellings in headers, and SI per unit; by the definitions of the units, apart from the table under test.
+    /// Spellings in headers, and SI per unit; by the definitions of the units, independent of the table under test.
     fn spellings(unit: Unit) -> &'static [(&'static str, f64)] {
         const DEGREE: f64 = std::f64::consts::PI / 180.0;
         match unit {
@@ -352,7 +352,7 @@ mod tests {
         }
     }
 
-    /// What a channel holds in a row, in SI.
+    /// True value of a channel in a row, in SI units.
     fn truth(target: &str, row: usize) -> f64 {
         let n = row as f64;
         let wave = (0.7 * n + target.len() as f64).sin();
@@ -401,7 +401,7 @@ mod tests {
         text
     }
 
-    /// The first channel of a dialect whose values are not the truth.
+    /// First channel of a dialect with wrong values.
     fn first_wrong(dialect: &Dialect, recording: &Recording) -> Option<&'static str> {
         let is_right = |target: &str| {
             let values: &[f64] = match target {
@@ -445,12 +445,12 @@ mod tests {
                         let target = dialect.columns.iter().map(|(target, ..)| target);
                         let target = target.into_iter().find(|target| Unit::of_column(target) == kind);
                         let unit = header::spelling(spelling, target.unwrap()).unwrap();
-                        let said = format!(" in {unit}");
-                        assert!(read_as.assumed.contains(&said), "{what}: {}", read_as.assumed);
+                        let unit_text = format!(" in {unit}");
+                        assert!(read_as.assumed.contains(&unit_text), "{what}: {}", read_as.assumed);
                         stated += 1;
                     }
                 }
-                // a unit that cannot be read is refused, not taken for another
+                // an unreadable unit is rejected, not taken for another
                 let text = file(dialect, kind, "furlong", 1.0, ['[', ']']);
                 let error = read(folder.path(), &text).expect_err("a refusal");
                 assert!(error.contains("\"furlong\"") && error.contains("column map, as in '"), "{error}");
@@ -463,16 +463,16 @@ mod tests {
     }
 
     #[test]
-    fn values_that_are_not_in_the_stated_unit_are_noticed() {
+    fn detects_values_that_contradict_the_stated_unit() {
         let folder = tempfile::tempdir().unwrap();
         let euroc = DIALECTS.iter().find(|dialect| dialect.format == Format::Euroc).unwrap();
-        // the rule of before: the header states µs, the values are ns
+        // the previous rule: the header states µs, the values are ns
         let old = file(euroc, Unit::Second, "us", 1e-9, ['[', ']']);
         match read(folder.path(), &old) {
             Ok(recording) => assert_eq!(first_wrong(euroc, &recording), Some("t_s")),
             Err(error) => assert!(error.contains("another unit") || error.contains("unit"), "{error}"),
         }
-        // gravity says so itself: in g, and stated as m/s²
+        // gravity contradicts a wrong unit: in g, and stated as m/s²
         let error =
             read(folder.path(), &file(euroc, Unit::MetrePerSecondSquared, "m s^-2", 9.80665, ['[', ']']));
         let error = error.expect_err("a contradiction");
@@ -481,7 +481,7 @@ mod tests {
                 && error.contains("map them: 'ax_mps2=a_RS_S_x [m s^-2]:g'"),
             "{error}"
         );
-        // and the entry of the map that it names reads it
+        // the suggested entry of a column map reads it
         let options = LoadOptions {
             columns: super::super::super::ColumnMap::from_specs(
                 error.split('\'').filter(|part| part.starts_with('a') && part.contains("_mps2=")),

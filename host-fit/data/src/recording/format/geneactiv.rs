@@ -20,10 +20,10 @@ use crate::unit::STANDARD_GRAVITY;
 /// Hexadecimal digits of one sample.
 const DIGITS: usize = 12;
 
-/// Longest line of a page that has its length by the format: 300 samples.
+/// Longest line of a page, bytes: the format fixes its length to 300 samples.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// True if a file begins so.
+/// Returns true if a file begins like such a log.
 pub(super) fn is(begin: &[u8]) -> bool {
     let names = |word: &[u8]| begin.windows(word.len()).take(1024).any(|part| part == word);
     begin.starts_with(b"Device Identity") && names(b"GENEActiv")
@@ -35,7 +35,7 @@ struct Calibration {
     offset: [f64; 3],
 }
 
-/// Facts that the lines above the samples of a page state.
+/// Values from the lines above the samples of a page.
 #[derive(Default)]
 struct Page {
     start_ns: Option<i64>,
@@ -45,7 +45,7 @@ struct Page {
 
 /// # Errors
 ///
-/// It cannot be read, has no calibration, or holds no samples.
+/// The file cannot be read, has no calibration, or holds no samples.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -120,13 +120,13 @@ pub(super) fn read(
     blocks.opened(path, Format::GeneActiv, options, &assumed, provenance)
 }
 
-/// A line `name:value`; samples have no colon.
+/// Splits a line `name:value`; samples have no colon.
 fn split(line: &[u8]) -> Option<(&str, &str)> {
     let (name, value) = std::str::from_utf8(line).ok()?.split_once(':')?;
     Some((name.trim(), value.trim()))
 }
 
-/// A time as `2012-05-23 16:47:50:000`, the last number in ms.
+/// Parses a time such as `2012-05-23 16:47:50:000`, the last number in ms.
 fn time(text: &str) -> Option<i64> {
     let (date, time) = text.split_once(' ')?;
     let numbers = |text: &str, at: char| -> Option<Vec<i64>> {
@@ -138,14 +138,14 @@ fn time(text: &str) -> Option<i64> {
     ns_since_1970(date, [hour, minute, second])?.checked_add(ms * 1_000_000)
 }
 
-/// The samples of a page, three signed numbers each; none where the line is cut short or holds something else.
+/// Samples of a page, three signed numbers each; `None` if the line is cut short or holds something else.
 fn samples(line: &[u8]) -> Option<Vec<[i16; 3]>> {
     if !line.len().is_multiple_of(DIGITS) {
         return None;
     }
     let axis = |digits: &[u8]| -> Option<i16> {
         let raw = i16::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
-        // a sign before the digits is none of the format
+        // a sign before the digits is not part of the format
         digits.iter().all(u8::is_ascii_hexdigit).then_some(if raw < 0x800 { raw } else { raw - 0x1000 })
     };
     let sample = |digits: &[u8]| Some([axis(&digits[..3])?, axis(&digits[3..6])?, axis(&digits[6..9])?]);

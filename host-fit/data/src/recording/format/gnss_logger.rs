@@ -1,4 +1,4 @@
-//! Text of Google's GnssLogger: rows of many kinds, each beginning with its name; `#` before what the kinds hold.
+//! Text of Google's GnssLogger: rows of many kinds, each beginning with its name; `#` before the fields of each kind.
 //!
 //! `UncalGyro,utcTimeMillis,elapsedRealtimeNanos,x,y,z,driftX,driftY,driftZ`; `Gyro,…` without the last three.
 
@@ -15,14 +15,14 @@ use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 use crate::file::FileError;
 use crate::interrupt;
 
-/// Kinds of rows: the raw one, which is taken, and the corrected one, which stands in for it.
+/// Kinds of rows: the raw one, which is preferred, and the corrected one as its substitute.
 const SENSORS: [([&str; 2], [&str; 3]); 3] = [
     (["UncalAccel", "Accel"], ACCELEROMETERS),
     (["UncalGyro", "Gyro"], GYROS),
     (["UncalMag", "Mag"], MAGNETOMETERS),
 ];
 
-/// Whether a text begins so.
+/// Returns true if a text begins like such a log.
 pub(super) fn is(begin: &[u8]) -> bool {
     let text = begin.strip_prefix(b"\xef\xbb\xbf").unwrap_or(begin);
     let says = |word: &[u8]| begin.windows(word.len()).any(|part| part == word);
@@ -31,9 +31,9 @@ pub(super) fn is(begin: &[u8]) -> bool {
 
 /// # Errors
 ///
-/// It cannot be read, or holds no sensor; with `strict` also a row that cannot be used.
+/// The file cannot be read, or holds no sensor; with `strict` also an unusable row.
 pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result<Opened, RecordingError> {
-    // of every kind of row: stamps and three values
+    // for every kind of row: timestamps and three values
     let mut rows: Vec<(Vec<i64>, [Vec<f64>; 3])> = vec![Default::default(); 2 * SENSORS.len()];
     let mut line = Vec::new();
     let mut number = 0_u64;

@@ -1,4 +1,4 @@
-//! The unit that the header of a column states, in the spellings that programs and people write.
+//! Units stated in the headers of columns, in the spellings of programs and people.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use super::found::Entry;
 use crate::column::ACCELEROMETERS;
 use crate::unit::{Affine, Unit, parse_unit, spellings_of};
 
-/// The name in a header and the unit stated behind it: `gyro_x [mdps]` is `gyro_x` in `mdps`, `time in ms` is `time` in
-/// `ms`. An index, as in `gyroADC[0]`, is no unit.
+/// Splits a header into name and unit: `gyro_x [mdps]` is `gyro_x` in `mdps`, `time in ms` is `time` in `ms`. An index,
+/// as in `gyroADC[0]`, is no unit.
 pub(super) fn split(column: &str) -> (&str, Option<&str>) {
     let column = column.trim();
     let bracketed = [('(', ')'), ('[', ']')].into_iter().find_map(|(open, close)| {
@@ -27,9 +27,9 @@ pub(super) fn split(column: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// The spelling that a column map takes for a unit as a header states it; none if it is no unit of `target`.
+/// Column map spelling of a unit stated in a header; `None` if it is no unit of `target`.
 pub(super) fn spelling(stated: &str, target: &str) -> Option<&'static str> {
-    // text in UTF-8 that was once taken for Latin-1 has an extra letter before ° and ²
+    // UTF-8 text once decoded as Latin-1 has an extra letter before ° and ²
     let plain = stated.trim().to_lowercase().replace(['â', '·', '*'], "").replace('\u{3bc}', "µ");
     let plain = plain.replace("⁻", "-").replace('¹', "1");
     // `rad s^-1` is `rad/s`, `m s^-2` is `m/s^2`
@@ -71,14 +71,14 @@ pub(super) fn spelling(stated: &str, target: &str) -> Option<&'static str> {
     (unit == Unit::of_column(target)).then_some(known)
 }
 
-/// True for a unit of any quantity that a log has, in brackets or not.
+/// Returns true for a unit of any quantity in a log, in brackets or not.
 pub(in super::super) fn is_unit(text: &str) -> bool {
     let text = text.trim().trim_matches(['[', ']', '(', ')']);
     let targets = ["t_s", "ax_mps2", "gx_rads", "mag_x_ut", "temp_c", "supply_v", "load_pct"];
     targets.iter().any(|target| spelling(text, target).is_some())
 }
 
-/// The unit of a column: as its header states it, else `default`.
+/// Unit of a column: as stated in its header, else `default`.
 ///
 /// # Errors
 ///
@@ -99,11 +99,11 @@ pub(super) fn unit_of(
     })
 }
 
-/// The conversion of a column to the unit of `target`, as of [`unit_of`].
+/// Conversion of a column to the unit of `target`, based on [`unit_of`].
 ///
 /// # Errors
 ///
-/// As of [`unit_of`].
+/// Those of [`unit_of`].
 pub(super) fn conversion_of(
     path: &Path,
     column: &str,
@@ -114,11 +114,11 @@ pub(super) fn conversion_of(
     Ok((parse_unit(unit).map_or(Affine::IDENTITY, |(_, conversion)| conversion), unit))
 }
 
-/// Refuses accelerometers whose median magnitude is gravity in another unit than the one that they are read in.
+/// Rejects accelerometers whose median magnitude is gravity in another unit than the one in which they are read.
 ///
 /// # Errors
 ///
-/// They are.
+/// [`RecordingError::GravityUnit`].
 pub(super) fn refuse_other_gravity(
     path: &Path,
     table: &Table,
@@ -134,7 +134,7 @@ pub(super) fn refuse_other_gravity(
     };
     let [Some(x), Some(y), Some(z)] = ACCELEROMETERS.map(find) else { return Ok(()) };
     let triad = [x.2, y.2, z.2];
-    // arithmetic before the unit, a scale of counts, was found from gravity itself
+    // arithmetic before the unit, a scale of counts, was computed from gravity itself
     let (sign, unit) = x.1.rsplit_once(':').unwrap_or(("", x.1));
     let (Some(magnitude), Some(fits)) = (gravity(triad), force_unit(triad)) else { return Ok(()) };
     if !matches!(sign, "" | "*-1") || fits == unit {
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_of_another_quantity_is_none() {
+    fn rejects_units_of_another_quantity() {
         assert_eq!(spelling("rad s^-1", "gx_rads"), Some("rad/s"));
         assert_eq!(spelling("m s^-2", "ax_mps2"), Some("m/s2"));
         assert_eq!(spelling("m/sÂ²", "ax_mps2"), Some("m/s2"));

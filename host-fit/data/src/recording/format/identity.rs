@@ -1,4 +1,4 @@
-//! A format as options and studies name it, and as what a log was read.
+//! Name of a format in options and studies, and the record of how a log was read.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,6 @@ use super::super::provenance::Provenance;
 use super::known::{FormatKnowledge, KNOWN_FORMATS};
 use super::names::Format;
 
-/// A format that nobody knows.
 #[derive(Debug, Error)]
 #[error("\"{name}\": not a format that is known\nhelp: known are {known}")]
 pub struct UnknownFormat {
@@ -20,7 +19,7 @@ pub struct UnknownFormat {
 
 impl Format {
     pub fn knowledge(self) -> &'static FormatKnowledge {
-        // the list has every format, which a test holds
+        // a test ensures that the list has every format
         KNOWN_FORMATS.iter().find(|known| known.format == self).unwrap_or(&KNOWN_FORMATS[0])
     }
 
@@ -59,7 +58,7 @@ impl<'de> Deserialize<'de> for Format {
     }
 }
 
-/// As what a log was read, and what was assumed in doing so.
+/// Format as which a log was read, and the assumptions made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ReadAs {
@@ -93,7 +92,7 @@ mod tests {
             assert_eq!(known.id.parse::<Format>().unwrap(), known.format);
             assert_eq!(known.format.id(), known.id);
         }
-        // every ending that stands there may be a log
+        // every listed ending may be a log
         for known in KNOWN_FORMATS {
             let files = known.files.split([',', ' ']).filter(|word| word.starts_with('.'));
             files.for_each(|ending| assert!(may_be_log(&format!("a{ending}")), "{}: {ending}", known.id));

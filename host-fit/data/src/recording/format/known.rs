@@ -1,53 +1,53 @@
-//! What is known of each format.
+//! Documentation of each format.
 
 use serde::Serialize;
 
 use super::names::Format;
 
-/// What is known of a format, in words.
+/// Description of a format, in words.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct FormatKnowledge {
     pub format: Format,
-    /// Its short name, as an option names it.
+    /// Short name for options.
     pub id: &'static str,
     pub name: &'static str,
     /// Endings or names of its files.
     pub files: &'static str,
     pub read: &'static str,
-    /// The units it comes in.
+    /// Units of its values.
     pub units: &'static str,
     /// Raw or corrected, and by what; axes.
     pub values: &'static str,
     pub clock: &'static str,
-    /// Where a temperature comes from.
+    /// Source of a temperature.
     pub temperature: &'static str,
     pub traps: &'static str,
-    /// What is refused, and what to record instead.
+    /// Rejected variants, and data to record instead.
     pub refused: &'static str,
 }
 
-/// Endings of files that may be logs; `.gz` stands behind another one. What is in a file is told by its content.
+/// Endings of files that may be logs; `.gz` follows another one. The content decides.
 pub const LOG_ENDINGS: &[&str] =
     &[".csv", ".tsv", ".txt", ".gz", ".parquet", ".ulg", ".bin", ".cwa", ".mcap", ".bag", ".zip"];
 
-/// Whether a file may be a log, by the ending of its name; capitals do not count.
+/// Returns true if a file may be a log, by the ending of its name; case-insensitive.
 pub fn may_be_log(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let bare = name.strip_suffix(".gz").unwrap_or(&name);
     LOG_ENDINGS.iter().any(|ending| bare.ends_with(ending))
 }
 
-/// Endings of those that are not looked for in a folder or an archive: what is in them is read out of order.
+/// Endings that are not searched in a folder or an archive: these files are read out of order.
 const NOT_WITHIN: &[&str] = &[".parquet", ".zip"];
 
-/// Whether a file of a folder or an archive may be the log in it; any `.gz` may.
+/// Returns true if a file of a folder or an archive may be the log in it; any `.gz` may.
 pub(super) fn may_be_log_within(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let mut within = LOG_ENDINGS.iter().filter(|ending| !NOT_WITHIN.contains(ending));
     within.any(|ending| name.ends_with(ending))
 }
 
-/// Every format, the own one first.
+/// Every format, the native one first.
 pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
     FormatKnowledge {
         format: Format::Log,

@@ -1,4 +1,4 @@
-//! MCAP with messages of ROS 2, read from its begin to its end.
+//! MCAP with messages of ROS 2, read sequentially.
 
 use std::collections::HashMap;
 use std::io::BufRead;
@@ -17,13 +17,13 @@ use crate::catch_panic::catch_panic;
 use crate::file::FileError;
 use crate::interrupt;
 
-/// Longest record, bytes: beyond, the length in a damaged file is no length. The library takes the room for one in a packed
-/// chunk before it is unpacked.
+/// Longest record, bytes: a larger length comes from damage. The library allocates it for a record in a compressed chunk
+/// before decompression.
 const LONGEST: usize = 1 << 27;
 
 /// # Errors
 ///
-/// It is damaged before there is anything in it, or holds no inertial topic.
+/// It is damaged before its first record, or holds no inertial topic.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -75,12 +75,12 @@ pub(super) fn read(
     read.topics.finish(path, Format::Mcap, damage, options.strict)
 }
 
-/// What was read so far.
+/// Content read so far.
 struct Read {
     topics: Topics,
-    /// Names of types, by the number of the schema.
+    /// Names of types, by schema id.
     schemas: HashMap<u16, String>,
-    /// Numbers of topics and how their messages are written, by the number of the channel.
+    /// Index of the topic and encoding of its messages, by channel id.
     channels: HashMap<u16, (usize, Encoding)>,
     other_encoding: Option<String>,
     is_begun: bool,
@@ -127,7 +127,7 @@ impl Read {
     }
 }
 
-/// Takes a record, or says how much more is to be read.
+/// Processes a record, or returns the number of bytes to read next.
 fn step(read: &mut Read, event: mcap::McapResult<LinearReadEvent<'_>>) -> Result<Option<usize>, String> {
     match event.map_err(|error| error.to_string())? {
         LinearReadEvent::ReadRequest(request) => Ok(Some(request)),

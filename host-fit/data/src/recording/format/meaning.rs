@@ -1,4 +1,4 @@
-//! The meaning of the columns of a table: which of them is which channel, and what that rests on.
+//! Meaning of the columns of a table: the channel of each, and the reason for the assignment.
 
 use super::super::column_map::{ColumnMap, quoted};
 use super::super::error::RecordingError;
@@ -8,26 +8,26 @@ use super::super::table::Table;
 use super::{ReadAs, xsens};
 use crate::unit::{Affine, parse_unit};
 
-/// Which column is which channel, and what that rests on.
+/// Channels of the columns, and the reason for the assignment.
 #[derive(Debug, Default)]
 pub(in super::super) struct Meaning {
-    /// What the user says, and what was found beside it.
+    /// The user's map, extended by recognised columns.
     pub(in super::super) map: ColumnMap,
-    /// As what the table was read; none if it is in the log format.
+    /// Format and assumptions; `None` for the log format.
     pub(in super::super) read_as: Option<ReadAs>,
-    /// The stamps of the gyros and their unit, where they have their own.
+    /// Column and unit of separate timestamps of the gyros.
     pub(in super::super) gyro_clock: Option<(String, &'static str)>,
-    /// The column of a clock that wraps, and the count at which it does.
+    /// Column of a clock that wraps, and its modulus.
     pub(in super::super) counter: Option<(String, f64)>,
-    /// Entries of a column map that may be right, but that nothing states.
+    /// Column map entries that may be right, but are not certain.
     pub(in super::super) perhaps: Vec<String>,
-    /// The same, where they are followed: the file has no header, and the values are clear.
+    /// The same, but applied: the file has no header, and the values are clear.
     pub(in super::super) assumed_map: Vec<String>,
-    /// Why the log cannot be read without a word of the user: candidates for a channel that are equally good and differ.
+    /// Error unless the user decides: equally good candidates for a channel that differ.
     pub(in super::super) undecided: Option<RecordingError>,
 }
 
-/// What the user says, and of other channels what was found.
+/// The user's map, with recognised entries added for other channels.
 pub(super) fn filled<T: AsRef<str>>(
     map: &ColumnMap,
     table: &Table,
@@ -38,7 +38,7 @@ pub(super) fn filled<T: AsRef<str>>(
         let target = target.as_ref();
         let is_told = map.column_of(target) != target || map.ignores(&column);
         if !is_told && table.index_of(&column).is_some() {
-            // all of them are entries that a test reads
+            // a test parses all of these entries
             let added = filled.add(&format!("{target}={}:{how}", quoted(&column)));
             debug_assert!(added.is_ok(), "{added:?}");
         }
@@ -47,12 +47,12 @@ pub(super) fn filled<T: AsRef<str>>(
 }
 
 impl Meaning {
-    /// What the user says, and nothing else.
-    pub(in super::super) fn told(options: &LoadOptions) -> Self {
+    /// The user's map, and nothing else.
+    pub(in super::super) fn of_user(options: &LoadOptions) -> Self {
         Self { map: options.columns.clone(), ..Self::default() }
     }
 
-    /// Makes the clock of the table go on where it wraps.
+    /// Unwraps the clock of the table.
     pub(in super::super) fn unwrap_clock(&self, table: &mut Table) {
         if let Some((column, modulus)) = &self.counter
             && let Some(at) = table.index_of(column)
@@ -61,8 +61,7 @@ impl Meaning {
         }
     }
 
-    /// The channels by sensor, each with its own stamps, where the gyros have a clock of their own; the table stays
-    /// where they have none.
+    /// Streams of the sensors, each with its own timestamps, if the gyros have a separate clock; `None` otherwise.
     pub(in super::super) fn streams(&self, table: &Table) -> Option<Vec<Stream>> {
         let (gyro_clock, gyro_unit) = self.gyro_clock.as_ref()?;
         let gyro_clock = table.index_of(gyro_clock)?;
@@ -75,7 +74,7 @@ impl Meaning {
             to_s.apply(&mut seconds);
             let stamps_ns = stamps(&seconds);
             let mut kept: Vec<bool> = stamps_ns.iter().map(Option::is_some).collect();
-            // a row that repeats the sample before it
+            // skip a row that repeats the sample before it
             for row in 1..stamps_ns.len() {
                 kept[row] &= stamps_ns[row] != stamps_ns[row - 1];
             }

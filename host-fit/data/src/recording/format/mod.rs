@@ -1,8 +1,8 @@
-//! The formats that logs come in: what is known of each, and how each is told from the others.
+//! Formats of logs: the documentation of each, and the rules for recognising it.
 //!
-//! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is looked into, a
-//! table of text or Parquet gets its meaning by the names of its columns (`recognise`, `meaning`), anything else by its first bytes.
-//! Formats that give every sensor stamps of its own come out as [`Stream`](super::Stream)s.
+//! A file is opened by its content ([`open`](container::open)): a container (gzip, zip, a folder) is searched, a table
+//! of text or Parquet is interpreted by the names of its columns (`recognise`, `meaning`), and any other file is
+//! recognised by its first bytes. Formats with separate timestamps for every sensor give [`Stream`](super::Stream)s.
 
 mod archive;
 mod axivity;

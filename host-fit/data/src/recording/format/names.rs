@@ -1,9 +1,9 @@
-//! The names of the formats.
+//! Names of the formats.
 
-/// A format that logs come in.
+/// A supported format of logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
-    /// The log format of fos: the names of the columns say all.
+    /// The log format of fos: the names of the columns define everything.
     Log,
     /// A table whose columns name their quantity, axis and unit.
     Named,

@@ -1,4 +1,4 @@
-//! What is in a file, and how much of it is looked at.
+//! Content of a file, and the extent to which it is read.
 
 #[cfg(any(feature = "gzip", feature = "zip"))]
 use std::io::ErrorKind;
@@ -13,10 +13,10 @@ use super::ReadAs;
 #[cfg(any(feature = "gzip", feature = "zip"))]
 use crate::file::FileError;
 
-/// Bytes read at once.
+/// Size of the read buffer, bytes.
 pub(super) const READ_BUFFER: usize = 1 << 18;
 
-/// How much of a file is read.
+/// Extent to which a file is read.
 #[derive(Clone, Copy, PartialEq)]
 pub(in super::super) enum Extent {
     Whole,
@@ -25,14 +25,14 @@ pub(in super::super) enum Extent {
 }
 
 pub(in super::super) enum Opened {
-    /// Columns that mean nothing yet.
+    /// Columns without an interpretation.
     Table(Box<Table>),
-    /// Sensors with stamps of their own.
+    /// Sensors with separate timestamps.
     Streams(Vec<Stream>, ReadAs),
 }
 
-/// What does not come out of a container is damage of it, and no matter of the system's; or it is packed in a way that
-/// is not known here, as Deflate64, which Windows takes for what is large.
+/// Converts a failure to decompress a container to an error of damage, or of an unsupported compression, such as
+/// Deflate64, which Windows uses for large files; other errors of the system are kept.
 #[cfg(any(feature = "gzip", feature = "zip"))]
 pub(super) fn damage(error: RecordingError, format: &'static str) -> RecordingError {
     match error {

@@ -1,4 +1,4 @@
-//! Recognises the columns of a table: as the user says, by the program that wrote them, or by names that state a unit.
+//! Recognises the columns of a table: by the user's map, by the program that wrote them, or by names that state a unit.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::column::{AXES, Triad};
 
 /// # Errors
 ///
-/// A table of a program that is known, and that cannot be used.
+/// An unusable table of a known program.
 pub(in super::super) fn meaning(
     path: &Path,
     table: &Table,
@@ -27,8 +27,8 @@ pub(in super::super) fn meaning(
     let has_axes = AXES.iter().any(|axis| has(axis));
     let has_time = has("t_s") || options.rate_hz.is_some();
     match options.format {
-        Some(Format::Log) => return Ok(Meaning::told(options)),
-        None if has_axes && has_time => return Ok(Meaning::told(options)),
+        Some(Format::Log) => return Ok(Meaning::of_user(options)),
+        None if has_axes && has_time => return Ok(Meaning::of_user(options)),
         _ => {}
     }
     if table.is_unnamed {
@@ -42,7 +42,7 @@ pub(in super::super) fn meaning(
     if let Some(found) = of_program(path, table, options)? {
         let Found { format, entries, assumed, mut provenance, gyro_clock, counter } = found;
         header::refuse_other_gravity(path, table, &entries, options)?;
-        // what the user maps may be anything
+        // columns mapped by the user have no known provenance
         for triad in [Triad::Accelerometers, Triad::Gyros] {
             if triad.columns().iter().any(|axis| map.column_of(axis) != *axis) {
                 provenance.forget(triad);
@@ -68,7 +68,7 @@ pub(in super::super) fn meaning(
     Ok(meaning)
 }
 
-/// What the columns of a program that is known mean.
+/// Channels of the columns of a known program.
 fn of_program(path: &Path, table: &Table, options: &LoadOptions) -> Result<Option<Found>, RecordingError> {
     let may_be = |format: Format| options.format.is_none_or(|given| given == format);
     if let Some(found) = several::one_of(path, table).filter(|_| may_be(Format::SensorLogger)) {
@@ -123,7 +123,7 @@ fn of_dialect(
     Ok(Found { format, entries, assumed, provenance, gyro_clock, counter: None })
 }
 
-/// By names that state what they are. Where they do not, it is left to the user.
+/// Channels by names that state them; ambiguous columns are left to the user.
 fn by_names(path: &Path, table: &Table, map: &ColumnMap, has_axes: bool, has_time: bool) -> Meaning {
     let columns: Vec<(&str, &[f64])> =
         table.columns.iter().map(|column| (column.name.as_str(), column.values.as_slice())).collect();
@@ -139,7 +139,7 @@ fn by_names(path: &Path, table: &Table, map: &ColumnMap, has_axes: bool, has_tim
             (true, false) => perhaps.push(format!("{target}={}:{unit}", quoted(column))),
         }
     }
-    // in the order of the channels, whatever that of the columns
+    // in the order of the channels, independent of that of the columns
     sure.sort();
     perhaps.sort();
     let entry = |(target, column, unit, _): &(String, String, String, Vec<String>)| {
@@ -148,38 +148,38 @@ fn by_names(path: &Path, table: &Table, map: &ColumnMap, has_axes: bool, has_tim
     let undecided: Vec<Undecided> =
         found.undecided.into_iter().filter(|group| group.targets.iter().any(|t| is_wanted(t))).collect();
     if !undecided.is_empty() {
-        // complete, as what is named in a map is all that is taken of a table
+        // complete, since only mapped columns are used once there is a map
         let decided: Vec<String> = sure.iter().map(entry).chain(perhaps.iter().cloned()).collect();
         let undecided = undecided_error(path, &undecided, &decided);
         return Meaning { map: map.clone(), perhaps, undecided: Some(undecided), ..Meaning::default() };
     }
-    // half of the axes would be read, and nobody would miss the others
+    // a partial set of axes would be used without notice, so all are suggested instead
     let is_axis = |target: &str| AXES.contains(&target);
     let all_stated = !perhaps.iter().any(|spec| AXES.iter().any(|axis| spec.starts_with(axis)));
     if sure.is_empty() || !all_stated {
         perhaps.extend(sure.iter().map(entry));
         return Meaning { map: map.clone(), perhaps, ..Meaning::default() };
     }
-    let said = sure.iter().map(|(target, column, unit, others)| {
+    let descriptions = sure.iter().map(|(target, column, unit, others)| {
         let others = match others.is_empty() {
             true => String::new(),
             false => format!(" (also possible, if the column map has it: {})", others.join(", ")),
         };
         format!("{column} is {target} in {unit}{others}")
     });
-    let said: Vec<String> = said.collect();
+    let descriptions: Vec<String> = descriptions.collect();
     let frame = if sure.iter().any(|(target, ..)| is_axis(target)) {
         "; with gravity, if nothing else is known"
     } else {
         ""
     };
-    let assumed = format!("{}{frame}", said.join(", "));
+    let assumed = format!("{}{frame}", descriptions.join(", "));
     let read_as = ReadAs { format: Format::Named, assumed, provenance: Some(Provenance::default()) };
     let entries = sure.into_iter().map(|(target, column, unit, _)| (target, column, unit)).collect();
     Meaning { map: filled(map, table, entries), read_as: Some(read_as), perhaps, ..Meaning::default() }
 }
 
-/// What is as good as each other, and complete column maps to choose from.
+/// Error for equally good candidates, with complete column maps to choose from.
 fn undecided_error(path: &Path, undecided: &[Undecided], decided: &[String]) -> RecordingError {
     let column =
         |entry: &String| entry.split_once('=').map_or(entry.clone(), |(_, column)| column.to_owned());
@@ -187,7 +187,7 @@ fn undecided_error(path: &Path, undecided: &[Undecided], decided: &[String]) -> 
         let choices = choices.iter().map(|entries| entries.iter().map(column).collect::<Vec<_>>().join(", "));
         format!("{} may be {}", targets.join(", "), choices.collect::<Vec<_>>().join("; or "))
     });
-    // the first choice of the others with each choice of the first
+    // each choice for the first channel, with the first choice for the others
     let of_others = undecided.iter().skip(1).filter_map(|group| group.choices.first()).flatten();
     let rest: Vec<String> = of_others.chain(decided).cloned().collect();
     let first = undecided.first().map_or(&[][..], |group| &group.choices);

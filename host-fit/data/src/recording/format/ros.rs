@@ -1,7 +1,7 @@
 //! Messages of ROS that hold an inertial sensor's samples: `sensor_msgs/Imu`, `Temperature`, `MagneticField`.
 //!
-//! ROS 1 writes its fields one after the other; ROS 2 writes CDR, in which each field lies on a multiple of its size.
-//! Both are read by one [`Fields`].
+//! ROS 1 packs its fields; ROS 2 writes CDR, in which each field is aligned to its size. Both are read by one
+//! [`Fields`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::opened::Opened;
 use super::{Format, ReadAs, choice};
 use crate::column::{AXES, MAGNETOMETERS};
 
-/// A message that is read.
+/// Type of a message that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Imu,
@@ -23,7 +23,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// By the name of its type, in ROS 1 or 2.
+    /// Kind by the name of a type in ROS 1 or 2.
     pub(super) fn of(name: &str) -> Option<Self> {
         match name {
             "sensor_msgs/msg/Imu" | "sensor_msgs/Imu" => Some(Self::Imu),
@@ -42,7 +42,7 @@ impl Kind {
     }
 }
 
-/// How a message is written.
+/// Serialisation of a message.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Encoding {
     Ros1,
@@ -50,7 +50,7 @@ pub(super) enum Encoding {
     Cdr,
 }
 
-/// The fields of a message, one after the other.
+/// Sequential reader of the fields of a message.
 struct Fields<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -63,7 +63,7 @@ impl<'a> Fields<'a> {
         if encoding == Encoding::Ros1 {
             return Some(Self { bytes: message, at: 0, is_aligned: false, is_big_endian: false });
         }
-        // the encapsulation: plain CDR, and how it is ordered
+        // the encapsulation: plain CDR, and its byte order
         let [0, order @ (0 | 1), _, _] = *message.get(..4)? else { return None };
         Some(Self { bytes: message.get(4..)?, at: 0, is_aligned: true, is_big_endian: order == 0 })
     }
@@ -97,7 +97,7 @@ impl<'a> Fields<'a> {
         Some(values)
     }
 
-    /// Stamp and frame of the header, which every one of these messages begins with.
+    /// Timestamp and frame of the header, which begins each of these messages.
     fn header(&mut self, encoding: Encoding) -> Option<(i64, &'a [u8])> {
         if encoding == Encoding::Ros1 {
             let _sequence = self.u32()?;
@@ -114,7 +114,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// What one device gave on a topic: the messages of one connection in one frame.
+/// Samples of one device on a topic: the messages of one connection in one frame.
 #[derive(Debug)]
 struct Topic {
     name: String,
@@ -131,26 +131,26 @@ struct Connection {
     name: String,
     kind: Kind,
     number: u32,
-    /// The topic that the last message went to.
+    /// Topic of the last message.
     last: Option<usize>,
     unreadable: u64,
 }
 
-/// What was read of a log.
+/// Content of a log read so far.
 #[derive(Debug, Default)]
 pub(super) struct Topics {
     connections: Vec<Connection>,
     topics: Vec<Topic>,
-    /// The name of the topic to take, and the device on it.
+    /// Name of the requested topic, and of the device on it.
     wanted: Option<(String, Option<String>)>,
-    /// As the user wrote it.
+    /// Request as written by the user.
     asked: Option<String>,
-    /// Every inertial topic, wanted or not.
+    /// Every inertial topic, requested or not.
     inertial: BTreeSet<String>,
 }
 
 impl Topics {
-    /// `asked`: the inertial topic to take, and behind an `@` the device, where a topic has several.
+    /// `asked`: requested inertial topic, with the device after an `@` if a topic has several.
     pub(super) fn new(asked: Option<&str>) -> Self {
         let wanted = asked.map(|asked| match asked.split_once('@') {
             Some((topic, device)) => (topic.to_owned(), Some(device.to_owned())),
@@ -159,7 +159,7 @@ impl Topics {
         Self { wanted, asked: asked.map(str::to_owned), ..Self::default() }
     }
 
-    /// Whether messages of a topic are of use.
+    /// Returns true if messages of a topic are needed.
     pub(super) fn wants(&mut self, topic: &str, kind: Kind) -> bool {
         if kind == Kind::Imu {
             self.inertial.insert(topic.to_owned());
@@ -167,7 +167,7 @@ impl Topics {
         kind != Kind::Imu || self.wanted.as_ref().is_none_or(|(wanted, _)| wanted == topic)
     }
 
-    /// A number for a connection to a topic, for [`take`](Self::take). Connections of one number are one.
+    /// Registers a connection to a topic and returns its index for [`take`](Self::take). Equal numbers share an index.
     pub(super) fn add(&mut self, name: &str, kind: Kind, number: u32) -> usize {
         let is = |known: &Connection| known.name == name && known.kind == kind && known.number == number;
         self.connections.iter().position(is).unwrap_or_else(|| {
@@ -202,7 +202,7 @@ impl Topics {
         });
         // a damaged file may have any number of frames
         let at = known.unwrap_or(self.topics.len());
-        if at == MOST_DEVICES {
+        if at == MAX_DEVICES {
             of.unreadable += 1;
             return;
         }
@@ -222,12 +222,11 @@ impl Topics {
         topic.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
 
-    /// The sensors, and what was assumed.
+    /// Streams of the sensors, and the assumptions made.
     ///
     /// # Errors
     ///
-    /// There is no inertial topic, or the one to take has messages of several devices; with `strict` also a message that
-    /// cannot be read.
+    /// No inertial topic, or several devices on the one to read; with `strict` also an unreadable message.
     pub(super) fn finish(
         mut self,
         path: &Path,
@@ -236,7 +235,7 @@ impl Topics {
         strict: bool,
     ) -> Result<Opened, RecordingError> {
         self.join_restarts();
-        let few = self.leave_out_few();
+        let few = self.exclude_sparse_devices();
         let devices: Vec<(String, &Topic)> = self
             .topics
             .iter()
@@ -331,8 +330,8 @@ impl Topics {
         Ok(Opened::Streams(streams, ReadAs { format, assumed, provenance: Some(Provenance::default()) }))
     }
 
-    /// Leaves out devices of so few messages that they are none, and counts their messages by topic.
-    fn leave_out_few(&mut self) -> BTreeMap<String, usize> {
+    /// Excludes devices with so few messages that they result from damage, and counts their messages by topic.
+    fn exclude_sparse_devices(&mut self) -> BTreeMap<String, usize> {
         let mut most: BTreeMap<(String, u8), usize> = BTreeMap::new();
         for topic in &self.topics {
             let most = most.entry((topic.name.clone(), topic.kind as u8)).or_default();
@@ -354,7 +353,7 @@ impl Topics {
         self.topics.iter().position(|other| std::ptr::eq(other, topic)).unwrap_or(0)
     }
 
-    /// Joins the messages of a publisher that was started again: same topic and frame, one after the other.
+    /// Joins the messages of a restarted publisher: same topic and frame, consecutive in time.
     fn join_restarts(&mut self) {
         self.topics.sort_by(|a, b| {
             let key = |topic: &Topic| (topic.stamps_ns.iter().min().copied(), topic.connection);
@@ -377,7 +376,7 @@ impl Topics {
         self.topics = joined;
     }
 
-    /// A topic by its name, and the device on it where it has several: the frame, or a number where frames are alike.
+    /// Name of a topic, with the device on it if it has several: the frame, or a number if frames are equal.
     fn label(&self, topic: &Topic) -> String {
         let on_topic: Vec<&Topic> = self
             .topics
@@ -396,15 +395,15 @@ impl Topics {
     }
 }
 
-/// Devices on all topics together, at most; a log has a few.
-const MOST_DEVICES: usize = 1000;
+/// Maximum number of devices on all topics together; a log has a few.
+const MAX_DEVICES: usize = 1000;
 
-/// Topics with at least this share of the messages of the fullest have every sample; a recorder starts to listen to one a
-/// little later than to another.
+/// Share of the messages of the fullest topic from which a topic has every sample; a recorder subscribes to one slightly
+/// later than to another.
 const FULL: f64 = 0.9;
 
-/// The topic with most messages. Of several with about as many, the one whose name says raw, none that says filtered, then by
-/// the alphabet: the order in the file has no say.
+/// Topic with the most messages. Of several with about as many, the one whose name contains "raw", not "filtered", then
+/// by the alphabet: the order in the file has no influence.
 fn best_topic<'a>(topics: impl Iterator<Item = &'a Topic>) -> Option<&'a str> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for topic in topics {
@@ -422,8 +421,8 @@ fn best_topic<'a>(topics: impl Iterator<Item = &'a Topic>) -> Option<&'a str> {
     full.map(|(name, _)| name).min_by_key(|name| (rank(name), *name))
 }
 
-/// The one of several topics of another kind that is of the same device: by its frame, then by how much of its path it shares.
-/// None where several are equally near.
+/// Topic of another kind that belongs to the same device: by its frame, then by the length of the common path. `None` if
+/// several are equally near.
 fn companion<'a>(imu: &Topic, found: &[&'a Topic]) -> Option<&'a Topic> {
     let nearness = |topic: &Topic| {
         let shared = imu.name.split('/').zip(topic.name.split('/')).take_while(|(a, b)| a == b).count();
@@ -434,7 +433,7 @@ fn companion<'a>(imu: &Topic, found: &[&'a Topic]) -> Option<&'a Topic> {
     nearest.next().copied().filter(|_| nearest.next().is_none())
 }
 
-/// A message, as far as it is read.
+/// The parsed part of a message.
 struct Message<'a> {
     stamp_ns: i64,
     frame: &'a [u8],
@@ -455,7 +454,7 @@ impl<'a> Message<'a> {
                 acceleration.into_iter().chain(rate).collect()
             }
             Kind::Temperature => vec![fields.f64()?],
-            // T
+            // tesla
             Kind::MagneticField => fields.pass::<3>()?.map(|tesla| tesla * 1e6).to_vec(),
         };
         Some(Self { stamp_ns, frame, values })

@@ -1,7 +1,7 @@
 //! Mountings of a sensor or board by number: ArduPilot's AHRS_ORIENTATION (`AP_Math/rotations.h`) and PX4's `rotation`
 //! (`lib/conversion/rotation.h`). A rotation is yaw after pitch after roll.
 
-/// Rows of a matrix that turns a vector of the sensor or board into the frame that it is mounted in.
+/// Rows of a matrix that rotates a vector of the sensor or board into the frame of its mounting.
 pub(super) type Matrix = [[f64; 3]; 3];
 
 /// Roll, pitch and yaw of the numbers that both autopilots share, degrees.
@@ -49,13 +49,13 @@ const SHARED: [[f64; 3]; 41] = [
     [90.0, 315.0, 0.0],
 ];
 
-/// This number is a mounting of 68 and 293 degrees by its name; the autopilots differ in the digits that the name omits.
+/// Number of the mounting of 68 and 293 degrees by its name; the autopilots differ in the digits that the name omits.
 const PITCH_68: usize = 38;
 
-/// Those from 41 on of ArduPilot.
+/// Numbers from 41 of ArduPilot.
 const OF_ARDUPILOT: [[f64; 3]; 3] = [[0.0, 7.0, 0.0], [45.0, 0.0, 0.0], [315.0, 0.0, 0.0]];
 
-/// Those from 41 on of PX4.
+/// Numbers from 41 of PX4.
 const OF_PX4: [[f64; 3]; 7] = [
     [270.0, 0.0, 180.0],
     [270.0, 0.0, 270.0],
@@ -66,14 +66,14 @@ const OF_PX4: [[f64; 3]; 7] = [
     [270.0, 0.0, 315.0],
 ];
 
-/// The mounting of a number of AHRS_ORIENTATION; none of a number that is not in the table, as of a custom one.
+/// Mounting of an AHRS_ORIENTATION number; `None` for a number outside the table, such as a custom one.
 #[cfg(feature = "dataflash")]
 pub(super) fn of_ardupilot(number: f64) -> Option<Matrix> {
     let index = (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)?;
     SHARED.iter().chain(&OF_ARDUPILOT).nth(index).copied().map(of_angles)
 }
 
-/// The mounting of a number of PX4; none of a number that is not in the table.
+/// Mounting of a PX4 number; `None` for a number outside the table.
 #[cfg(feature = "ulog")]
 pub(super) fn of_px4(number: u8) -> Option<Matrix> {
     let index = usize::from(number);
@@ -83,7 +83,7 @@ pub(super) fn of_px4(number: u8) -> Option<Matrix> {
     SHARED.iter().chain(&OF_PX4).nth(index).copied().map(of_angles)
 }
 
-/// The matrix of roll, pitch and yaw, degrees: yaw after pitch after roll.
+/// Matrix of roll, pitch and yaw, degrees: yaw after pitch after roll.
 pub(super) fn of_angles(degrees: [f64; 3]) -> Matrix {
     let [(sr, cr), (sp, cp), (sy, cy)] = degrees.map(sine_and_cosine);
     [
@@ -98,13 +98,13 @@ pub(super) fn turned(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| (0..3).map(|axis| row[axis] * vector[axis]).sum())
 }
 
-/// A vector turned back: by the transpose.
+/// Rotates a vector back, by the transpose.
 #[cfg(feature = "dataflash")]
 pub(super) fn turned_back(matrix: &Matrix, vector: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| (0..3).map(|row| matrix[row][axis] * vector[row]).sum())
 }
 
-/// Exact at right angles, so that most boards' samples keep their digits.
+/// Sine and cosine, exact at right angles, so that the samples of most boards keep their digits.
 fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     // 0.5 degrees are no right angle
     match degrees.rem_euclid(360.0) {
@@ -120,7 +120,7 @@ fn sine_and_cosine(degrees: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// A vector turned about one axis after the other, as the autopilots' names are read: about x, then y, then z.
+    /// A vector rotated about one axis after the other, as the autopilots' names are read: about x, then y, then z.
     fn by_steps([roll, pitch, yaw]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
         let about = |degrees: f64, a: f64, b: f64| {
             let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -132,7 +132,7 @@ mod tests {
         [x, y, z]
     }
 
-    /// The names of both enumerations, by number, without their digits behind the point.
+    /// Names of both enumerations, by number, without decimals.
     const NAMES: [&str; 41] = [
         "",
         "YAW_45",
@@ -195,9 +195,9 @@ mod tests {
         })
     }
 
-    /// The largest difference between a mounting and the one that its name says, over three vectors.
+    /// Largest difference between a mounting and the rotation in its name, over three vectors.
     fn off(matrix: &Matrix, name: &str) -> f64 {
-        // the name of this one omits its digits
+        // the name of this one omits its decimals
         let angles = if name.contains("68") { [90.0, 68.8, 293.3] } else { angles(name) };
         let vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -0.5, 0.8]];
         let differences = vectors.into_iter().flat_map(|vector| {
@@ -208,12 +208,12 @@ mod tests {
     }
 
     #[test]
-    fn a_mounting_is_the_rotation_that_its_name_says() {
+    fn mountings_are_the_rotations_in_their_names() {
         for (number, name) in NAMES.iter().chain(&NAMES_OF_ARDUPILOT).enumerate() {
             assert!(off(&of_ardupilot(number as f64).unwrap(), name) < 1e-14, "{number}: {name}");
         }
         for (number, name) in NAMES.iter().chain(&NAMES_OF_PX4).enumerate() {
-            // PX4 takes the digits of the name: 0.8 degrees of pitch and 0.3 of yaw are 0.02 of a vector
+            // PX4 uses the digits of the name: 0.8 degrees of pitch and 0.3 of yaw are 0.02 of a vector
             let bound = if number == PITCH_68 { 0.02 } else { 1e-14 };
             assert!(off(&of_px4(number as u8).unwrap(), name) < bound, "{number}: {name}");
         }
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_rotation_is_noticed() {
+    fn detects_a_wrong_rotation() {
         // pitch after yaw after roll, another convention, is another rotation where two angles meet
         let swapped = of_angles([90.0, 0.0, 90.0]);
         assert!(off(&swapped, "ROLL_90_PITCH_90") > 0.1);

@@ -22,7 +22,6 @@ use super::opened::{Extent, Opened};
 use super::{Format, ReadAs, choice, header};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 
-/// A sensor that a file is of.
 #[derive(Clone, Copy, PartialEq)]
 enum Sensor {
     Accelerometer,
@@ -37,7 +36,7 @@ const PLAIN_ACCELEROMETERS: &[&str] = &["accelerometer", "acceleration", "accele
 const MAGNETOMETER_FILES: &[&str] = &["magnetometeruncalibrated", "magnetometer"];
 
 impl Sensor {
-    /// By the name of a file.
+    /// Sensor by the name of a file.
     fn of_file(name: &str) -> Option<Self> {
         Self::of_stem(stem(name)?.as_str())
     }
@@ -61,10 +60,10 @@ impl Sensor {
         }
     }
 
-    /// The unit that a phone gives it in where the header states none, as a column map has it.
+    /// Unit used by a phone if the header states none, as in a column map.
     fn unit(self, triad: [&[f64]; 3]) -> &'static str {
         match self {
-            // an iPhone's own
+            // of an iPhone
             Self::Accelerometer if force_unit(triad) == Some("g") => "g",
             Self::Accelerometer => "m/s2",
             Self::Gyroscope => "rad/s",
@@ -73,24 +72,24 @@ impl Sensor {
     }
 }
 
-/// Whether Core Motion's sign is in the accelerometers, by which gravity counts down. Sensor Logger gives g only where it
-/// leaves an iPhone's values as they are (its UNITS.md, CROSSPLATFORM.md), so that the unit tells without any metadata;
-/// of values in m/s² the metadata do.
+/// Returns true if the accelerometers have the sign of Core Motion, in which gravity is negative. Sensor Logger uses g
+/// only for unchanged values of an iPhone (its UNITS.md, CROSSPLATFORM.md), so that the unit is sufficient without
+/// metadata; for values in m/s² the metadata decide.
 fn has_sign_of_ios(unit: &str, platform: Platform) -> bool {
     unit == "g" || platform == Platform::Ios
 }
 
-/// The phone by the metadata of a recording of Sensor Logger.
+/// Phone by the metadata of a recording of Sensor Logger.
 #[derive(Clone, Copy, PartialEq)]
 enum Platform {
     Unknown,
-    /// An iPhone whose values are as its system has them.
+    /// An iPhone with the values of its system.
     Ios,
-    /// Android, or an iPhone whose values were standardised.
+    /// Android, or an iPhone with standardised values.
     Android,
 }
 
-/// What was done to the values of a phone, by the name of their sensor.
+/// Corrections in the values of a phone, by the name of their sensor.
 fn provenance_of(stem: &str) -> SensorProvenance {
     let by = if stem.contains("uncalibrated") { PHONE_FACTORY } else { PHONE };
     let values = Values::Corrected(by.into());
@@ -99,7 +98,7 @@ fn provenance_of(stem: &str) -> SensorProvenance {
 
 /// A recording in a folder or an archive.
 struct Candidate<'a> {
-    /// What the user chooses it by: its folder, or the name of its file.
+    /// Name for the user's choice: its folder, or the name of its file.
     name: String,
     kind: Kind<'a>,
 }
@@ -107,15 +106,15 @@ struct Candidate<'a> {
 enum Kind<'a> {
     /// Files of one folder, one for each sensor.
     Sensors(Vec<&'a String>),
-    /// A log that stands alone.
+    /// A single log.
     Log(&'a String),
 }
 
-/// Reads what belongs together: the files of one folder, or one log.
+/// Reads one recording: the files of one folder, or one log.
 ///
 /// # Errors
 ///
-/// There is nothing in it that is known, there are several recordings and none is chosen, or it cannot be read.
+/// No known file, several recordings without a choice, or an unreadable file.
 pub(super) fn read(
     path: &Path,
     archive: &mut Archive,
@@ -160,7 +159,7 @@ fn refuse_other_format(path: &Path, given: Option<Format>, found: Format) -> Res
     }
 }
 
-/// The recordings in an archive, by their names.
+/// Recordings in an archive, by their names.
 fn candidates<'a>(names: &'a [String], archive: &mut Archive) -> Result<Vec<Candidate<'a>>, RecordingError> {
     let mut candidates = Vec::new();
     // tables of EuRoC and Kalibr, one for each IMU
@@ -188,10 +187,10 @@ fn candidates<'a>(names: &'a [String], archive: &mut Archive) -> Result<Vec<Cand
     if names.iter().any(|name| name == "info.txt") && names.iter().any(|name| name == "log.bin") {
         return Ok(Vec::new());
     }
-    // phyphox tells of the phone in there
+    // phyphox describes the phone in there
     let is_of_phone = |name: &str| name.starts_with("meta/") || name.contains("/meta/");
     let logs = names.iter().filter(|name| may_be_log_within(name) && !is_of_phone(name));
-    // beside recordings of a known shape only what is a log by its name alone: other tables hold other things
+    // next to recordings of a known form only files that are logs by name alone: other tables hold other data
     let is_alone = candidates.is_empty();
     let logs = logs.filter(|name| is_alone || is_log_by_name(name));
     candidates.extend(logs.map(|name| Candidate { name: name.clone(), kind: Kind::Log(name) }));
@@ -218,22 +217,22 @@ fn folder_of(name: &str) -> &str {
     name.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
-/// `imu0.csv`, or `imu0/data.csv` of any number.
+/// Returns true for `imu0.csv` or `imu0/data.csv` with any number.
 fn is_imu_table(name: &str) -> bool {
     let table = name.strip_suffix("/data.csv").or(name.strip_suffix(".csv")).unwrap_or_default();
     let last = table.rsplit('/').next().unwrap_or_default();
     last.strip_prefix("imu").is_some_and(|number| number.parse::<u8>().is_ok())
 }
 
-/// Endings that nothing but a log has.
+/// Returns true for endings that only logs have.
 fn is_log_by_name(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     [".ulg", ".mcap", ".bag"].iter().any(|ending| name.ends_with(ending))
 }
 
-/// The name of a table without folder, ending, spaces and dashes, in small letters; none if it is no table. What somebody
-/// put before the name of a sensor, as in `run1_Gyroscope.csv`, is left out.
+/// Lower-case name of a table without folder, ending, spaces and dashes; `None` if it is no table. A prefix before the
+/// name of a sensor, as in `run1_Gyroscope.csv`, is removed.
 fn stem(name: &str) -> Option<String> {
     let file = name.rsplit_once('/').map_or(name, |(_, file)| file).to_ascii_lowercase();
     let file = file.strip_suffix(".csv")?;
@@ -250,7 +249,7 @@ fn stem(name: &str) -> Option<String> {
 /// Words before the name of a sensor that make it an estimate of the phone.
 const ESTIMATES: [&str; 3] = ["linear", "user", "gravity"];
 
-/// The program that writes such a file, by its header.
+/// Program that writes such a file, by its header.
 fn format_of(archive: &mut Archive, name: &str) -> Result<Option<Format>, RecordingError> {
     let header = archive.look_into(name, first_line)?.to_lowercase();
     Ok(if header.contains("seconds_elapsed") {
@@ -262,7 +261,7 @@ fn format_of(archive: &mut Archive, name: &str) -> Result<Option<Format>, Record
     })
 }
 
-/// The files that are read of a recording with one for each sensor.
+/// Files to read of a recording with one for each sensor.
 struct Chosen {
     format: Format,
     files: Vec<(Sensor, String)>,
@@ -272,11 +271,11 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// The files that are read of those of one folder; `all` are the files of the archive.
+    /// Files to read among those of one folder; `all` are the files of the archive.
     ///
     /// # Errors
     ///
-    /// There is an accelerometer, but only one that is without gravity; or two files are of one sensor.
+    /// The only accelerometer is without gravity; or two files are of one sensor.
     fn of(
         path: &Path,
         all: &[String],
@@ -316,7 +315,7 @@ impl Chosen {
             let path = member_path(path, any);
             return Err(RecordingError::OtherFormat { path, is: is.to_owned(), help });
         }
-        // of the folder, or the only one there is
+        // that of the folder, or the only one there is
         let mut elsewhere = all.iter().filter(|name| stem(name).as_deref() == Some("metadata"));
         let only = elsewhere.next().filter(|_| elsewhere.next().is_none());
         let metadata = find(&["metadata"])?.or(only).filter(|_| format == Format::SensorLogger);
@@ -336,7 +335,7 @@ impl Chosen {
         options: &LoadOptions,
     ) -> Result<Opened, RecordingError> {
         let mut streams = Vec::new();
-        let mut said = Vec::new();
+        let mut descriptions = Vec::new();
         let mut provenance = Provenance::default();
         for (sensor, name) in &self.files {
             let read = |member: &Path, input: &mut dyn BufRead| {
@@ -346,7 +345,7 @@ impl Chosen {
             refuse_unusable(&member_path(path, name), &table, options.strict)?;
             let (unusable, rows) = (table.quality.rows_unusable, table.quality.rows_in_file);
             if table.n_rows() < 2 {
-                said.push(format!("{name} is empty"));
+                descriptions.push(format!("{name} is empty"));
                 continue;
             }
             let n_rows = table.n_rows();
@@ -361,7 +360,7 @@ impl Chosen {
                 0 => String::new(),
                 n => format!(" ({n} of {rows} rows cannot be used)"),
             };
-            said.push(format!("{name} in {unit}{lost}"));
+            descriptions.push(format!("{name} in {unit}{lost}"));
             streams.push(stream);
         }
         let gravity = match &self.without_gravity {
@@ -370,7 +369,7 @@ impl Chosen {
             ),
             None => "with gravity".to_owned(),
         };
-        let assumed = format!("{}; {gravity}; each sensor by its own stamps", said.join(", "));
+        let assumed = format!("{}; {gravity}; each sensor by its own stamps", descriptions.join(", "));
         Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed, provenance: Some(provenance) }))
     }
 
@@ -382,7 +381,7 @@ impl Chosen {
         mut table: Table,
     ) -> Result<(Stream, String), RecordingError> {
         let index = |is: &dyn Fn(&str) -> bool| table.columns.iter().position(|column| is(&column.name));
-        // the time of Sensor Logger is that of day, and states no unit
+        // the time of Sensor Logger is the time of day, and states no unit
         let time = index(&|name| name == "seconds_elapsed" || is_named(name, "time ()"));
         let axis = |letter: &str| {
             index(&|name: &str| {
@@ -441,18 +440,18 @@ impl Chosen {
     }
 }
 
-/// What is said where only the phone's estimate without gravity is there.
+/// Problem and remedy if only the phone's estimate without gravity exists.
 pub(super) const WITHOUT_GRAVITY: (&str, &str) = (
     "its accelerometer is without gravity, which is an estimate of the phone and no measurement",
     "record the total acceleration or the uncalibrated accelerometer (in phyphox: \"Acceleration with g\"), and the gyroscope",
 );
 
-/// What a file of Sensor Logger holds that stands alone, which its header shows; its name says which sensor it is of, and
-/// gravity shows an accelerometer. None if it is no such file.
+/// Channels of a single file of Sensor Logger, recognised by its header; the sensor follows from its name, or for an
+/// accelerometer from gravity. `None` if it is no such file.
 ///
 /// # Errors
 ///
-/// It is of an accelerometer without gravity, or of a sensor that neither its name nor its values show.
+/// An accelerometer without gravity, or a sensor that neither the name nor the values identify.
 pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, RecordingError>> {
     let column = |name: &str| table.columns.iter().find(|column| column.name == name);
     let _ = (column("time")?, column("seconds_elapsed")?);
@@ -514,7 +513,7 @@ pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, Recordi
     }))
 }
 
-/// The phone, by the table of one row in Metadata.csv.
+/// Phone, by the table of one row in Metadata.csv.
 fn platform(input: &mut dyn BufRead) -> Platform {
     let mut text = String::new();
     let read = input.take(1 << 16).read_to_string(&mut text);
@@ -524,7 +523,8 @@ fn platform(input: &mut dyn BufRead) -> Platform {
     let row = rows.records().next().and_then(Result::ok).unwrap_or_default();
     let cell = |wanted: &str| names.iter().position(|name| name == wanted).and_then(|at| row.get(at));
     let is_apple = cell("platform").is_some_and(|platform| platform.eq_ignore_ascii_case("ios"));
-    let is_standardised = cell("standardisation").is_some_and(|said| said.eq_ignore_ascii_case("true"));
+    let is_standardised =
+        cell("standardisation").is_some_and(|descriptions| descriptions.eq_ignore_ascii_case("true"));
     match (read.is_ok() && cell("platform").is_some(), is_apple && !is_standardised) {
         (false, _) => Platform::Unknown,
         (true, true) => Platform::Ios,

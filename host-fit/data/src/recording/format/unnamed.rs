@@ -1,8 +1,8 @@
-//! Tables without a header: which column is which, by the values.
+//! Tables without a header: recognises the columns by their values.
 //!
-//! Safe is what gravity shows: three columns side by side whose norm is 1 g or 9.8 m/s² most of the time are the
-//! accelerometers, and the only other three beside them, with the noise of a gyro, are the gyro. A column of rising numbers
-//! with even steps is the time. Everything else is refused, with column maps to choose from.
+//! Gravity is reliable: three adjacent columns whose norm is 1 g or 9.8 m/s² most of the time are the accelerometers,
+//! and the only other three next to them, with the noise of a gyro, are the gyro. A column of rising numbers with even
+//! steps is the time. Everything else is rejected, with column maps to choose from.
 
 use std::path::Path;
 
@@ -16,24 +16,24 @@ use super::{Format, ReadAs};
 use crate::column::{ACCELEROMETERS, AXES, GYROS};
 use crate::statistics::median_of;
 
-/// Gravity by the scale and bias of a MEMS sensor is at most this far off, relative.
+/// Largest relative error of gravity by scale error and bias of a MEMS sensor.
 const GRAVITY_WITHIN: f64 = 0.1;
 
-/// Norms within this of gravity, relative, in more than half of the rows: a log of which the most is at rest.
+/// Relative deviation of the norm from gravity in more than half of the rows: a log that is mostly at rest.
 const AT_REST_WITHIN: f64 = 0.3;
 
-/// A norm that scatters by less than this, relative, was made: of a unit vector or a quaternion.
-const LEAST_SCATTER: f64 = 1e-5;
+/// Relative scatter below which a norm is synthetic: that of a unit vector or a quaternion.
+const MIN_SCATTER: f64 = 1e-5;
 
-/// Sensors of a kind that an error offers.
+/// Maximum number of sensors of a kind offered in an error.
 const MAX_CHOICES: usize = 3;
 
-/// Columns by channel and unit.
+/// Channel, column and unit.
 type Entry = (&'static str, String, String);
 
 /// # Errors
 ///
-/// The values do not show which column is which; or there is no time among them, and no rate is stated.
+/// The values do not identify the columns; or there is no time among them, and no rate is stated.
 pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Result<Meaning, RecordingError> {
     let map = &options.columns;
     let is_given = |target: &str| map.column_of(target) != target;
@@ -143,14 +143,14 @@ fn values(table: &Table, triad: [usize; 3]) -> [&[f64]; 3] {
     triad.map(|column| table.columns[column].values.as_slice())
 }
 
-/// Three columns side by side, each column in one of them at most.
+/// Groups of three adjacent columns, each column in at most one of them.
 fn triads(table: &Table, columns: &[usize]) -> Vec<[usize; 3]> {
     let mut triads = Vec::new();
     let mut at = 0;
     while at + 2 < columns.len() {
         let triad = [columns[at], columns[at + 1], columns[at + 2]];
         let is_joined = triad[2] == triad[0] + 2;
-        // a single column before the triad, as a temperature, moves it by one
+        // a single column before the triad, such as a temperature, shifts it by one
         let next = (at + 3 < columns.len()).then(|| [columns[at + 1], columns[at + 2], columns[at + 3]]);
         let is_next = next.is_some_and(|next| at_rest(values(table, next)).is_some());
         if is_joined && !(is_next && at_rest(values(table, triad)).is_none()) {
@@ -163,7 +163,7 @@ fn triads(table: &Table, columns: &[usize]) -> Vec<[usize; 3]> {
     triads
 }
 
-/// The unit of three columns that show gravity most of the time.
+/// Unit of three columns whose norm is gravity most of the time.
 fn at_rest(triad: [&[f64]; 3]) -> Option<&'static str> {
     let unit = force_unit(triad)?;
     let median = gravity(triad)?;
@@ -179,16 +179,16 @@ fn at_rest(triad: [&[f64]; 3]) -> Option<&'static str> {
     let far: Vec<f64> = (0..rows).map(far).filter(|far| far.is_finite()).collect();
     let near = far.iter().filter(|far| **far < AT_REST_WITHIN).count();
     let scatter = median_of(far.iter().copied())?;
-    ((median / one - 1.0).abs() <= GRAVITY_WITHIN && 2 * near > far.len() && scatter > LEAST_SCATTER)
+    ((median / one - 1.0).abs() <= GRAVITY_WITHIN && 2 * near > far.len() && scatter > MIN_SCATTER)
         .then_some(unit)
 }
 
-/// True for a column that counts the rows.
+/// Returns true for a column that counts the rows.
 fn is_row_number(values: &[f64]) -> bool {
     values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }
 
-/// The unit of a column of rising stamps with even steps.
+/// Unit of a column of rising timestamps with even steps.
 fn clock(values: &[f64]) -> Option<&'static str> {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median_of(steps.iter().copied()).filter(|usual| *usual > 0.0)?;
@@ -198,7 +198,7 @@ fn clock(values: &[f64]) -> Option<&'static str> {
         .then(|| time_unit(values))?
 }
 
-/// The medians of the columns, as far as they fit a message.
+/// Medians of the columns, as far as they fit a message.
 fn shows(table: &Table) -> String {
     let median = |column: &super::super::table::Column| {
         let median = median_of(column.values.iter().copied().filter(|value| value.is_finite()));
@@ -215,7 +215,7 @@ fn shows(table: &Table) -> String {
 mod tests {
     use std::fmt::Write as _;
 
-    use super::super::super::{ColumnMap, LoadOptions, Oddity, Recording, load};
+    use super::super::super::{ColumnMap, LoadOptions, LogWarning, Recording, load};
     use crate::recording::RecordingError;
 
     fn read(text: &str, options: &LoadOptions) -> Result<Recording, RecordingError> {
@@ -229,7 +229,7 @@ mod tests {
         size * ((row * 7919 % 101) as f64 - 50.0) / 50.0
     }
 
-    /// Rows of cells with something between them.
+    /// Rows of cells with a separator.
     fn text(separator: &str, row: impl Fn(usize) -> Vec<f64>) -> String {
         let mut text = String::new();
         for n in 0..600 {
@@ -259,7 +259,8 @@ mod tests {
                 .unwrap_or_else(|error| panic!("{separator:?}: {error}"));
             assert_eq!((log.n_rows(), log.rate.true_hz.round()), (600, 200.0), "{separator:?}");
             let odd = log.oddities(&[true; 600]);
-            let Some(Oddity::AssumedMap(map)) = odd.iter().find(|odd| matches!(odd, Oddity::AssumedMap(_)))
+            let Some(LogWarning::AssumedMap(map)) =
+                odd.iter().find(|odd| matches!(odd, LogWarning::AssumedMap(_)))
             else {
                 panic!("{odd:?}")
             };
@@ -269,12 +270,12 @@ mod tests {
                     && map.contains(&"gz_rads=column_7:dps".to_owned()),
                 "{map:?}"
             );
-            // the map that it names reads the same, without the warning
+            // the suggested map reads the same, without the warning
             let options =
                 LoadOptions { columns: ColumnMap::from_specs(map).unwrap(), ..LoadOptions::default() };
             let again = read(&text(separator, six), &options).unwrap();
             assert_eq!(again.channel("gz_rads").unwrap().values, log.channel("gz_rads").unwrap().values);
-            assert!(!again.oddities(&[true; 600]).iter().any(|odd| matches!(odd, Oddity::AssumedMap(_))));
+            assert!(!again.oddities(&[true; 600]).iter().any(|odd| matches!(odd, LogWarning::AssumedMap(_))));
         }
     }
 
@@ -290,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_may_be_several_things_with_maps_to_choose_from() {
+    fn rejects_ambiguous_tables_with_maps_to_choose_from() {
         let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };
         let gyro = text(" ", |row| vec![noise(row, 0.002), 1.0 + noise(row, 0.002), noise(row, 0.002) - 3.4]);
         let two =
@@ -305,7 +306,7 @@ mod tests {
             let error = read(&text, &options).unwrap_err();
             let RecordingError::NoHeader { maps, .. } = &error else { panic!("{error}") };
             assert!(maps.len() > 1 && maps[0][0] == first, "{maps:?}");
-            // each of them is one that can be pasted
+            // each of them can be pasted
             for map in maps {
                 ColumnMap::from_specs(map).unwrap();
             }

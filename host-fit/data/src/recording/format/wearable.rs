@@ -1,4 +1,4 @@
-//! What the loggers of wearable devices have in common: blocks of samples, each with one time and one temperature.
+//! Common parts of the loggers of wearable devices: blocks of samples, each with one time and one temperature.
 
 use std::path::Path;
 
@@ -16,14 +16,14 @@ const GAP: f64 = 1.1;
 /// Sampling rates of such loggers, Hz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=10_000.0;
 
-/// The samples of a log as they are read, block by block.
+/// Samples of a log as they are read, block by block.
 #[derive(Default)]
 pub(super) struct Blocks {
     /// Start and sampling period of each block, ns; its number of samples; its temperature, °C (NaN: none).
     blocks: Vec<(i64, f64, usize, f64)>,
-    /// In m/s².
+    /// Acceleration, m/s².
     acceleration: [Vec<f64>; 3],
-    /// In rad/s; empty in a log without gyro.
+    /// Angular rate, rad/s; empty in a log without gyro.
     rate: [Vec<f64>; 3],
     /// Number of blocks that cannot be read.
     pub(super) damaged: u64,
@@ -38,7 +38,7 @@ impl Blocks {
         }
     }
 
-    /// Presence of a gyro in the blocks so far; none before the first.
+    /// Presence of a gyro in the blocks so far; `None` before the first.
     pub(super) fn has_gyro(&self) -> Option<bool> {
         (!self.blocks.is_empty()).then(|| !self.rate[0].is_empty())
     }
@@ -48,11 +48,11 @@ impl Blocks {
         self.blocks.push((start_ns, 1e9 / rate_hz, samples, celsius));
     }
 
-    /// The log as streams. `assumed` says how the values were converted.
+    /// Converts the log to streams. `assumed` describes the conversion of the values.
     ///
     /// # Errors
     ///
-    /// It has fewer than two samples; in strict mode, a block of it is damaged.
+    /// Fewer than two samples; in strict mode, a damaged block.
     pub(super) fn opened(
         self,
         path: &Path,
@@ -101,12 +101,12 @@ impl Blocks {
     }
 }
 
-/// True for a rate at which a logger samples.
+/// Returns true for a plausible sampling rate of a logger.
 pub(super) fn is_rate(rate_hz: f64) -> bool {
     RATES_HZ.contains(&rate_hz)
 }
 
-/// Stamps of all samples: evenly from the start of a block to that of the next, at the nominal rate before a gap.
+/// Timestamps of all samples: evenly from the start of a block to that of the next, at the nominal rate before a gap.
 fn stamps(blocks: &[(i64, f64, usize, f64)]) -> Vec<i64> {
     let mut stamps = Vec::new();
     for (at, (start, period, samples, _)) in blocks.iter().enumerate() {
@@ -122,7 +122,7 @@ fn stamps(blocks: &[(i64, f64, usize, f64)]) -> Vec<i64> {
     stamps
 }
 
-/// Nanoseconds since 1970 of a date and a time of day, both as the logger's own clock shows them; none of an impossible one.
+/// Nanoseconds since 1970 of a date and a time of day by the logger's own clock; `None` for an impossible one.
 pub(super) fn ns_since_1970([year, month, day]: [i64; 3], [hour, minute, second]: [i64; 3]) -> Option<i64> {
     let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
     let is_time = (0..24).contains(&hour) && (0..60).contains(&minute) && (0..=60).contains(&second);
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn counts_the_seconds_of_the_calendar() {
         assert_eq!(ns_since_1970([1970, 1, 1], [0, 0, 0]), Some(0));
-        // `date -u -d '2000-03-01 00:00:00' +%s`, and of a day after a leap day that is left out
+        // `date -u -d '2000-03-01 00:00:00' +%s`, and one past a leap day in 2024
         assert_eq!(ns_since_1970([2000, 3, 1], [0, 0, 0]), Some(951_868_800 * 1_000_000_000));
         assert_eq!(ns_since_1970([2024, 2, 29], [23, 59, 59]), Some(1_709_251_199 * 1_000_000_000));
         for wrong in [[2024, 13, 1], [2024, 0, 1], [0, 1, 1], [2024, 1, 0]] {

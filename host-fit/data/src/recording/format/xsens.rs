@@ -10,18 +10,18 @@ use super::{Format, header};
 use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 use crate::statistics::median_of;
 
-/// `SampleTimeFine` has 32 bits and wraps, of a DOT every 72 minutes.
+/// Modulus of `SampleTimeFine`, which has 32 bits and wraps every 72 minutes on a DOT.
 const MODULUS: f64 = 4_294_967_296.0;
 
-/// Ticks between two samples from which on a tick is 1 µs, as of a DOT, which samples at 120 Hz and less; the 100 µs of an
-/// MTi, which samples at 100 Hz and more, make fewer.
+/// Number of ticks between two samples from which a tick is 1 µs, as on a DOT, which samples at 120 Hz or less; an MTi
+/// has ticks of 100 µs, samples at 100 Hz or more, and has fewer.
 const LONG_STEP: f64 = 5000.0;
 
-/// The columns of an export, if it is one.
+/// Columns of an export, if the table is one.
 ///
 /// # Errors
 ///
-/// A header states a unit that cannot be read; the export holds no measurements of the sensors.
+/// A header states an unreadable unit; the export holds no measurements of the sensors.
 pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, RecordingError> {
     let of = |name: &str| table.columns.iter().find(|column| header::split(&column.name).0 == name);
     let triad = |name: &str| -> Option<[&Column; 3]> {
@@ -55,21 +55,21 @@ pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, Reco
         });
     }
     let mut entries = vec![("t_s", time.name.clone(), stamps.to_owned())];
-    let mut said = Vec::new();
+    let mut units = Vec::new();
     for (triad, targets, default) in
         [(force, ACCELEROMETERS, "m/s2"), (rate, GYROS, rates), (triad("Mag"), MAGNETOMETERS, "")]
     {
         let Some(columns) = triad else { continue };
         for (target, column) in targets.into_iter().zip(columns) {
             let unit = header::unit_of(path, &column.name, target, default)?;
-            // a magnetic field in no unit, as these programs write it, is left alone
+            // a magnetic field without a unit, as these programs write it, is ignored
             if !unit.is_empty() {
                 entries.push((target, column.name.clone(), unit.to_owned()));
-                said.push(unit);
+                units.push(unit);
             }
         }
     }
-    said.dedup();
+    units.dedup();
     if let Some(column) = of("Temperature") {
         let unit = header::unit_of(path, &column.name, "temp_c", "degC")?;
         entries.push(("temp_c", column.name.clone(), unit.to_owned()));
@@ -79,26 +79,26 @@ pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, Reco
         "s" => "Time in s",
         _ => "SampleTimeFine in 100 µs, as of an MTi",
     };
-    let assumed = format!("{clock}; {}, with gravity", said.join(" and "));
+    let assumed = format!("{clock}; {}, with gravity", units.join(" and "));
     let values = Values::Corrected("the factory calibration of the sensor".into());
     let provenance = Provenance::of_both(values, super::super::provenance::Frame::Sensor);
     let counter = (names[0] == "Acc").then(|| (time.name.clone(), MODULUS));
     Ok(Some(Found { format: Format::Xsens, entries, assumed, provenance, gyro_clock: None, counter }))
 }
 
-/// The usual step of a counter.
+/// Usual step of a counter.
 fn step(values: &[f64]) -> Option<f64> {
     median_of(values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0))
 }
 
-/// Makes a counter of the clock go on where it wraps. A step back by more than half of `modulus` is a wrap.
+/// Unwraps a counter. A step back by more than half of `modulus` is a wrap.
 pub(super) fn unwrap(ticks: &mut [f64], modulus: f64) {
     let (mut last, mut turns) = (f64::NAN, 0.0);
     for tick in ticks.iter_mut().filter(|tick| tick.is_finite()) {
         if last - *tick > 0.5 * modulus {
             turns += modulus;
         } else if *tick - last > 0.5 * modulus && turns > 0.0 {
-            // a row from before the wrap that comes late
+            // a late row from before the wrap
             turns -= modulus;
         }
         last = *tick;
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn names_what_to_record_where_an_export_holds_orientations_alone() {
+    fn export_with_orientations_only_names_the_data_to_record() {
         let error = read(&dot("Euler_X,Euler_Y,Euler_Z,FreeAcc_X", |_| "1,2,3,0".to_owned())).unwrap_err();
         assert!(error.contains("Euler_X") && error.contains("Rate quantities"), "{error}");
     }

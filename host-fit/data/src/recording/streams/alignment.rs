@@ -1,4 +1,4 @@
-//! How streams were joined, for whoever reads the log.
+//! Description of how streams were resampled, for readers of a log.
 
 use std::fmt;
 
@@ -7,48 +7,48 @@ use serde::Serialize;
 use super::clocks::Clocks;
 use super::lead::Group;
 
-/// How the streams of a log were joined.
+/// Resampling of the streams of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Alignment {
-    /// The stream whose stamps are those of the rows.
+    /// Name of the lead, the stream whose timestamps are those of the rows.
     pub lead: String,
-    /// Its rate, Hz.
+    /// Rate of the lead, Hz.
     pub rate_hz: f64,
-    /// Samples of the lead that were out of order, and were sorted.
+    /// Samples of the lead that were out of order and were sorted.
     pub samples_sorted: u64,
-    /// Samples of the lead that were left out: there twice, or with a stamp alone far off.
+    /// Samples of the lead that were excluded: duplicates, or with an isolated wrong timestamp.
     pub samples_dropped: u64,
-    /// The other streams; one that was interpolated and held is there twice.
+    /// The other streams; one that was both interpolated and held appears twice.
     pub others: Vec<JoinedStream>,
 }
 
-/// A stream that does not lead.
+/// A stream other than the lead.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JoinedStream {
-    /// As the file names it.
+    /// Name in the file.
     pub name: String,
-    /// Its own rate, Hz.
+    /// Rate of the stream, Hz.
     pub rate_hz: f64,
     pub how: HowJoined,
-    /// Rows without a value of it.
+    /// Number of rows without a value of it.
     pub rows_missing: u64,
-    /// Samples that were out of order, and were sorted.
+    /// Samples that were out of order and were sorted.
     pub samples_sorted: u64,
-    /// Samples that were left out: there twice, or with a stamp alone far off.
+    /// Samples that were excluded: duplicates, or with an isolated wrong timestamp.
     pub samples_dropped: u64,
 }
 
-/// How a stream was joined to the lead.
+/// Method of resampling a stream at the timestamps of the lead.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HowJoined {
-    /// As it is: its stamps are those of the lead.
+    /// Unchanged: its timestamps are those of the lead.
     SameStamps,
-    /// Between its neighbours.
+    /// Interpolated between its neighbours.
     Interpolated {
-        /// Share of the variance of white noise that is left: the mean of (1 − w)² + w² for weights w.
+        /// Remaining share of the variance of white noise: the mean of (1 − w)² + w² for weights w.
         noise_kept: f64,
-        /// How far its clock is from that of the lead; none where that is not looked for.
+        /// Offset of its clock from that of the lead; `None` if it is not estimated.
         clocks: Option<Clocks>,
     },
     Held {
@@ -79,7 +79,7 @@ impl Alignment {
 }
 
 impl fmt::Display for Alignment {
-    /// A line for the lead, and one for each other stream.
+    /// Writes a line for the lead, and one for each other stream.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "rows are the samples of {} ({:.1} Hz)", self.lead, self.rate_hz)?;
         strays(f, self.samples_sorted, self.samples_dropped)?;

@@ -1,19 +1,19 @@
-//! A stream beside the one that leads: what the evaluator's own aligner, as on the device, gives at every stamp of the lead.
+//! Resampling of one stream at the timestamps of the lead, by the evaluator's own aligner as on the device.
 
 use fos_core::align::{Aligner, Joined};
 
-/// Stamps that do not go back, beside those of the lead, which do not either.
+/// Non-decreasing timestamps of a stream and of the lead.
 #[derive(Clone, Copy)]
 pub(super) struct Beside<'a> {
     pub(super) lead_ns: &'a [i64],
     pub(super) stamps_ns: &'a [i64],
-    /// None where there is one stamp only.
+    /// `None` if there is only one timestamp.
     pub(super) period_ns: Option<i64>,
 }
 
 impl Beside<'_> {
-    /// Goes through the stamps of the lead. Before each, `push` has the aligner take the samples that `is_due` says of, by
-    /// their place and the stamp of the lead; `row` gets what it gives then. Rows of one stamp get the same.
+    /// Visits the timestamps of the lead. Before each, `push` feeds the aligner the samples selected by `is_due` (by
+    /// index and timestamp of the lead); `row` gets the output. Rows with equal timestamps get the same output.
     pub(super) fn rows<const FOLLOWERS: usize, const SLOW: usize, const DEPTH: usize>(
         self,
         mut aligner: Aligner<f64, FOLLOWERS, SLOW, DEPTH>,

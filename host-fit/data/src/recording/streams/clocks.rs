@@ -1,19 +1,19 @@
-//! How far the clocks of an accelerometer and a gyro are apart, from what both see of a motion.
+//! Offset between the clocks of an accelerometer and a gyro, from a motion that both measure.
 //!
-//! While a unit turns at ω and gravity dominates the specific force f, df/dt = −ω × f. So the accelerometer shows the rate
-//! across f by itself:
+//! While a device turns at ω and gravity dominates the specific force f, df/dt = −ω × f. So the accelerometer alone
+//! determines the rate perpendicular to f:
 //!
 //! ```text
 //! p = (df/dt × f) / |f|²  =  ω − f (f · ω) / |f|²  =  ω⊥
 //! ```
 //!
-//! The offset x of a window is where S(x) = Σ |p(t) − ω⊥(t + x)|² is least; over the windows in which the unit turns, a line
-//! x = offset + drift (t − middle) is fitted, weighted by the curvature of S, which says how much a window knows. Its standard
-//! errors are from the scatter of the windows about it. A drift is taken only where it is significant and comes to something:
-//! else the offset is assumed to be constant. Motion that repeats, as a steady swing, has one minimum of S a period: of minima
-//! that the scatter of the windows leaves indistinguishable, the one nearest to zero is taken, and the period is reported.
-//! That it is rotation in gravity that both see, and no vibration, which shows on both with any phase,
-//! is told by p having the size of ω⊥, and most of it.
+//! The offset x of a window minimises S(x) = Σ |p(t) − ω⊥(t + x)|²; over the windows with rotation, a line x = offset +
+//! drift (t − middle) is fitted, weighted by the curvature of S, which is the information of a window. Its standard
+//! errors come from the scatter of the windows about it. A drift is used only if it is significant and large enough to
+//! matter; else the offset is assumed to be constant. Periodic motion, such as a steady swing, has one minimum of S per
+//! period: of minima that the scatter of the windows leaves indistinguishable, the one nearest to zero is taken, and
+//! the period is reported. Rotation in gravity is distinguished from vibration, which appears on both sensors with any
+//! phase, by requiring that p has the size of ω⊥ and explains most of it.
 
 use std::fmt;
 use std::ops::Range;
@@ -22,102 +22,102 @@ use serde::Serialize;
 
 use crate::statistics::finite_median;
 
-/// How far apart the clocks of two streams are.
+/// Result of the comparison of two clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Clocks {
     Apart(Apart),
-    /// The unit does not turn, or for too short: taken as one clock.
+    /// The device does not turn, or too briefly: treated as one clock.
     NoMotion,
-    /// It turns, but what the two see of it does not fit together: taken as one clock.
+    /// It turns, but the two sensors disagree on the motion: treated as one clock.
     Unlike,
 }
 
 /// An offset between two clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Apart {
-    /// What the stamps of the stream lack in the middle of the log, s.
+    /// Correction to be added to the timestamps of the stream in the middle of the log, s.
     pub offset_s: f64,
-    /// Its standard error, s.
+    /// Standard error of the offset, s.
     pub offset_error_s: f64,
-    /// By how much that grows, s/s; 0 if it is not significant.
+    /// Drift of the offset, s/s; 0 if it is not significant.
     pub drift: f64,
-    /// Its standard error, s/s.
+    /// Standard error of the drift, s/s.
     pub drift_error: f64,
-    /// From it to the nearest other offset that explains the motion as well, s; `None` where it is the only one. Of several
-    /// it is the one nearest to zero: delays within one device are shorter than most swings last.
+    /// Distance to the nearest other offset that explains the motion as well, s; `None` if the offset is unique. Of
+    /// several, the one nearest to zero is chosen: delays within one device are shorter than the period of most swings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeats_s: Option<f64>,
-    /// Whether it was added to the stamps: it is significant, and more than a tenth of the stream's period somewhere.
+    /// True if it was added to the timestamps: it is significant, and exceeds a tenth of the stream's period somewhere.
     pub applied: bool,
-    /// The middle of the log, as the stream stamped it, ns.
+    /// Middle of the log by the timestamps of the stream, ns.
     pub middle_ns: i64,
 }
 
-/// A triad, and the stamps of its samples, in order, ns.
+/// A triad with the timestamps of its samples in order, ns.
 pub(super) struct Triad<'a> {
     pub(super) stamps_ns: &'a [i64],
     pub(super) values: [&'a [f64]; 3],
 }
 
-/// Offsets that are looked for, s: more is no jitter of a hub but another clock, which a reader puts right.
-const MOST_OFFSET_S: f64 = 0.5;
+/// Largest offset searched, s: a larger one is no jitter of a hub but another clock, which a reader corrects.
+const MAX_OFFSET_S: f64 = 0.5;
 
-/// Drifts that are looked for: a crystal is within 100 ppm of its frequency over temperature and age, a ceramic resonator within
-/// some thousand, but that is not what stamps are made with.
-const MOST_DRIFT: f64 = 500e-6;
+/// Largest drift searched: a crystal is within 100 ppm of its frequency over temperature and age; a ceramic resonator is
+/// within some thousand, but is not used for timestamps.
+const MAX_DRIFT: f64 = 500e-6;
 
-/// Grid that both are compared on, s; and half of the triangle that both are smoothed with, in steps of it: hands turn at
-/// a few hertz, and what is faster is noise or vibration.
+/// Step of the grid for the comparison, s; and half the width of the triangular smoothing window, in steps: hands turn
+/// at a few hertz, and faster components are noise or vibration.
 const STEP_S: f64 = 0.01;
 const SMOOTH: usize = 5;
 
 /// Length of a window, in steps: 2 s.
 const WINDOW: usize = 200;
 
-/// Furthest lag, in steps: the offset, and the drift of half an hour and more.
+/// Largest lag, in steps: the offset, and the drift of half an hour and more.
 const LAGS: usize = 150;
 
-/// A window in which the rate is this, rad/s (root of the mean square about the median of the log), has the unit turning: no
-/// gyro at rest shows 3 °/s of noise.
-const TURNS: f64 = 0.05;
+/// Rate above which a window counts as rotation, rad/s (RMS about the median of the log): no gyro at rest shows 3 °/s of
+/// noise.
+const MIN_RATE_RADS: f64 = 0.05;
 
-/// Most windows that are used, evenly over those in which it turns.
-const MOST_WINDOWS: usize = 600;
+/// Maximum number of windows used, evenly spread over those with rotation.
+const MAX_WINDOWS: usize = 600;
 
-/// Fewest that give a standard error.
-const FEWEST_WINDOWS: usize = 4;
+/// Minimum number of windows for a standard error.
+const MIN_WINDOWS: usize = 4;
 
-/// Specific force further than this from gravity is not dominated by it, m/s².
-const NOT_GRAVITY: f64 = 2.0;
+/// Largest deviation of the specific force from gravity, m/s², for gravity to dominate.
+const MAX_OFF_GRAVITY_MPS2: f64 = 2.0;
 const GRAVITY: f64 = 9.806_65;
 
-/// p is ω⊥ times a gain within this, and so much of it at least.
+/// Allowed gain of p over ω⊥, and minimum explained share of p.
 const GAIN: std::ops::RangeInclusive<f64> = 0.75..=1.25;
-const SHARE: f64 = 0.6;
+const MIN_SHARE: f64 = 0.6;
 
-/// Standard errors from which on an offset, and a drift, is significant.
-const SIGNIFICANT: f64 = 5.0;
+/// Number of standard errors from which an offset or drift is significant.
+const MIN_SIGMAS: f64 = 5.0;
 
-/// Two minima of S are one where S between them rises by less than this share of its range above the higher of them.
+/// Two minima of S count as one if S between them rises by less than this share of its range above the higher of them.
 const BARRIER: f64 = 0.1;
 
-/// A minimum explains the motion as well as the least where S is higher by no more than `EQUAL_SIGMAS` standard errors (of
-/// the differences of all windows) and `EQUAL_SHARE` of the range of S; or by `EXACT_SHARE` of it, which the curve between
-/// steps of the grid may be off.
+/// A minimum explains the motion as well as the global one if S is higher by no more than `EQUAL_SIGMAS` standard errors
+/// (of the differences of all windows) and `EQUAL_SHARE` of the range of S; or by `EXACT_SHARE` of it, the error of the
+/// curve between steps of the grid.
 const EQUAL_SIGMAS: f64 = 3.0;
 const EQUAL_SHARE: f64 = 0.1;
 const EXACT_SHARE: f64 = 0.01;
 
-/// Share of the stream's period from which on an offset, or what a drift comes to, is worth taking out.
-const WORTH: f64 = 0.1;
+/// Minimum offset or accumulated drift that is corrected, as a share of the stream's period.
+const MIN_SHARE_OF_PERIOD: f64 = 0.1;
 
-/// What must be added to the stamps of the accelerometer for them to be those of the gyro; `period_ns` is that of the stream
-/// which will be shifted.
+/// Offset to be added to the timestamps of the accelerometer to match those of the gyro; `period_ns` is that of the
+/// stream to be shifted.
 pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, period_ns: i64) -> Clocks {
     let bias = gyro.values.map(|values| finite_median(values).unwrap_or(0.0));
     let turning = turning(gyro, bias);
-    let stride = turning.len().div_ceil(MOST_WINDOWS).max(1);
+    let stride = turning.len().div_ceil(MAX_WINDOWS).max(1);
     let (mut windows, mut p_power) = (Vec::new(), 0.0);
     for start_ns in turning.into_iter().step_by(stride) {
         crate::interrupt::check();
@@ -129,7 +129,7 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     let (Some(first), Some(last)) = (gyro.stamps_ns.first(), gyro.stamps_ns.last()) else {
         return Clocks::NoMotion;
     };
-    if windows.len() < FEWEST_WINDOWS {
+    if windows.len() < MIN_WINDOWS {
         return Clocks::NoMotion;
     }
     let middle_ns = first.midpoint(*last);
@@ -145,19 +145,19 @@ pub(super) fn of_accelerometer(accelerometer: &Triad<'_>, gyro: &Triad<'_>, peri
     let rate_power: f64 = windows.iter().map(|window| at(&window.rate_power, window)).sum();
     // S = Σp² − 2 Σpω + Σω²
     let gain = 0.5 * (p_power + rate_power - left) / rate_power;
-    if !(GAIN.contains(&gain) && left < (1.0 - SHARE) * p_power) {
+    if !(GAIN.contains(&gain) && left < (1.0 - MIN_SHARE) * p_power) {
         return Clocks::Unlike;
     }
-    let worth_s = WORTH * period_ns as f64 * 1e-9;
+    let worth_s = MIN_SHARE_OF_PERIOD * period_ns as f64 * 1e-9;
     let Some(line) = found.refined(&windows, worth_s / half_s) else { return Clocks::Unlike };
     let most_s = line.offset_s.abs() + line.drift.abs() * half_s;
-    let significant = line.offset_s.abs() > SIGNIFICANT * line.offset_error_s || line.drift != 0.0;
+    let significant = line.offset_s.abs() > MIN_SIGMAS * line.offset_error_s || line.drift != 0.0;
     let applied = significant && most_s > worth_s;
     let Line { offset_s, offset_error_s, drift, drift_error } = line;
     Clocks::Apart(Apart { offset_s, offset_error_s, drift, drift_error, repeats_s, applied, middle_ns })
 }
 
-/// Begins of windows in which the unit turns, ns.
+/// Starts of windows in which the device turns, ns.
 fn turning(gyro: &Triad<'_>, bias: [f64; 3]) -> Vec<i64> {
     let window_ns = (WINDOW as f64 * STEP_S * 1e9) as i64;
     let mut starts = Vec::new();
@@ -169,7 +169,7 @@ fn turning(gyro: &Triad<'_>, bias: [f64; 3]) -> Vec<i64> {
         let square =
             |row: usize| (0..3).map(|axis| (gyro.values[axis][row] - bias[axis]).powi(2)).sum::<f64>();
         let mean = (row..end).map(square).sum::<f64>() / (end - row) as f64;
-        if mean > TURNS * TURNS {
+        if mean > MIN_RATE_RADS * MIN_RATE_RADS {
             starts.push(start);
         }
         row = end;
@@ -177,7 +177,7 @@ fn turning(gyro: &Triad<'_>, bias: [f64; 3]) -> Vec<i64> {
     starts
 }
 
-/// What a window of time says of the offset.
+/// Comparison of both sensors within one window of time.
 struct Window {
     start_ns: i64,
     from_middle_s: f64,
@@ -189,7 +189,7 @@ struct Window {
 }
 
 impl Window {
-    /// None where samples are missing, or gravity does not dominate.
+    /// `None` if samples are missing, or gravity does not dominate.
     fn at(start_ns: i64, accelerometer: &Triad<'_>, gyro: &Triad<'_>, bias: [f64; 3]) -> Option<Self> {
         // one more on each side for the derivative
         let force = accelerometer.smooth(start_ns, -1..WINDOW as i64 + 1)?;
@@ -208,7 +208,7 @@ impl Window {
         for k in 0..WINDOW {
             let f = force[k + 1];
             let square = dot(f, f);
-            if (square.sqrt() - GRAVITY).abs() > NOT_GRAVITY {
+            if (square.sqrt() - GRAVITY).abs() > MAX_OFF_GRAVITY_MPS2 {
                 continue;
             }
             used += 1;
@@ -229,7 +229,7 @@ impl Window {
 }
 
 impl Triad<'_> {
-    /// Its values at steps of the grid from `start_ns` on, smoothed; none where samples are missing.
+    /// Smoothed values at steps of the grid starting at `start_ns`; `None` if samples are missing.
     fn smooth(&self, start_ns: i64, steps: Range<i64>) -> Option<Vec<[f64; 3]>> {
         let reach = SMOOTH as i64 - 1;
         let time = |step: i64| start_ns.saturating_add((step as f64 * STEP_S * 1e9) as i64);
@@ -243,7 +243,7 @@ impl Triad<'_> {
             }
             let (before, after) = (self.stamps_ns[row], self.stamps_ns[row + 1]);
             let wait = after.saturating_sub(before);
-            // longer than what is smoothed away: samples are missing
+            // longer than the smoothing window: samples are missing
             if wait as f64 * 1e-9 > 2.0 * SMOOTH as f64 * STEP_S {
                 return None;
             }
@@ -261,7 +261,7 @@ impl Triad<'_> {
     }
 }
 
-/// An offset in the middle of the log, and how it grows.
+/// Offset in the middle of the log, and its drift.
 #[derive(Clone, Copy)]
 struct Line {
     offset_s: f64,
@@ -271,13 +271,13 @@ struct Line {
 }
 
 impl Line {
-    /// The best of all on a grid; of no drift unless one explains more. Steady swings at two times of a log are explained as
-    /// well by a drift of a period between them.
+    /// Best line on a grid, without drift unless a drift explains more. Steady swings at two times of a log are
+    /// explained equally well by a drift of a period between them.
     fn best(windows: &[Window], half_s: f64, p_power: f64) -> Option<Self> {
-        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        let offsets = (MAX_OFFSET_S / STEP_S) as i32;
         // a step of the grid at the ends of the log
-        let drift_step = (STEP_S / half_s.max(STEP_S)).max(MOST_DRIFT / 200.0);
-        let drifts = (MOST_DRIFT / drift_step) as i32;
+        let drift_step = (STEP_S / half_s.max(STEP_S)).max(MAX_DRIFT / 200.0);
+        let drifts = (MAX_DRIFT / drift_step) as i32;
         let mut best: Option<(f64, Self)> = None;
         let mut steady: Option<(f64, Self)> = None;
         for drift in (-drifts..=drifts).map(|n| f64::from(n) * drift_step) {
@@ -294,17 +294,17 @@ impl Line {
             }
         }
         let (least, line) = best?;
-        // a small drift is found from there by the parabolas of the windows
+        // the parabolas of the windows find a small drift from there
         Some(match steady {
             Some((left, steady)) if left - least <= EXACT_SHARE * p_power => steady,
             _ => line,
         })
     }
 
-    /// Of the lines of the same drift that explain the motion as well, the one nearest to zero, and how far from it the
-    /// nearest other one is, s; of a motion that does not repeat, the line itself.
+    /// Among lines of the same drift that explain the motion as well, the one nearest to zero, and the distance to its
+    /// nearest alternative, s; for a motion that is not periodic, the line itself.
     fn nearest_to_zero(self, windows: &[Window]) -> (Self, Option<f64>) {
-        let offsets = (MOST_OFFSET_S / STEP_S) as i32;
+        let offsets = (MAX_OFFSET_S / STEP_S) as i32;
         let curve: Vec<(Self, f64)> = (-offsets..=offsets)
             .map(|step| Self { offset_s: f64::from(step) * STEP_S, ..self })
             .filter_map(|line| {
@@ -371,27 +371,27 @@ impl Line {
         self.offset_s + self.drift * window.from_middle_s
     }
 
-    /// Place in the sums of a window; none beyond them.
+    /// Index into the sums of a window; `None` outside of them.
     fn in_steps(&self, window: &Window) -> Option<f64> {
         let lag = self.at_s(window) / STEP_S + LAGS as f64;
         (1.0..=2.0 * LAGS as f64 - 1.0).contains(&lag).then_some(lag)
     }
 
-    /// From the least of each window near it; constant unless it drifts by so much at least.
+    /// Refines the line from each window's own minimum nearby; constant unless the drift is at least `least_drift`.
     fn refined(self, windows: &[Window], least_drift: f64) -> Option<Self> {
         let mut line = self;
         for _ in 0..3 {
             line = line.fitted(windows)?;
         }
-        if line.drift.abs() <= least_drift.max(SIGNIFICANT * line.drift_error) {
+        if line.drift.abs() <= least_drift.max(MIN_SIGMAS * line.drift_error) {
             let constant = Self { drift: 0.0, drift_error: f64::INFINITY, ..line };
             line = Self { drift_error: line.drift_error, ..constant.fitted(windows)? };
         }
         Some(line)
     }
 
-    /// By least squares from the minima of the parabolas through S about it, weighted by their curvature. An infinite error of
-    /// the drift holds it at 0.
+    /// Least-squares line through the minima of the parabolas through S about it, weighted by their curvature. An
+    /// infinite error of the drift fixes it at 0.
     fn fitted(&self, windows: &[Window]) -> Option<Self> {
         let constant = self.drift_error.is_infinite();
         let mut points = Vec::new();
@@ -401,7 +401,7 @@ impl Line {
                 [nearest - 1, nearest, nearest + 1].map(|lag| window.left.get(lag).copied());
             let (before, at, after) = (before?, at?, after?);
             let (slope, curvature) = (0.5 * (after - before), after - 2.0 * at + before);
-            // what a window that does not bend says is wide of it, and weighs nothing
+            // a window without curvature has no minimum, and no weight
             if curvature > 0.0 {
                 let least = nearest as f64 - LAGS as f64 - (slope / curvature).clamp(-10.0, 10.0);
                 points.push((window.from_middle_s, least * STEP_S, curvature));
@@ -413,10 +413,10 @@ impl Line {
         let spread = sum(&|(at, _, w)| w * (at - t).powi(2));
         let slope = sum(&|(at, offset, w)| w * (at - t) * (offset - x)) / spread;
         let drift = if constant || !slope.is_finite() { 0.0 } else { slope };
-        if points.len() < FEWEST_WINDOWS {
+        if points.len() < MIN_WINDOWS {
             return None;
         }
-        // of few points the scatter is underestimated
+        // with few points the scatter is underestimated
         let more = points.len() as f64 / (points.len() as f64 - 2.0);
         let off = |(at, offset, w): &(f64, f64, f64)| w * (offset - x - drift * (at - t));
         let drift_error = (more * sum(&|point| (off(point) * (point.0 - t)).powi(2))).sqrt() / spread;
@@ -432,13 +432,13 @@ impl Line {
 }
 
 impl Clocks {
-    /// Whether the stamps are to be set.
-    pub(super) fn are_set(&self) -> bool {
+    /// Returns true if the timestamps are corrected.
+    pub(super) fn is_applied(&self) -> bool {
         matches!(self, Self::Apart(apart) if apart.applied)
     }
 
-    /// The same as what the stamps of the other stream lack.
-    pub(super) fn of_the_other(self) -> Self {
+    /// The same with the sign for the other stream.
+    pub(super) fn negated(self) -> Self {
         match self {
             Self::Apart(apart) => {
                 Self::Apart(Apart { offset_s: -apart.offset_s, drift: -apart.drift, ..apart })
@@ -489,7 +489,7 @@ impl fmt::Display for Clocks {
     }
 }
 
-/// Between two values of a series.
+/// Linear interpolation between two values of a series.
 fn between(values: &[f64], at: f64) -> f64 {
     let (low, part) = (at.floor() as usize, at.fract());
     let of = |index: usize| values.get(index).copied().unwrap_or(0.0);

@@ -1,32 +1,31 @@
-//! Inertial streams that do not lead, interpolated at the stamps of the one that does.
+//! Inertial streams other than the lead, interpolated at its timestamps.
 
 use fos_core::align::Aligner;
 
 use super::beside::Beside;
 use crate::column::{AXES, Column};
 
-/// Three columns at a time.
+/// Number of columns resampled at a time.
 const TRIAD: usize = 3;
 
-/// As few as it takes: every sample of the lead is given out at once.
+/// Minimum depth that suffices: every sample of the lead is emitted at once.
 const DEPTH: usize = 4;
 
-/// Whether a column is interpolated: an axis, or the true value of one.
+/// Returns true if a column is interpolated: an axis, or the true value of one.
 pub(in super::super) fn is_followed(name: &str) -> bool {
     let is_axis = |name: &str| AXES.contains(&name);
     is_axis(name) || AXES.iter().any(|axis| Column::named(axis).reference() == name)
 }
 
-/// What was interpolated.
 pub(super) struct Followed {
     pub(super) columns: Vec<(String, Vec<f64>)>,
-    /// Mean of (1 − w)² + w², the share of the variance of white noise that is left.
+    /// Mean of (1 − w)² + w², the remaining share of the variance of white noise.
     pub(super) noise_kept: f64,
-    /// Rows in which a column is missing.
+    /// Number of rows in which a column is missing.
     pub(super) rows_missing: u64,
 }
 
-/// Columns of a stream, at the stamps of the lead.
+/// Columns of a stream, at the timestamps of the lead.
 pub(super) fn onto(beside: Beside<'_>, columns: Vec<(String, Vec<f64>)>) -> Followed {
     let Beside { lead_ns, stamps_ns, period_ns } = beside;
     let mut followed = Followed { columns: Vec::new(), noise_kept: 1.0, rows_missing: 0 };
@@ -42,7 +41,7 @@ pub(super) fn onto(beside: Beside<'_>, columns: Vec<(String, Vec<f64>)>) -> Foll
         let is_due = |next: usize, stamp| next == 0 || stamps_ns[next - 1] < stamp;
         let push = |aligner: &mut Aligner<_, 1, 0, DEPTH>, next: usize| {
             let values = [value(0, next), value(1, next), value(2, next)];
-            // refused, it is a missing sample or a second one at its stamp
+            // refused if it is a missing sample or a second one at its timestamp
             let _ = aligner.push_follower(0, stamps_ns[next], values);
         };
         beside.rows(aligner, is_due, push, |joined| {

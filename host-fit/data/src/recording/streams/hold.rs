@@ -1,4 +1,4 @@
-//! Slow streams, held at the stamps of the one that leads.
+//! Slow streams, held at the timestamps of the lead.
 
 use fos_core::align::Aligner;
 
@@ -6,20 +6,20 @@ use super::beside::Beside;
 
 pub(super) struct HeldColumns {
     pub(super) columns: Vec<(String, Vec<f64>)>,
-    /// Of the rows that have a value.
+    /// Mean age over the rows with a value, s.
     pub(super) mean_age_s: f64,
-    /// Rows without.
+    /// Number of rows without a value.
     pub(super) rows_missing: u64,
 }
 
-/// Columns of a stream, at the stamps of the lead. Of a stream that has one stamp only, that value is held for good.
+/// Columns of a stream at the timestamps of the lead. A stream with a single timestamp is held indefinitely.
 pub(super) fn onto(beside: Beside<'_>, columns: Vec<(String, Vec<f64>)>) -> HeldColumns {
     let Beside { lead_ns, stamps_ns, period_ns } = beside;
     let aligner = Aligner::<f64, 0, 1, 2>::new([], [period_ns.unwrap_or(i64::MAX)]);
     let mut out = vec![Vec::with_capacity(lead_ns.len()); columns.len()];
     let (mut missing, mut age_ns) = (0_u64, 0.0);
     let push = |aligner: &mut Aligner<_, 0, 1, 2>, next: usize| {
-        // what is held is the row, so that a stream may have any columns; a second one at its stamp is refused
+        // the row index is held, so that a stream may have any columns; a second sample at its timestamp is refused
         if columns.iter().any(|(_, values)| values[next].is_finite()) {
             let _ = aligner.push_slow(0, stamps_ns[next], next as f64);
         }

@@ -1,25 +1,25 @@
-//! Streams of the same stamps as one, and which of them leads.
+//! Groups streams with equal timestamps, and chooses the lead.
 
 use super::super::Stream;
 use super::super::rate::median;
 use super::clocks::Triad;
 use crate::column::{AXES, GYROS};
 
-/// Rates within this of the highest count as the highest: oscillators of one nominal rate differ by up to that.
+/// Relative difference of rates that count as equal: oscillators of one nominal rate differ by up to that.
 const SAME_RATE: f64 = 0.05;
 
-/// Waits that are looked at, evenly over the stream.
-const MOST_WAITS: usize = 1 << 16;
+/// Maximum number of intervals examined, evenly spread over the stream.
+const MAX_WAITS: usize = 1 << 16;
 
-/// Streams that have the same stamps.
+/// Streams with equal timestamps.
 #[derive(Debug)]
 pub(super) struct Group {
     pub(super) name: String,
     pub(super) stamps_ns: Vec<i64>,
     pub(super) columns: Vec<(String, Vec<f64>)>,
-    /// Names of those that were joined to the first, and whose columns they are.
+    /// Names of the streams that were joined to the first and contribute columns.
     pub(super) joined: Vec<String>,
-    /// Samples that were out of order, and samples that were left out.
+    /// Samples that were out of order, and samples that were excluded.
     pub(super) sorted: u64,
     pub(super) dropped: u64,
 }
@@ -30,20 +30,20 @@ impl Group {
         Self { name, stamps_ns, columns, joined: Vec::new(), sorted: 0, dropped: 0 }
     }
 
-    /// The usual time between two samples, ns; none if there is only one stamp.
+    /// Usual time between two samples, ns; `None` if there is only one timestamp.
     pub(super) fn period_ns(&self) -> Option<i64> {
-        let stride = self.stamps_ns.len().div_ceil(MOST_WAITS).max(1);
+        let stride = self.stamps_ns.len().div_ceil(MAX_WAITS).max(1);
         let waits = self.stamps_ns.windows(2).step_by(stride).map(|pair| pair[1].saturating_sub(pair[0]));
         let mut waits: Vec<f64> = waits.filter(|wait| *wait > 0).map(|wait| wait as f64).collect();
         (!waits.is_empty()).then(|| median(&mut waits) as i64)
     }
 
-    /// One over it, Hz; 0 if there is none.
+    /// Usual rate, Hz; 0 if there is none.
     pub(super) fn rate_hz(&self) -> f64 {
         self.period_ns().map_or(0.0, |period_ns| 1e9 / period_ns as f64)
     }
 
-    /// Three channels of it, if it has all.
+    /// Three channels of the group, if it has all of them.
     pub(super) fn triad(&self, names: [&str; 3]) -> Option<Triad<'_>> {
         let of = |name: &str| {
             self.columns.iter().find(|(column, _)| column == name).map(|(_, values)| &values[..])
@@ -57,7 +57,7 @@ impl Group {
     }
 }
 
-/// Streams, those of the same stamps as one. Nothing is copied.
+/// Groups streams with equal timestamps. Nothing is copied.
 pub(super) fn groups(streams: Vec<Stream>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for stream in streams {
@@ -72,8 +72,8 @@ pub(super) fn groups(streams: Vec<Stream>) -> Vec<Group> {
     groups
 }
 
-/// Which of them leads: of those with inertial channels (of all, if none has any) the fastest; of those as fast the one
-/// with most axes, then one with a gyro, then the first.
+/// Index of the lead: the fastest among those with inertial channels (among all, if none has any); of equally fast ones
+/// that with most axes, then one with a gyro, then the first.
 pub(super) fn choose(groups: &[Group]) -> Option<usize> {
     let axes = |group: &Group| group.count(&AXES);
     let any = groups.iter().any(|group| axes(group) > 0);

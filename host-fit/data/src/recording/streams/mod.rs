@@ -1,19 +1,19 @@
-//! Streams with stamps of their own, joined into one table: a lead whose stamps are the grid, and what the others have
-//! there.
+//! Streams with separate timestamps, resampled to a common time base: a lead whose timestamps are the rows, and the
+//! values of the other streams there.
 //!
-//! | stream | is |
+//! | stream | treatment |
 //! |---|---|
-//! | inertial, of the highest rate | the lead, not touched: interpolated up, slow noise keeps its density; picked down, fast noise would fold into it |
-//! | with the stamps of the lead | joined as it is, to the last bit |
+//! | inertial, of the highest rate | the lead, unchanged: interpolation to a higher rate keeps the density of slow noise; decimation would fold fast noise into it |
+//! | with the timestamps of the lead | joined unchanged, to the last bit |
 //! | other inertial ones, and their true values | interpolated by [`fos_core::align::Aligner`], missing where a sample is lost |
 //! | everything else | held, missing when older than three of its periods |
-//! | one alone | as it is |
+//! | a single stream | unchanged |
 //!
-//! The clocks of an accelerometer and a gyro are set to each other where the motion of the unit tells how far they are apart
-//! (`clocks.rs`), and taken as one where it does not.
+//! The clocks of an accelerometer and a gyro are aligned if the motion of the device determines their offset
+//! (`clocks.rs`), and treated as one otherwise.
 //!
-//! Stamps in no order are sorted where they are at most a second back; a sample that is there
-//! twice or whose stamp alone is far off is left out; a clock that was set back is refused.
+//! Timestamps out of order are sorted if they are at most a second back; duplicates and samples with an isolated wrong
+//! timestamp are excluded; a clock that was set back is rejected.
 
 mod alignment;
 mod beside;
@@ -39,7 +39,7 @@ pub use alignment::{Alignment, HowJoined, JoinedStream};
 pub use clocks::{Apart, Clocks};
 pub(super) use follow::is_followed;
 
-/// Columns of one length, the first is `t_s`.
+/// Columns of equal length; the first is `t_s`.
 #[derive(Debug)]
 pub(super) struct Joined {
     pub(super) columns: Vec<(String, Vec<f64>)>,
@@ -47,10 +47,11 @@ pub(super) struct Joined {
 }
 
 impl Recording {
-    /// A recording of streams with stamps of their own, joined onto the stamps of the fastest inertial one.
+    /// Builds a recording from streams with separate timestamps, resampled at those of the fastest inertial one.
     ///
     /// # Errors
-    /// Columns of another length than their stamps, stamps far out of order, and what [`Recording::from_columns`] refuses.
+    /// Columns longer or shorter than their timestamps, timestamps far out of order, and errors of
+    /// [`Recording::from_columns`].
     pub fn from_streams(
         source: Source,
         streams: Vec<Stream>,
@@ -63,7 +64,7 @@ impl Recording {
     }
 }
 
-/// Streams as the columns of one table. `path` is named in errors.
+/// Joins streams into the columns of one table. `path` is for errors.
 pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, RecordingError> {
     for stream in &streams {
         let expected = stream.stamps_ns.len();
@@ -75,7 +76,7 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
     if let Some(empty) =
         groups.iter().position(|group| group.stamps_ns.is_empty()).filter(|_| groups.len() > 1)
     {
-        // all that are empty have the same stamps
+        // all empty ones have the same timestamps
         groups.remove(empty);
     }
     let several = groups.len() > 1;
@@ -94,12 +95,12 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
         crate::interrupt::check();
         let (period_ns, rate_hz) = (group.period_ns(), group.rate_hz());
         let clocks = apart(&group, &lead, period_ns.unwrap_or(0));
-        if let Some(Clocks::Apart(apart)) = clocks.filter(|clocks| clocks.are_set()) {
+        if let Some(Clocks::Apart(apart)) = clocks.filter(|clocks| clocks.is_applied()) {
             apart.add_to(&mut group.stamps_ns);
         }
         let (followed, held): (Vec<_>, Vec<_>) =
             group.columns.into_iter().partition(|(name, _)| is_followed(name));
-        let mut told = |how, rows_missing| {
+        let mut note = |how, rows_missing| {
             alignment.others.push(JoinedStream {
                 name: group.name.clone(),
                 rate_hz,
@@ -113,12 +114,12 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
         if !followed.is_empty() {
             let done = follow::onto(beside, followed);
             columns.extend(done.columns);
-            told(HowJoined::Interpolated { noise_kept: done.noise_kept, clocks }, done.rows_missing);
+            note(HowJoined::Interpolated { noise_kept: done.noise_kept, clocks }, done.rows_missing);
         }
         if !held.is_empty() {
             let done = hold::onto(beside, held);
             columns.extend(done.columns);
-            told(HowJoined::Held { mean_age_s: done.mean_age_s }, done.rows_missing);
+            note(HowJoined::Held { mean_age_s: done.mean_age_s }, done.rows_missing);
         }
     }
     let Group { stamps_ns, columns: of_lead, .. } = lead;
@@ -127,23 +128,21 @@ pub(super) fn join(path: &Path, streams: Vec<Stream>) -> Result<Joined, Recordin
     Ok(Joined { columns, alignment })
 }
 
-/// How far the clock of a stream is from that of the lead, if one has the accelerometers and the other the gyros.
+/// Clock offset of a stream from the lead, if one has the accelerometers and the other the gyros.
 fn apart(group: &Group, lead: &Group, period_ns: i64) -> Option<Clocks> {
     match (group.triad(ACCELEROMETERS), lead.triad(GYROS), group.triad(GYROS), lead.triad(ACCELEROMETERS)) {
         (Some(force), Some(rate), ..) => Some(clocks::of_accelerometer(&force, &rate, period_ns)),
-        (_, _, Some(rate), Some(force)) => {
-            Some(clocks::of_accelerometer(&force, &rate, period_ns).of_the_other())
-        }
+        (_, _, Some(rate), Some(force)) => Some(clocks::of_accelerometer(&force, &rate, period_ns).negated()),
         _ => None,
     }
 }
 
-/// Whole nanoseconds that an f64 holds, 104 days: stamps within them are since the start of a device, and stay.
+/// Largest number of whole nanoseconds exact in f64, 104 days: smaller timestamps count from power-on, and are kept.
 const EXACT_NS: i64 = 1 << 53;
 
 const NS_PER_S: i64 = 1_000_000_000;
 
-/// Stamps as seconds, each the nearest to its decimal; since a whole second if they are too large for that.
+/// Timestamps in seconds, each the nearest to its decimal; relative to a whole second if they are too large for that.
 fn seconds(stamps_ns: &[i64]) -> Vec<f64> {
     let earliest = stamps_ns.iter().copied().min().unwrap_or(0);
     let is_exact = (-EXACT_NS..=EXACT_NS).contains(&earliest);

@@ -1,16 +1,16 @@
-//! The order of one stream among several.
+//! Sorts the samples of one stream among several.
 
 use std::path::Path;
 
 use super::super::error::RecordingError;
 use super::lead::Group;
 
-/// Samples that come at most this much too late are sorted: what a bus, a queue or a batch puts out of order. Further back
-/// goes a clock that was set.
+/// Largest delay of a sample that is sorted: the disorder of a bus, a queue or a batch. Beyond it the clock was set
+/// back.
 const STRAY_NS: i64 = 1_000_000_000;
 
-/// Sorts by the stamps, those of one stamp in the order of the file, and leaves out samples that are there twice or whose stamp
-/// alone is far off. A stream that is in order is not touched.
+/// Sorts by timestamp, those of one timestamp in the order of the file, and excludes duplicates and samples with an
+/// isolated wrong timestamp. A stream in order is not changed.
 pub(super) fn sort(path: &Path, group: &mut Group) -> Result<(), RecordingError> {
     let stamps = &group.stamps_ns;
     if stamps.is_sorted_by(|a, b| a < b) {
@@ -52,7 +52,7 @@ fn is_far_back(before: i64, stamp: i64) -> bool {
     before > stamp && before.saturating_sub(stamp) > STRAY_NS
 }
 
-/// Far ahead of a sample that goes on from the one before it, or far behind both.
+/// Returns true for a timestamp far ahead of consistent neighbours, or far behind both.
 fn is_far_off(stamp: i64, before: Option<i64>, after: Option<i64>) -> bool {
     let (Some(before), Some(after)) = (before, after) else { return false };
     !is_far_back(before, after) && (is_far_back(stamp, after) || is_far_back(before, stamp))

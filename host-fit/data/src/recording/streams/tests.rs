@@ -19,7 +19,7 @@ fn joined(streams: Vec<Stream>) -> Joined {
 }
 
 #[test]
-fn one_stream_alone_and_streams_of_the_same_stamps_pass_untouched() {
+fn single_stream_and_equal_timestamps_pass_unchanged() {
     let stamps = vec![5_000_000, 15_000_000, 12_000_000, 12_000_000];
     let values = vec![1.5, f64::NAN, -0.0, 3.25];
     let of = |name: &str, column: &str| Stream {
@@ -43,7 +43,7 @@ fn one_stream_alone_and_streams_of_the_same_stamps_pass_untouched() {
 
 #[test]
 fn slower_axes_are_interpolated_and_everything_else_is_held() {
-    // on the grid of the gyro: what is linear in time is exact, and what is held is up to a second old
+    // at the times of the gyro: values linear in time are exact, and held ones are up to a second old
     let gyro = stream("gyro", every(5_000_000, 2_000_000, 2000), &["gx_rads"], |t| t);
     let force = stream("accelerometer", every(10_000_000, 0, 1000), &["ax_mps2", "ay_mps2"], |t| 3.0 * t);
     let thermometer = stream("thermometer", every(1_000_000_000, 0, 10), &["temp_c"], f64::round);
@@ -72,8 +72,8 @@ fn slower_axes_are_interpolated_and_everything_else_is_held() {
     assert_eq!(alignment.others[1].rows_missing, 2, "after the last sample of the accelerometer");
 }
 
-/// A unit that hands turn for `turned_s` of every minute, in gravity: accelerometer of 104 Hz whose clock lacks `lacks_s` and
-/// `drift` more every second, gyro of 208 Hz, stamps that jitter by a millisecond.
+/// A device turned by hand for `turned_s` of every minute, in gravity: accelerometer of 104 Hz whose clock lags by
+/// `lacks_s` and `drift` more every second, gyro of 208 Hz, timestamps with a jitter of 1 ms.
 fn turned(seed: u64, minutes: f64, turned_s: f64, (lacks_s, drift): (f64, f64)) -> Vec<Stream> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(random) };
@@ -98,7 +98,7 @@ fn turned(seed: u64, minutes: f64, turned_s: f64, (lacks_s, drift): (f64, f64)) 
         let [wx, wy, wz] = rate;
         let [fx, fy, fz] = force;
         let change = [fy * wz - fz * wy, fz * wx - fx * wz, fx * wy - fy * wx];
-        // the rate is that of the step, and so is what the accelerometer has in its middle
+        // the rate is that of the step, and the accelerometer is sampled in its middle
         let middle = [0, 1, 2].map(|axis| force[axis] + 0.5 * step_s * change[axis]);
         force = [0, 1, 2].map(|axis| force[axis] + step_s * change[axis]);
         let samples = [(104.0, middle, 0.02, t - lacks_s - drift * (t - middle_s)), (208.0, rate, 0.002, t)];
@@ -123,7 +123,7 @@ fn clocks(streams: Vec<Stream>) -> Clocks {
 }
 
 #[test]
-fn the_offset_of_two_clocks_is_found_where_the_unit_turns() {
+fn finds_the_clock_offset_from_rotation() {
     for (seed, lacks_s) in [0.0, 0.002, -0.03, 0.31, -0.48].into_iter().enumerate() {
         let Clocks::Apart(apart) = clocks(turned(seed as u64, 3.0, 10.0, (lacks_s, 0.0))) else {
             panic!("{lacks_s}")
@@ -136,7 +136,8 @@ fn the_offset_of_two_clocks_is_found_where_the_unit_turns() {
     }
 }
 
-/// A device on a pendulum of `swing_hz` about its x axis, noise of a phone, an accelerometer whose clock lacks `lacks_s`.
+/// A device on a pendulum of `swing_hz` about its x axis, with the noise of a phone; the accelerometer's clock lags by
+/// `lacks_s`.
 fn swung(seed: u64, swing_hz: f64, lacks_s: f64) -> Vec<Stream> {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(random) };
@@ -171,9 +172,9 @@ fn swung(seed: u64, swing_hz: f64, lacks_s: f64) -> Vec<Stream> {
         .to_vec()
 }
 
-/// Whether an offset is the true one, and whether the swing is reported as one that repeats.
+/// Returns true if an offset is the true one, and the swing is reported as periodic if it is.
 fn is_right(apart: &Apart, swing_hz: f64, lacks_s: f64) -> bool {
-    // periods of which another offset within half a second explains the motion as well
+    // periods for which another offset within half a second explains the motion as well
     let has_another = 0.5 > 1.0 / swing_hz - lacks_s.abs();
     let repeats = match apart.repeats_s {
         Some(repeats_s) => (repeats_s * swing_hz - 1.0).abs() < 0.05,
@@ -182,9 +183,9 @@ fn is_right(apart: &Apart, swing_hz: f64, lacks_s: f64) -> bool {
     (apart.offset_s - lacks_s).abs() < 4.0 * apart.offset_error_s + 5e-4 && repeats
 }
 
-/// The least of equal minima was 400 ms off for a swing of 2.5 Hz and clocks that agreed.
+/// The first of equal minima used to be 400 ms off for a swing of 2.5 Hz and clocks that agreed.
 #[test]
-fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
+fn chooses_the_offset_nearest_to_zero_for_a_steady_swing() {
     let (mut swings, mut noticed) = (0, 0);
     for (seed, swing_hz) in [1.0, 2.0, 2.5, 3.0, 4.0].into_iter().enumerate() {
         for lacks_s in [0.0, 0.03, -0.06] {
@@ -195,7 +196,7 @@ fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
             if let Some(repeats_s) = apart.repeats_s {
                 let text = Clocks::Apart(apart).to_string();
                 assert!(text.contains(&format!("repeats every {repeats_s:.2} s")), "{text}");
-                // negative control: a period off, which is as low a minimum
+                // negative control: a period off, which is an equally low minimum
                 let off = Apart { offset_s: apart.offset_s + repeats_s, ..apart };
                 assert!(!is_right(&off, swing_hz, lacks_s), "{off:?}");
                 noticed += 1;
@@ -210,7 +211,7 @@ fn of_offsets_that_explain_a_steady_swing_the_nearest_to_zero_is_taken() {
 
 /// Swings of 2.5 Hz for a minute, 860 s apart: a drift of 0.4 s between them, 465 ppm, explains them as well.
 #[test]
-fn steady_swings_at_two_times_are_no_drift() {
+fn separate_steady_swings_are_no_drift() {
     for seed in 0..3 {
         let mut streams = swung(seed, 2.5, 0.0);
         let later = swung(seed + 10, 2.5, 0.0);
@@ -226,7 +227,7 @@ fn steady_swings_at_two_times_are_no_drift() {
 }
 
 #[test]
-fn clocks_that_drift_apart_are_set_along_the_log() {
+fn corrects_clock_drift_along_the_log() {
     for drift in [200e-6, -300e-6] {
         let Clocks::Apart(apart) = clocks(turned(7, 10.0, 10.0, (0.05, drift))) else { panic!("{drift}") };
         assert!((apart.offset_s - 0.05).abs() < 4.0 * apart.offset_error_s + 2e-4, "{apart:?}");
@@ -236,8 +237,8 @@ fn clocks_that_drift_apart_are_set_along_the_log() {
 }
 
 #[test]
-fn what_shakes_without_turning_in_gravity_is_not_taken_for_it() {
-    // a fan of 17 Hz shows on both, with a phase of its own
+fn vibration_determines_no_clock_offset() {
+    // a fan of 17 Hz shows on both, with different phases
     for seed in 0..10 {
         let mut streams = turned(seed, 2.0, 0.0, (0.0, 0.0));
         for (stream, size) in streams.iter_mut().zip([0.8, 0.15]) {
@@ -253,10 +254,10 @@ fn what_shakes_without_turning_in_gravity_is_not_taken_for_it() {
 }
 
 #[test]
-fn a_turn_about_the_vertical_tells_nothing() {
+fn rotation_about_the_vertical_determines_no_offset() {
     let mut streams = turned(3, 2.0, 0.0, (0.1, 0.0));
     let stamps = streams[1].stamps_ns.clone();
-    // along the specific force of a unit that lies still: 1, 2, 9.5
+    // along the specific force of a device that lies still: 1, 2, 9.5
     for ((_, values), part) in streams[1].columns.iter_mut().zip([0.1, 0.2, 0.95]) {
         let turn = |stamp: &i64| part * (*stamp as f64 * 1e-9).sin();
         values.iter_mut().zip(&stamps).for_each(|(value, stamp)| *value += turn(stamp));
@@ -265,14 +266,14 @@ fn a_turn_about_the_vertical_tells_nothing() {
 }
 
 #[test]
-fn a_unit_that_lies_still_tells_nothing_of_its_clocks() {
+fn rest_determines_no_clock_offset() {
     for seed in 0..20 {
         assert_eq!(clocks(turned(seed, 1.0, 0.0, (0.1, 0.0))), Clocks::NoMotion, "{seed}");
     }
 }
 
 #[test]
-fn stamps_out_of_order_are_sorted_repeats_and_wild_ones_left_out_and_counted() {
+fn sorts_timestamps_and_drops_duplicates_and_outliers() {
     let force = || stream("accelerometer", every(10_000_000, 0, 101), &["ax_mps2"], |t| t);
     let sound = stream("gyro", every(5_000_000, 0, 200), &["gx_rads"], |t| t);
     let expected = joined(vec![sound.clone(), force()]).columns;
@@ -288,7 +289,7 @@ fn stamps_out_of_order_are_sorted_repeats_and_wild_ones_left_out_and_counted() {
     let Joined { columns, alignment } = joined(vec![mixed, force()]);
     assert_eq!(columns, expected);
     assert_eq!((alignment.samples_sorted, alignment.samples_dropped), (3, 2));
-    // another sample of the same stamp is one of its own
+    // another sample of the same timestamp is a sample of its own
     let mut coarse = sound;
     copy(&mut coarse, 51, 250_000_000, 9.0);
     let Joined { columns, .. } = joined(vec![coarse, force()]);
@@ -297,7 +298,7 @@ fn stamps_out_of_order_are_sorted_repeats_and_wild_ones_left_out_and_counted() {
 }
 
 #[test]
-fn a_clock_that_was_set_back_is_refused_among_several() {
+fn rejects_a_clock_set_back_among_several_streams() {
     let mut gyro = stream("gyro", every(5_000_000, 3_000_000_000, 200), &["gx_rads"], |t| t);
     gyro.stamps_ns.splice(150.., every(5_000_000, 0, 50));
     let force = stream("accelerometer", every(10_000_000, 0, 400), &["ax_mps2"], |t| t);
@@ -308,7 +309,7 @@ fn a_clock_that_was_set_back_is_refused_among_several() {
 }
 
 #[test]
-fn samples_that_are_missing_are_missing_in_rows() {
+fn missing_samples_are_missing_in_rows() {
     let gyro = stream("gyro", every(5_000_000, 0, 400), &["gx_rads"], |t| t);
     let mut force = stream("accelerometer", every(10_000_000, 1_000_000, 199), &["ax_mps2"], |t| t);
     force.columns[0].1[50] = f64::NAN;
@@ -324,16 +325,17 @@ fn samples_that_are_missing_are_missing_in_rows() {
     assert_eq!(alignment.others[0].rows_missing, expected.len() as u64);
     let expected: Vec<usize> = (0..20).chain(121..400).collect();
     assert_eq!(missing(3), expected, "held for three periods");
-    let told = alignment.to_string();
+    let description = alignment.to_string();
     assert!(
-        told.starts_with("rows are the samples of gyro (200.0 Hz)\naccelerometer (100.0 Hz) is interpolated"),
-        "{told}"
+        description
+            .starts_with("rows are the samples of gyro (200.0 Hz)\naccelerometer (100.0 Hz) is interpolated"),
+        "{description}"
     );
-    assert!(told.ends_with("299 rows have none of it"), "{told}");
+    assert!(description.ends_with("299 rows have none of it"), "{description}");
 }
 
 #[test]
-fn the_fastest_leads_and_of_those_as_fast_the_one_with_most_axes_then_the_gyro() {
+fn chooses_the_fastest_stream_as_lead() {
     let lead_of = |streams: &[(&str, i64, &[&str])]| {
         let of = |(name, period, columns): &(&str, i64, &[&str])| {
             stream(name, every(*period, 7, 50), columns, |t| t)
@@ -359,7 +361,7 @@ fn the_fastest_leads_and_of_those_as_fast_the_one_with_most_axes_then_the_gyro()
 }
 
 #[test]
-fn stamps_since_long_ago_are_told_from_a_whole_second() {
+fn large_timestamps_are_relative_to_a_whole_second() {
     let at = |stamps_ns: &[i64]| seconds(stamps_ns);
     assert_eq!(at(&[9_007_199_254_740_992]), [9_007_199.254_740_992]);
     assert_eq!(at(&[1_700_000_000_123_456_789, 1_700_000_001_000_000_001]), [0.123_456_789, 1.000_000_001]);
@@ -368,7 +370,7 @@ fn stamps_since_long_ago_are_told_from_a_whole_second() {
 }
 
 #[test]
-fn streams_that_do_not_fit_are_refused() {
+fn rejects_inconsistent_streams() {
     let mut gyro = stream("gyro", every(5_000_000, 0, 10), &["gx_rads"], |t| t);
     gyro.columns[0].1.pop();
     assert!(matches!(
@@ -383,7 +385,7 @@ fn streams_that_do_not_fit_are_refused() {
 }
 
 #[test]
-fn a_recording_says_how_it_was_joined_unless_there_was_nothing_to_join() {
+fn reports_alignment_only_for_resampled_streams() {
     let gyro = || stream("gyro", every(5_000_000, 0, 100), &["gx_rads"], |t| t);
     let force = stream("accelerometer", every(10_000_000, 0, 50), &["ax_mps2"], |t| t);
     let load =
@@ -395,7 +397,7 @@ fn a_recording_says_how_it_was_joined_unless_there_was_nothing_to_join() {
 }
 
 #[test]
-fn whatever_the_stamps_and_values_it_is_joined_or_refused() {
+fn arbitrary_streams_are_joined_or_rejected() {
     let random = &mut ChaCha8Rng::seed_from_u64(1);
     for case in 0..300 {
         let streams =

@@ -14,8 +14,8 @@ impl RamFlash {
         Self([0xff; 4 * PAGE])
     }
 
-    /// Clears bits all over, as no write would.
-    pub(crate) fn wreck(&mut self, bytes: Range<usize>) {
+    /// Clears bits everywhere, unlike any write.
+    pub(crate) fn corrupt(&mut self, bytes: Range<usize>) {
         for byte in &mut self.0[bytes] {
             *byte &= 0x55;
         }

@@ -1,7 +1,7 @@
-//! What a log says: models taken and refused, samples with faults, a sensor that comes late, an image in flash.
+//! Covers all log messages: models accepted and refused, samples with faults, a late sensor, an image in flash.
 //!
-//! On the target, with the feature `defmt`; the messages go out by semihosting. `.ci/device defmt` builds it, runs it
-//! in the emulator and compares what `defmt-print` makes of it with log.out.
+//! Runs on the target, with the feature `defmt`; the messages are sent by semihosting. `.ci/device defmt` builds it,
+//! runs it in the emulator and compares the output of `defmt-print` with log.out.
 #![cfg_attr(all(target_arch = "arm", target_os = "none"), no_std, no_main)]
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]

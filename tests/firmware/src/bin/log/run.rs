@@ -1,6 +1,6 @@
-//! One thing after the other, each logged by the library or here.
+//! One event after the other, each logged by the library or here.
 
-// the critical section that the encoder needs, and where its frames go
+// the critical section required by the encoder, and the sink of its frames
 use cortex_m as _;
 use defmt_semihosting as _;
 
@@ -50,7 +50,7 @@ static MODEL: Model<'_, f32> = Model {
     axes: &[GYRO_Z],
 };
 
-/// At rest but for noise of two values: of 0.5 rad/s on gyro z, about its offset.
+/// At rest with noise of two values: of 0.5 rad/s on gyro z, about its offset.
 fn at_rest(n: u16, shift: i16) -> RawSample {
     let noise = if n % 3 == 0 { 1000 } else { -500 };
     RawSample {
@@ -140,7 +140,7 @@ fn flash(image: &[u8], damaged: &[u8]) {
     info!("stored: {}", poll_once(store.store(image)));
     let slots = 0..4 * PAGE as u32;
     let mut flash = store.release().0;
-    flash.wreck(2 * PAGE..4 * PAGE);
+    flash.corrupt(2 * PAGE..4 * PAGE);
     let Ok(mut store) = ModelStore::<_, 256>::new(Blocking(flash), slots) else {
         fail(format_args!("whole pages"))
     };

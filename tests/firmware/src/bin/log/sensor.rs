@@ -1,4 +1,4 @@
-//! A sensor on a bad day.
+//! A sensor with failures.
 
 use embedded_hal::spi::ErrorKind;
 use fos_core::FittedOn;
@@ -14,7 +14,7 @@ pub(crate) const SCALES: Scales = Scales {
     values: FittedOn::Raw,
 };
 
-/// It is found at the second attempt, runs over once, and is unplugged at the end.
+/// Found at the second attempt, overruns once, and is unplugged at the end.
 pub(crate) struct Sensor {
     set_ups: u8,
     reads: u8,
@@ -32,7 +32,7 @@ impl Imu for Sensor {
 
     const NAME: &'static str = "sensor";
 
-    /// A count a sample.
+    /// One count per sample.
     const CLOCK: SensorClock = SensorClock { bits: 32, count_ps: u32::MAX, period_ns: 4_294_967 };
 
     fn scales() -> Scales {

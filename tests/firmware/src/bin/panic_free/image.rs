@@ -1,4 +1,4 @@
-//! Everything that a device calls of fos-core, on values that the compiler knows nothing of.
+//! Every function of fos-core that a device calls, on values unknown to the compiler.
 
 use core::hint::black_box;
 
@@ -123,7 +123,7 @@ fn input() -> Input<f32> {
     }
 }
 
-/// Calls `with` on a model of which nothing is known.
+/// Calls `with` on a model unknown to the compiler.
 fn with_model(with: impl FnOnce(&Model<'_, f32>)) {
     let factors = black_box([y(1), u(0, 0), y(2)]);
     let Some(term) = Term::try_new(black_box(1.0), factors.get(..black_box(2)).unwrap_or(&[])) else {
@@ -212,7 +212,7 @@ fn log(bytes: &[u8]) {
     black_box(record.encode().count());
 }
 
-/// A writer that takes some of what it is given.
+/// A writer that accepts part of its input.
 struct Writer;
 
 impl embedded_io::ErrorType for Writer {

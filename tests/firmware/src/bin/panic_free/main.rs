@@ -1,10 +1,10 @@
 //! An image without a panic: it links only if no call that a device makes can reach one.
 //!
-//! The panic handler calls a function that is defined nowhere. Where the optimiser can show that no panic is reached,
-//! the handler is dropped with all that leads to it, and the image links; otherwise the linker names the missing
+//! The panic handler calls a function that is defined nowhere. If the optimiser can prove that no panic is reached, the
+//! handler is dropped with everything that leads to it, and the image links; otherwise the linker names the missing
 //! function. `panic_reachable.rs` is the same with one index that may be out of bounds, and must not link.
 //!
-//! It takes the release profile of the device: link-time optimisation in one unit. On the host there is nothing to see.
+//! It requires the release profile of the device: link-time optimisation in one unit. On the host it does nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

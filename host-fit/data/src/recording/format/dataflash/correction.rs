@@ -1,8 +1,8 @@
-//! What ArduPilot does to a sample before it logs it, undone by the parameters that stand in the log.
+//! Corrections that ArduPilot applies to a sample before logging, undone by the parameters in the log.
 //!
-//! It subtracts a polynomial of the temperature (INS_TCALn), then an offset, multiplies by a scale, and turns the result
-//! into the vehicle's frame (`AP_InertialSensor_Backend.cpp`, `AP_InertialSensor_tempcal.cpp`). Undoing goes the other
-//! way round, and stops at a step that the log does not have the numbers for: what comes before it stays in the values.
+//! It subtracts a polynomial of the temperature (INS_TCALn), then an offset, multiplies by a scale, and rotates the
+//! result into the vehicle's frame (`AP_InertialSensor_Backend.cpp`, `AP_InertialSensor_tempcal.cpp`). They are undone
+//! in reverse order up to the first step whose parameters the log lacks: earlier steps remain in the values.
 
 use std::collections::HashMap;
 
@@ -12,26 +12,26 @@ use crate::column::Triad;
 /// Parameters by name, as PARM messages have them.
 pub(super) type Parameters = HashMap<String, f64>;
 
-/// Temperature that the polynomials count from, °C.
+/// Reference temperature of the polynomials, °C.
 const REFERENCE_C: f64 = 35.0;
 
-/// Coefficients are stored so many times larger.
+/// Scale factor of stored coefficients.
 const STORED: f64 = 1e6;
 
 /// Corrections of one sensor, accelerometers and gyros.
 pub(super) struct Correction {
-    /// The instance's prefix of the temperature correction, as `INS_TCAL2_`.
+    /// Prefix of the instance's temperature correction, such as `INS_TCAL2_`.
     tcal: String,
     mounting: Mounting,
     sensors: [Sensor; 2],
 }
 
-/// The rotation from the board to the vehicle.
+/// Rotation from the board to the vehicle.
 enum Mounting {
     None,
-    /// Its matrix, and the parameters that it is from.
+    /// Rotation matrix, and the parameters that define it.
     Known(Matrix, String),
-    /// The parameters whose values are not in the log.
+    /// Parameters whose values are not in the log.
     Unknown(String),
 }
 
@@ -44,30 +44,30 @@ struct Sensor {
 
 #[derive(Default)]
 enum Polynomial {
-    /// Switched off, or all zero.
+    /// Disabled, or all zero.
     #[default]
     None,
     Known(Cubic),
-    /// Switched on, without all of its parameters in the log.
+    /// Enabled, without all of its parameters in the log.
     Incomplete,
 }
 
-/// Coefficients of T, T², T³ for each axis, and where it is clipped.
+/// Coefficients of T, T², T³ for each axis, and the clipping range of T.
 struct Cubic {
     coefficients: [[f64; 3]; 3],
     range_c: [f64; 2],
-    /// Temperature at which the offsets were found.
+    /// Temperature at which the offsets were calibrated.
     calibrated_c: f64,
 }
 
-/// What was done to the values of a triad, and what was not: in words, each the name of parameters.
+/// Corrections of a triad that were undone or not, each by the name of its parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Undone {
-    /// Corrections that are no longer in the values.
+    /// Corrections no longer in the values.
     pub(super) undone: Vec<String>,
-    /// Corrections that are still in the values, and why.
+    /// Corrections still in the values, and why.
     pub(super) left: Vec<String>,
-    /// The values are in the frame of the vehicle, as logged.
+    /// True if the values are in the frame of the vehicle, as logged.
     pub(super) in_vehicle: bool,
 }
 
@@ -78,13 +78,13 @@ impl Cubic {
         (first + (second + third * t) * t) * t
     }
 
-    /// What is subtracted at a temperature.
+    /// Correction subtracted at a temperature.
     fn subtracted(&self, axis: usize, celsius: f64) -> f64 {
         self.at(axis, celsius) - self.at(axis, self.calibrated_c)
     }
 }
 
-/// Name of a parameter of a sensor: the first has no number, the fourth and fifth are in a group of their own.
+/// Name of a parameter of a sensor: the first has no number, the fourth and fifth are in a separate group.
 fn name_of(number: u8, sensor: &str, what: &str) -> String {
     match number {
         1 => format!("INS_{sensor}{what}"),
@@ -114,7 +114,7 @@ impl Correction {
             let scale = if sensor == "ACC" { triad("SCAL", 1.0) } else { [1.0; 3] };
             Sensor {
                 offset: triad("OFFS", 0.0),
-                // a scale of 0 means that none was found
+                // a scale of 0 means that there is none
                 scale: scale.map(|scale| if scale == 0.0 { 1.0 } else { scale }),
                 polynomial: Polynomial::of(parameters, &tcal, sensor, number),
             }
@@ -123,8 +123,8 @@ impl Correction {
         Self { mounting: Mounting::of(parameters), sensors, tcal }
     }
 
-    /// Undoes what was done to the three axes of a sensor, as far as the log says how. `warmth` are stamps and
-    /// temperatures, °C.
+    /// Undoes the corrections of the three axes of a sensor, as far as the log has the parameters. `warmth` holds
+    /// timestamps and temperatures, °C.
     pub(super) fn undo(
         &self,
         triad: Triad,
@@ -150,7 +150,7 @@ impl Correction {
                 outcome.undone.push(name.clone());
             }
             Mounting::Unknown(missing) => {
-                // the others are in the axes of the board, which are not those of the values
+                // the others are in the axes of the board, which differ from those of the values
                 outcome.left.push(missing.clone());
                 outcome.in_vehicle = true;
                 outcome.left.extend(has_scale.then(|| "scales".to_owned()));
@@ -192,7 +192,7 @@ impl Correction {
                 outcome.left.push(format!("{} ({why})", self.tcal_name()));
             }
         }
-        // as they were applied
+        // in the order of application
         outcome.undone.reverse();
         outcome
     }
@@ -202,7 +202,7 @@ impl Correction {
     }
 }
 
-/// Temperatures that were measured, with their stamps.
+/// Finite temperatures with their timestamps.
 fn only_measured((at_ns, celsius): (&[i64], &[f64])) -> (Vec<i64>, Vec<f64>) {
     let measured = at_ns.iter().zip(celsius).filter(|(_, celsius)| celsius.is_finite());
     measured.map(|(stamp, celsius)| (*stamp, *celsius)).unzip()
@@ -303,7 +303,7 @@ mod tests {
             .collect()
     }
 
-    /// The samples as ArduPilot logs them, by its formulas; `turn` is the mounting.
+    /// Samples as logged by ArduPilot, by its formulas; `turn` is the mounting.
     fn logged(turn: impl Fn([f64; 3]) -> [f64; 3]) -> [Vec<f64>; 3] {
         let polynomial = |celsius: f64| {
             let t = celsius.clamp(10.0, 60.0) - 35.0;
@@ -323,7 +323,7 @@ mod tests {
         (0..5).flat_map(|row| (0..3).map(move |axis| off(row, axis))).fold(0.0, f64::max)
     }
 
-    /// About z, then about y: independent of the matrices under test.
+    /// Rotates about z after y: independent of the matrices under test.
     fn yaw_after_pitch([x, y, z]: [f64; 3], pitch: f64, yaw: f64) -> [f64; 3] {
         let (sp, cp) = pitch.to_radians().sin_cos();
         let (sy, cy) = yaw.to_radians().sin_cos();
@@ -366,7 +366,7 @@ mod tests {
                 correction.undo(Triad::Accelerometers, &stamps(), &mut axes, Some((&stamps(), &CELSIUS)));
             assert!(furthest(&axes) < 1e-14, "{orientation}");
             assert!(done.left.is_empty(), "{done:?}");
-            // without one of its angles nothing is touched
+            // without one of its angles nothing is changed
             let mut axes = logged(|vector| yaw_after_pitch(vector, 12.5, -90.5));
             let correction = Correction::of(&parameters(0, &mounting[..3]), 0);
             let done =
@@ -405,10 +405,10 @@ mod tests {
         ] {
             assert_eq!(done.undone, ["offsets", "scales"]);
             assert!(done.left.len() == 1 && done.left[0].starts_with("INS_TCAL1 ("), "{done:?}");
-            // the polynomial is still in them
+            // the polynomial is still in the values
             assert!(off > 0.01, "{off}");
         }
-        // switched off, or being learned
+        // disabled, or being learned
         for enable in [0.0, 2.0] {
             let mut off = all.clone();
             off.insert("INS_TCAL1_ENABLE".to_owned(), enable);
@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_in_the_wrong_order_is_noticed() {
+    fn detects_a_correction_step_in_the_wrong_order() {
         // the offset subtracted after the scale instead of before it
         let mut axes = logged(|vector| vector);
         for values in &mut axes[..1] {

@@ -1,4 +1,4 @@
-//! Messages of a DataFlash log: two bytes that begin each, its type, and a payload laid out as an FMT message says.
+//! Messages of a DataFlash log: two bytes of header, the type, and a payload described by an FMT message.
 
 use std::collections::HashMap;
 use std::io::BufRead;
@@ -10,25 +10,25 @@ use crate::interrupt;
 
 const BEGIN: [u8; 2] = [0xa3, 0x95];
 
-/// The type of messages that describe messages.
+/// Type of messages that describe messages.
 const FMT: u8 = 128;
 
-/// Bytes of such a message after its type: type, length, name, format, labels.
+/// Payload of such a message, bytes: type, length, name, format, labels.
 const FMT_PAYLOAD: usize = 86;
 
-/// Type, begin and length of a message: what its length counts beside the payload.
+/// Bytes counted in the length of a message in addition to the payload: header and type.
 const FRAME: usize = 3;
 
-/// Where the fields of a message lie.
+/// Layout of the fields of a message.
 #[derive(Debug)]
 pub(super) struct Reader {
     name: String,
     payload: usize,
-    /// By label: the letter of its type, and where it begins.
+    /// Letter of the type and offset of each field, by label.
     fields: HashMap<String, (u8, usize)>,
 }
 
-/// The messages of a log, one after the other.
+/// Sequential reader of the messages of a log.
 pub(super) struct Messages<'a, R> {
     path: &'a Path,
     input: R,
@@ -46,21 +46,21 @@ impl<'a, R: BufRead> Messages<'a, R> {
         Self { path, input, readers, payload: Vec::new(), lost: 0, is_cut: false, messages: 0 }
     }
 
-    /// Bytes that belong to no message; those of an end cut short do not count.
+    /// Number of bytes outside of messages; those of a truncated end do not count.
     pub(super) fn bytes_lost(&self) -> u64 {
         self.lost
     }
 
-    /// Whether it ended within a message.
+    /// Returns true if the log ended within a message.
     pub(super) fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// The next message, none at the end.
+    /// Next message; `None` at the end.
     ///
     /// # Errors
     ///
-    /// The system does not deliver.
+    /// The file cannot be read.
     pub(super) fn next(&mut self) -> Result<Option<(&Reader, &[u8])>, RecordingError> {
         loop {
             self.messages += 1;
@@ -94,7 +94,7 @@ impl<'a, R: BufRead> Messages<'a, R> {
         }
     }
 
-    /// Passes over what belongs to no message, and the two bytes that begin one; its type, none at the end.
+    /// Skips bytes outside of messages and the two header bytes; returns the type, `None` at the end.
     fn begin(&mut self) -> Result<Option<u8>, RecordingError> {
         let mut before = 0;
         let mut passed = 0_u64;
@@ -121,7 +121,7 @@ impl<'a, R: BufRead> Messages<'a, R> {
         Ok(byte)
     }
 
-    /// Fills the payload; false if the file ends before.
+    /// Fills the payload; returns false if the file ends before.
     fn fill(&mut self) -> Result<bool, RecordingError> {
         let mut filled = 0;
         while filled < self.payload.len() {
@@ -138,7 +138,7 @@ impl<'a, R: BufRead> Messages<'a, R> {
     }
 }
 
-/// Bytes of a field by the letter of its type; none if it is not known.
+/// Size of a field by the letter of its type, bytes; `None` if it is unknown.
 fn size(letter: u8) -> Option<usize> {
     Some(match letter {
         b'b' | b'B' | b'M' => 1,
@@ -157,7 +157,7 @@ fn text_of(bytes: &[u8]) -> String {
 }
 
 impl Reader {
-    /// The type that an FMT message describes, and its layout; none if it makes no sense.
+    /// Type that an FMT message describes, and its layout; `None` if it is invalid.
     fn of(payload: &[u8]) -> Option<(u8, Self)> {
         let (kind, length) = (*payload.first()?, usize::from(*payload.get(1)?));
         let name = text_of(payload.get(2..6)?);
@@ -177,12 +177,12 @@ impl Reader {
         Some((kind, Self { name, payload: room, fields }))
     }
 
-    /// As the log names the message.
+    /// Name of the message in the log.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
-    /// True if the message has a field of this label.
+    /// Returns true if the message has a field of this label.
     pub(super) fn has(&self, label: &str) -> bool {
         self.fields.contains_key(label)
     }
@@ -192,7 +192,7 @@ impl Reader {
         Some((letter, payload.get(at..at + size(letter)?)?))
     }
 
-    /// A field that is a number, in the unit that its type stands for.
+    /// Value of a numeric field, in the unit implied by its type.
     pub(super) fn number(&self, label: &str, payload: &[u8]) -> Option<f64> {
         let (letter, bytes) = self.bytes(label, payload)?;
         let wide = |bytes: &[u8]| -> Option<[u8; 8]> { bytes.try_into().ok() };
@@ -222,7 +222,7 @@ impl Reader {
         b"nNZ".contains(&letter).then(|| text_of(bytes))
     }
 
-    /// The time of a message, ns: that of its sample, else that of its writing, in µs or, up to 2014, in ms.
+    /// Time of a message, ns: that of its sample, else that of its writing, in µs or, up to 2014, in ms.
     pub(super) fn stamp_ns(&self, payload: &[u8]) -> Option<i64> {
         const CLOCKS: [(&str, i64); 3] = [("SampleUS", 1000), ("TimeUS", 1000), ("TimeMS", 1_000_000)];
         CLOCKS.into_iter().find_map(|(label, ns)| {

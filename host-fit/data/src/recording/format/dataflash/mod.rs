@@ -1,7 +1,7 @@
-//! ArduPilot's DataFlash logs: a stream of messages whose layouts stand in the log itself, in messages named FMT.
+//! ArduPilot's DataFlash logs: a stream of messages whose layouts are in the log itself, in messages named FMT.
 //!
-//! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; what is done to a sample
-//! before it is logged, and is undone here, is that of `AP_InertialSensor_Backend.cpp` (`correction`).
+//! Inertial messages, their fields and units are those of `AP_InertialSensor/LogStructure.h`; the corrections of a
+//! sample before logging, undone here, are those of `AP_InertialSensor_Backend.cpp` (`correction`).
 
 mod correction;
 mod messages;
@@ -19,13 +19,13 @@ use crate::column::Triad;
 use correction::{Correction, Parameters, Undone, device_ids};
 use messages::{Messages, Reader};
 
-/// Messages of one kind by their own stamps, a column for each of their fields.
+/// Messages of one kind with their timestamps, a column for each of their fields.
 struct Samples<const FIELDS: usize> {
     stamps_ns: Vec<i64>,
     values: [Vec<f64>; FIELDS],
 }
 
-/// What is kept of the log.
+/// Data gathered from the log.
 #[derive(Default)]
 struct Gathered {
     acc: Samples<3>,
@@ -34,7 +34,7 @@ struct Gathered {
     imu: Samples<7>,
     /// Number of IMU messages of each instance.
     instances: Vec<u64>,
-    /// Each instance has a message of its own, `IMU2`, as up to 2020.
+    /// Each instance has its own message, such as `IMU2`, in logs up to 2020.
     has_numbered_messages: bool,
     parameters: Parameters,
     volts: Samples<1>,
@@ -42,7 +42,7 @@ struct Gathered {
 
 /// # Errors
 ///
-/// It cannot be read, or holds no inertial messages.
+/// The file cannot be read, or holds no inertial messages.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,
@@ -88,7 +88,7 @@ pub(super) fn read(
     let correction = Correction::of(&parameters, wanted);
     let mut streams = Vec::new();
     let mut done = Vec::new();
-    let said = if is_raw {
+    let described = if is_raw {
         for (name, triad, samples) in [("ACC", Triad::Accelerometers, acc), ("GYR", Triad::Gyros, gyr)] {
             let Samples { stamps_ns, mut values } = samples;
             done.push(correction.undo(triad, &stamps_ns, &mut values, warmth));
@@ -127,12 +127,12 @@ pub(super) fn read(
     } else {
         in_words(&done)
     };
-    let assumed = format!("{said}{others}; m/s² with gravity, rad/s; {corrections}{damaged}{cut}");
+    let assumed = format!("{described}{others}; m/s² with gravity, rad/s; {corrections}{damaged}{cut}");
     let provenance = provenance(&parameters, wanted, &done);
     Ok(Opened::Streams(streams, ReadAs { format: Format::Dataflash, assumed, provenance: Some(provenance) }))
 }
 
-/// What was undone and what was not, of accelerometers and gyros.
+/// Corrections of accelerometers and gyros that were undone and that were not, in words.
 fn in_words(done: &[Undone]) -> String {
     let all = |which: fn(&Undone) -> &Vec<String>| {
         let mut all: Vec<&str> = Vec::new();
@@ -154,7 +154,7 @@ fn in_words(done: &[Undone]) -> String {
     }
 }
 
-/// Sensor, corrections and frame of the values of accelerometers and gyros, after what was `done`.
+/// Sensor, corrections and frame of the values of accelerometers and gyros, after undoing `done`.
 fn provenance(parameters: &Parameters, instance: u8, done: &[Undone]) -> Provenance {
     let ids = device_ids(parameters, instance);
     let of = |sensor: usize| {
@@ -179,7 +179,7 @@ fn corrections_left(names: &[&str]) -> Values {
     Values::Corrected(format!("ArduPilot: {}", names.join(", ")).into())
 }
 
-/// The axes of a triad, named.
+/// Axes of a triad with their names.
 fn named(triad: Triad, values: [Vec<f64>; 3]) -> impl Iterator<Item = (String, Vec<f64>)> {
     triad.columns().into_iter().map(str::to_owned).zip(values)
 }
@@ -191,7 +191,7 @@ impl Gathered {
                 if let (Some(name), Some(value)) =
                     (reader.text("Name", payload), reader.number("Value", payload))
                 {
-                    // the first is what was in force when sampling began
+                    // the first value is the one in force when sampling began
                     self.parameters.entry(name).or_insert(value);
                 }
             }
@@ -234,7 +234,7 @@ impl Gathered {
     }
 }
 
-/// The instance that a message is of; of old there was one.
+/// Instance of a message; 0 in old logs, which had one.
 fn instance(reader: &Reader, payload: &[u8]) -> u8 {
     reader.number("I", payload).map_or(0, |instance| instance as u8)
 }
@@ -246,7 +246,7 @@ impl<const FIELDS: usize> Default for Samples<FIELDS> {
 }
 
 impl<const FIELDS: usize> Samples<FIELDS> {
-    /// Takes a message that has a stamp; a field that it lacks is missing.
+    /// Adds a message that has a timestamp; a field that it lacks is missing.
     fn take(&mut self, reader: &Reader, payload: &[u8], fields: [&str; FIELDS]) {
         let Some(stamp) = reader.stamp_ns(payload) else { return };
         self.push(stamp, fields.map(|field| reader.number(field, payload).unwrap_or(f64::NAN)));

@@ -1,4 +1,4 @@
-//! The messages of a ULog file one by one, and whether the formats among them can be laid out.
+//! Sequential reader of the messages of a ULog file, and a limit on the layout of its formats.
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Read};
@@ -9,7 +9,7 @@ const HEADER: u64 = 16;
 /// Length and kind of a message.
 const FRAME: u64 = 3;
 
-/// The header, then message by message.
+/// Reader of the header, then message by message.
 pub(super) struct Messages<R> {
     input: R,
     message: Vec<u8>,
@@ -22,21 +22,21 @@ impl<R: BufRead> Messages<R> {
         Self { input, message: Vec::new(), at: 0, is_cut: false }
     }
 
-    /// Bytes that were read.
+    /// Number of bytes read so far.
     pub(super) fn at(&self) -> u64 {
         self.at
     }
 
-    /// Whether the file ended within a message.
+    /// Returns true if the file ended within a message.
     pub(super) fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// The next message with its frame, none at the end.
+    /// Next message with its frame; `None` at the end.
     ///
     /// # Errors
     ///
-    /// The system does not deliver.
+    /// The file cannot be read.
     pub(super) fn next(&mut self) -> io::Result<Option<&[u8]>> {
         self.message.clear();
         if self.at == 0 {
@@ -57,44 +57,44 @@ impl<R: BufRead> Messages<R> {
     }
 }
 
-/// Formats are nested at most so deep; PX4's are not deeper than two.
-const DEEPEST: usize = 16;
+/// Maximum nesting of formats; PX4's are nested at most twice.
+const MAX_DEPTH: usize = 16;
 
-/// Bytes that all formats and subscriptions may take when they are laid out; those of PX4 take a few million.
-const MOST_BYTES: usize = 1 << 26;
+/// Maximum memory of all laid out formats and subscriptions, bytes; those of PX4 take a few million.
+const MAX_BYTES: usize = 1 << 26;
 
-/// Bytes that a field takes beside those of its name, and how often its name is kept, about.
-const OF_FIELD: usize = 200;
-const COPIES: usize = 3;
+/// Approximate memory of a field without its name, bytes, and number of copies of its name.
+const FIELD_BYTES: usize = 200;
+const NAME_COPIES: usize = 3;
 
-/// Formats by their names. The library lays out all of them when the data begin, and one for every subscription: fields
-/// within fields, each with its whole name. A few lines of nested arrays would take it all the time, memory and stack there is.
+/// Formats by name. The library lays out all of them when the data begin, and one for every subscription: nested fields,
+/// each with its full name. A few lines of nested arrays could exhaust time, memory and stack.
 #[derive(Default)]
 pub(super) struct Formats {
-    /// Type, how often, and length of the name of each field.
+    /// Type, array length, and length of the name of each field.
     formats: HashMap<String, Vec<(String, usize, usize)>>,
-    /// What all that was subscribed to takes.
+    /// Memory of all subscriptions, bytes.
     subscribed: usize,
 }
 
 impl Formats {
-    /// Looks at a message before the library does; `in_data`: it has laid out the formats.
+    /// Examines a message before the library does; `in_data` once the library has laid out the formats.
     ///
     /// # Errors
     ///
-    /// They cannot be laid out.
+    /// The formats are too deep or too large.
     pub(super) fn look_at(&mut self, message: &[u8], in_data: bool) -> Result<(), String> {
         let refused = || "its formats are too deep or too large".to_owned();
         let Some((frame, payload)) = message.split_at_checked(FRAME as usize) else { return Ok(()) };
         match frame[2] {
             b'F' if !in_data => self.add(&String::from_utf8_lossy(payload)),
-            // what the data may begin with
+            // messages that may begin the data
             b'A' | b'L' | b'O' | b'R' | b'S' if !in_data => {
                 let mut sum = 0;
                 for name in self.formats.keys() {
                     sum += self
                         .bytes(name, 0, 0)
-                        .filter(|bytes| sum + bytes <= MOST_BYTES)
+                        .filter(|bytes| sum + bytes <= MAX_BYTES)
                         .ok_or_else(refused)?;
                 }
             }
@@ -103,36 +103,36 @@ impl Formats {
         if frame[2] == b'A' {
             let name = String::from_utf8_lossy(payload.get(3..).unwrap_or_default());
             self.subscribed += self.bytes(&name, 0, 0).ok_or_else(refused)?;
-            if self.subscribed > MOST_BYTES {
+            if self.subscribed > MAX_BYTES {
                 return Err(refused());
             }
         }
         Ok(())
     }
 
-    /// `name:type field;type[3] field;`
+    /// Parses `name:type field;type[3] field;`.
     fn add(&mut self, format: &str) {
         let Some((name, fields)) = format.split_once(':') else { return };
         let fields = fields.split(';').filter_map(|field| field.split_once(' ')).map(|(kind, name)| {
             let (kind, count) = kind.split_once('[').unwrap_or((kind, "1"));
-            // what is no number, the library refuses
+            // the library rejects anything that is no number
             let count = count.trim_end_matches(']').parse().unwrap_or(0_i16);
             (kind.to_owned(), usize::try_from(count).unwrap_or(0), name.len())
         });
         self.formats.insert(name.to_owned(), fields.collect());
     }
 
-    /// Bytes that a type takes as a field whose name has so many; none if it is too deep or takes too many.
+    /// Memory of a type as a field with a name of this length, bytes; `None` if it is too deep or too large.
     fn bytes(&self, kind: &str, name: usize, deep: usize) -> Option<usize> {
-        // at least as much for what is empty: it takes time
-        let mut sum = OF_FIELD + COPIES * name;
+        // at least as much for an empty type: it takes time
+        let mut sum = FIELD_BYTES + NAME_COPIES * name;
         let fields = self.formats.get(kind).map_or(&[][..], Vec::as_slice);
         for (kind, count, length) in fields.iter().filter(|(_, count, _)| *count > 0) {
-            if deep == DEEPEST {
+            if deep == MAX_DEPTH {
                 return None;
             }
             sum += count * self.bytes(kind, name + length + ".[0]".len(), deep + 1)?;
-            if sum > MOST_BYTES {
+            if sum > MAX_BYTES {
                 return None;
             }
         }
@@ -160,12 +160,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sound_is_laid_out_and_what_would_never_end_is_not() {
+    fn lays_out_valid_formats_and_rejects_endless_ones() {
         let text =
             |formats: &[&str]| -> Vec<String> { formats.iter().map(|text| (*text).to_owned()).collect() };
         let fifo = "a:uint64_t timestamp;float dt;int16_t[32] x;int16_t[32] y;int16_t[32] z;";
         assert!(laid_out(&text(&[fifo, "b:a[8] inner;"]), 300));
-        // each a few bytes
+        // a few bytes each
         assert!(!laid_out(&text(&["a:b[32767] x;", "b:c[32767] x;", "c:d[32767] x;", "d:"]), 1));
         assert!(!laid_out(&text(&["a:a x;"]), 1));
         let large = "a:uint8_t[30000] x;";
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_come_one_by_one_and_a_cut_shows() {
+    fn reads_messages_and_detects_truncation() {
         let file = [vec![7; 16], message(b'I', "one"), message(b'B', "")].concat();
         for (length, whole, is_cut) in
             [(file.len(), 3, false), (file.len() - 1, 2, true), (16, 1, false), (9, 0, true)]

@@ -26,19 +26,19 @@ use crate::interrupt;
 use crate::statistics::median_of;
 use messages::{Formats, Messages};
 
-/// Topics that come less often are decimated: 20 times a second. PX4 logs the raw ones once a second unless asked.
+/// Longest period of a topic at full rate, ns: 20 samples a second. PX4 logs the raw ones once a second by default.
 const SLOWEST_NS: f64 = 50e6;
 
-/// What is kept of a topic.
+/// Fields read from a topic.
 struct Topic {
     name: &'static str,
-    /// Every message is a sample: its fields, its channels, and the factor to their unit.
+    /// Fields of a sample in every message, their channels, and the factor to their unit.
     samples: &'static [(&'static [&'static str], &'static [&'static str], f64)],
-    /// A field of it that changes slowly, its channel, and the factor to its unit.
+    /// A field that changes slowly, its channel, and the factor to its unit.
     slow: Option<(&'static str, &'static str, f64)>,
 }
 
-/// Where the samples of a topic go, by their place here.
+/// Topics that are read; their index is used throughout this file.
 const TOPICS: [Topic; 8] = [
     Topic { name: "sensor_accel", samples: &[(&["x", "y", "z"], &ACCELEROMETERS, 1.0)], slow: TEMPERATURE },
     Topic { name: "sensor_gyro", samples: &[(&["x", "y", "z"], &GYROS, 1.0)], slow: TEMPERATURE },
@@ -59,7 +59,7 @@ const TOPICS: [Topic; 8] = [
     // gauss
     Topic { name: "sensor_mag", samples: &[(&["x", "y", "z"], &MAGNETOMETERS, 100.0)], slow: None },
     Topic { name: "system_power", samples: &[], slow: Some(("voltage5v_v", "supply_v", 1.0)) },
-    // a share
+    // a fraction of 1
     Topic { name: "cpuload", samples: &[], slow: Some(("load", "load_pct", 100.0)) },
 ];
 const ACCEL: usize = 0;
@@ -81,7 +81,7 @@ pub(super) fn read(
     options: &LoadOptions,
 ) -> Result<Opened, RecordingError> {
     let named = ["sensor_accel", "sensor_gyro"];
-    // the instance, and behind an @ the devices that are taken where it has several
+    // the instance, and after an @ the devices to read if it has several
     let (instance, asked) = options.topic.as_deref().map_or((None, ""), |topic| {
         topic.split_once('@').map_or((Some(topic), ""), |(instance, asked)| (Some(instance), asked))
     });
@@ -101,7 +101,7 @@ pub(super) fn read(
             interrupt::check();
         }
         let Some(message) = messages.next().map_err(FileError::reading(path))? else { break };
-        // what the library asserts of its own state is no matter of ours
+        // a failed assertion of the library is damage of the file
         let parsed = catch_panic(|| {
             formats.look_at(message, parser.in_data())?;
             parser.consume_bytes(message).map_err(|error| error.description)
@@ -129,7 +129,6 @@ pub(super) fn read(
     Ok(Opened::Streams(read.0, read.1))
 }
 
-/// Samples of one triad.
 #[derive(Default)]
 struct Triad {
     stamps_ns: Vec<i64>,
@@ -142,17 +141,17 @@ struct Slow {
     values: Vec<f64>,
 }
 
-/// What one device gave on a topic.
+/// Samples of one device on a topic.
 struct Device {
-    /// `device_id`; without one the number of the subscription tells publishers apart.
+    /// `device_id`; without one the number of the subscription distinguishes publishers.
     id: Result<u32, u16>,
     triads: [Triad; 2],
     slow: Slow,
     messages: u64,
 }
 
-/// Devices on one topic, at most: a damaged file may have any number.
-const MOST_DEVICES: usize = 64;
+/// Maximum number of devices on one topic: a damaged file may have any number.
+const MAX_DEVICES: usize = 64;
 
 impl Device {
     fn name(&self) -> String {
@@ -162,7 +161,7 @@ impl Device {
         }
     }
 
-    /// The bus that it is connected to, as PX4 packs it: three bits of its kind and five of its number
+    /// Bus of the device, as packed by PX4: three bits of its kind and five of its number
     /// (`device::Device::DeviceStructure`).
     fn bus(id: u32) -> u8 {
         id as u8
@@ -170,32 +169,32 @@ impl Device {
 }
 
 struct Gathered {
-    /// The instance that is kept.
+    /// The requested instance.
     wanted: u8,
-    /// Where the fields lie, by the number of the subscription.
+    /// Layout of the fields, by the number of the subscription.
     layouts: Vec<Option<Layout>>,
     /// Two triads of each topic.
     triads: [[Triad; 2]; TOPICS.len()],
     slow: [Slow; TOPICS.len()],
-    /// The highest instance of each topic, and how many messages it has.
+    /// Number of messages of each instance of each topic.
     instances: [Vec<u64>; TOPICS.len()],
     device: [Option<u32>; TOPICS.len()],
-    /// The mountings that the batches of each topic state.
+    /// Mountings stated in the batches of each topic.
     rotations: [Vec<u8>; TOPICS.len()],
-    /// Before one is chosen: every device of the wanted instance.
+    /// Every device of the requested instance, until one is chosen.
     devices: [Vec<Device>; TOPICS.len()],
-    /// Of every instance, the device that it was last.
+    /// Last device of every instance.
     of_instance: [Vec<Option<u32>>; TOPICS.len()],
     /// Other devices of the same instance, by name.
     beside: [Vec<String>; TOPICS.len()],
 }
 
-/// Where the fields of a subscription lie.
+/// Layout of the fields of a subscription.
 struct Layout {
     topic: Option<usize>,
     instance: u8,
     stamp: Option<usize>,
-    /// i32, µs: the accelerometer's stamp less the message's.
+    /// i32, µs: timestamp of the accelerometer minus that of the message.
     second_stamp: Option<usize>,
     triads: [Option<[usize; 3]>; 2],
     slow: Option<usize>,
@@ -203,7 +202,7 @@ struct Layout {
     device: Option<usize>,
 }
 
-/// Where the fields of a batch lie.
+/// Layout of the fields of a batch.
 struct Fifo {
     dt: usize,
     scale: usize,
@@ -211,7 +210,7 @@ struct Fifo {
     axes: [usize; 3],
     room: usize,
     /// u8, the sensor's mounting on the board: samples of a message with this field are in the sensor's axes, those of
-    /// one without are in the board's, as the driver turned them.
+    /// one without are in the board's, as rotated by the driver.
     rotation: Option<usize>,
 }
 
@@ -263,7 +262,7 @@ impl Fifo {
     }
 }
 
-/// The bytes of a field; a message may be cut short of fields that its format has.
+/// Bytes of a field; a message may be truncated before the end of its format.
 fn field<const N: usize>(data: &[u8], offset: usize) -> Option<[u8; N]> {
     data.get(offset..offset.checked_add(N)?)?.try_into().ok()
 }
@@ -304,7 +303,7 @@ impl Gathered {
         let id = layout.device.and_then(|offset| field(data, offset)).map(u32::from_le_bytes);
         self.of_instance[at].resize(instances.len(), None);
         self.of_instance[at][instance] = id.or(self.of_instance[at][instance]);
-        // of what is no inertial sensor there is one
+        // other topics have one instance
         let is_sensor = at <= GYRO_FIFO;
         if layout.instance != if is_sensor { self.wanted } else { 0 } {
             return;
@@ -315,7 +314,7 @@ impl Gathered {
         let id = id.ok_or(message.msg_id);
         let devices = &mut self.devices[at];
         let place = devices.iter().position(|device| device.id == id).unwrap_or(devices.len());
-        if place == MOST_DEVICES {
+        if place == MAX_DEVICES {
             return;
         }
         if place == devices.len() {
@@ -328,7 +327,7 @@ impl Gathered {
             if let Some(number) = rotation.filter(|number| !self.rotations[at].contains(number)) {
                 self.rotations[at].push(number);
             }
-            // of a mounting that is not known the sensor's axes stay
+            // with an unknown mounting the axes of the sensor are kept
             let matrix = rotation.filter(|number| *number != 0).and_then(rotation::of_px4);
             device.triads[0].take_batch(fifo, stamp_ns, data, matrix.as_ref());
             return;
@@ -336,7 +335,7 @@ impl Gathered {
         for (which, offsets) in layout.triads.iter().enumerate() {
             let Some(offsets) = offsets else { continue };
             let factor = topic.samples[which].2;
-            // the accelerometer of sensor_combined has its own stamp
+            // the accelerometer of sensor_combined has a separate timestamp
             let relative = match layout.second_stamp.filter(|_| which == 1) {
                 Some(offset) => field(data, offset).map_or(0, i32::from_le_bytes),
                 None => 0,
@@ -356,11 +355,11 @@ impl Gathered {
         }
     }
 
-    /// Takes of every topic the samples of one device.
+    /// Reduces every topic to the samples of one device.
     ///
     /// # Errors
     ///
-    /// An inertial topic has several, and `asked` names none of them; or it names one that is not there.
+    /// An inertial topic has several devices, and `asked` names none of them; or it names one that does not exist.
     fn choose_devices(&mut self, path: &Path, asked: &[&str]) -> Result<(), RecordingError> {
         let refused = |problem: String, help: &str| choice::no_sensors(path, Format::Ulog, problem, help);
         let known: Vec<String> = self.devices.iter().flatten().map(Device::name).collect();
@@ -373,13 +372,13 @@ impl Gathered {
         }
         for (at, topic) in TOPICS.iter().enumerate() {
             let mut devices = std::mem::take(&mut self.devices[at]);
-            // most messages first; the order in the file has no say
+            // most messages first; the order in the file has no influence
             devices.sort_by_key(|device| (std::cmp::Reverse(device.messages), device.name()));
             // a damaged message may name any device
             let most = devices.first().map_or(0, |device| device.messages);
             let few: Vec<Device> =
                 devices.extract_if(.., |device| device.messages * choice::SELDOM < most).collect();
-            // where two of the topic are named, the first is meant: the other is of another topic
+            // if two devices of the topic are named, the first is meant: the other is of another topic
             let is_of = |id: &&str| devices.iter().position(|device| device.name() == **id);
             let place = asked.iter().find_map(is_of);
             if at <= GYRO_FIFO && devices.len() > 1 && place.is_none() {
@@ -411,11 +410,11 @@ impl Gathered {
         Ok(())
     }
 
-    /// Says where accelerometer and gyro are of different chips.
+    /// Describes accelerometer and gyro on different chips.
     ///
     /// # Errors
     ///
-    /// Another instance of one of them is of the other's chip, or may be, and `asked` does not name both.
+    /// Another instance of one of them is, or may be, on the other's chip, and `asked` does not name both.
     fn one_chip(&self, path: &Path, taken: &[usize], asked: &[&str]) -> Result<String, RecordingError> {
         let [acc, gyr] = *taken else { return Ok(String::new()) };
         let (Some(force), Some(rate)) = (self.device[acc], self.device[gyr]) else {
@@ -462,7 +461,7 @@ impl Gathered {
         asked: &[&str],
     ) -> Result<(Vec<Stream>, ReadAs), RecordingError> {
         let mut streams = Vec::new();
-        let mut said = Vec::new();
+        let mut descriptions = Vec::new();
         let mut provenance = Provenance::default();
         let mut chosen = Vec::new();
         for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
@@ -475,7 +474,7 @@ impl Gathered {
             let device = self.device[at].map_or_else(String::new, |id| format!(", device_id {id},"));
             let (frame, turned) = self.frame(at);
             let rate_hz = self.triads[at][0].rate_hz();
-            said.push(format!("{name}{device} at {rate_hz:.1} Hz{}, {turned}", self.others(at)));
+            descriptions.push(format!("{name}{device} at {rate_hz:.1} Hz{}, {turned}", self.others(at)));
             let of_sensor = SensorProvenance {
                 instance: Some(wanted),
                 device_id: self.device[at],
@@ -498,7 +497,7 @@ impl Gathered {
                     let rate_hz = triad.rate_hz();
                     let name =
                         format!("sensor_combined {}", if names == GYROS { "gyro" } else { "accelerometer" });
-                    said.push(format!("{name} at {rate_hz:.1} Hz"));
+                    descriptions.push(format!("{name} at {rate_hz:.1} Hz"));
                     streams.push(triad.stream(name, names));
                 }
             }
@@ -510,7 +509,7 @@ impl Gathered {
         if streams.is_empty() {
             return Err(self.nothing(path, wanted));
         }
-        // of a part with two dies the accelerometer's
+        // for a part with two dies that of the accelerometer
         let of_taken: Vec<u32> = chosen.iter().filter_map(|at| self.device[*at]).collect();
         let is_taken = |at: &usize| {
             of_taken.is_empty() || self.device[*at].is_none_or(|device| of_taken.contains(&device))
@@ -518,7 +517,7 @@ impl Gathered {
         let (own, strange): (Vec<usize>, Vec<usize>) =
             [ACCEL, GYRO].into_iter().filter(|at| self.slow[*at].values.len() > 1).partition(is_taken);
         if let ([], [at, ..]) = (&own[..], &strange[..]) {
-            said.push(format!("temperature of {} excluded: it is another device", TOPICS[*at].name));
+            descriptions.push(format!("temperature of {} excluded: it is another device", TOPICS[*at].name));
         }
         let temperature = own.first().copied();
         for at in temperature.into_iter().chain([POWER, LOAD]) {
@@ -538,18 +537,20 @@ impl Gathered {
             streams.push(field.stream("sensor_mag 0".to_owned(), MAGNETOMETERS));
         }
         let chips = self.one_chip(path, &chosen, asked)?;
-        let assumed =
-            format!("{}; m/s² with gravity, rad/s; {taken} in µs; {correction}{chips}", said.join(", "));
+        let assumed = format!(
+            "{}; m/s² with gravity, rad/s; {taken} in µs; {correction}{chips}",
+            descriptions.join(", ")
+        );
         Ok((streams, ReadAs { format: Format::Ulog, assumed, provenance: Some(provenance) }))
     }
 
-    /// The axes that the samples of a topic are in, and how they came into them.
+    /// Axes of the samples of a topic, and the rotation applied to them.
     fn frame(&self, at: usize) -> (Frame, String) {
         let rotations = &self.rotations[at];
         match rotations.iter().find(|number| rotation::of_px4(**number).is_none()) {
             Some(number) => {
-                let said = format!("in the sensor's axes: its rotation {number} is not known");
-                (Frame::Sensor, said)
+                let descriptions = format!("in the sensor's axes: its rotation {number} is not known");
+                (Frame::Sensor, descriptions)
             }
             None if rotations.iter().any(|number| *number != 0) => {
                 let numbers: Vec<String> = rotations.iter().map(u8::to_string).collect();
@@ -559,7 +560,7 @@ impl Gathered {
         }
     }
 
-    /// What else could be read.
+    /// Description of other readable devices and instances.
     fn others(&self, at: usize) -> String {
         let mut others = choice::other_instances(self.instances[at].len(), self.wanted);
         if !self.beside[at].is_empty() {
@@ -586,7 +587,7 @@ impl Gathered {
     }
 }
 
-/// None beyond 292 years.
+/// Converts µs to ns; `None` beyond 292 years.
 fn ns_of_us(us: u64) -> Option<i64> {
     i64::try_from(us).ok()?.checked_mul(1000)
 }
@@ -597,7 +598,8 @@ impl Triad {
         self.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
 
-    /// Samples of a batch: the last one is at the message's stamp, the others `dt` apart before it.
+    /// Adds the samples of a batch: the last one has the message's timestamp, the others precede it at intervals of
+    /// `dt`.
     fn take_batch(&mut self, fifo: &Fifo, stamp_ns: i64, data: &[u8], mounting: Option<&Matrix>) {
         let (Some(dt_us), Some(scale)) = (float(data, fifo.dt), float(data, fifo.scale)) else { return };
         let samples = data.get(fifo.samples).map_or(0, |n| usize::from(*n)).min(fifo.room);
@@ -615,7 +617,7 @@ impl Triad {
         }
     }
 
-    /// The period between most of its samples, ns.
+    /// Median period of the samples, ns.
     fn period_ns(&self) -> Option<f64> {
         let steps = self.stamps_ns.windows(2).map(|pair| pair[1].wrapping_sub(pair[0]) as f64);
         median_of(steps.filter(|step| *step > 0.0))
@@ -625,7 +627,7 @@ impl Triad {
         self.period_ns().is_some_and(|period_ns| period_ns <= SLOWEST_NS)
     }
 
-    /// One over it, Hz; 0 if there is none.
+    /// Rate, Hz; 0 if there is none.
     fn rate_hz(&self) -> f64 {
         self.period_ns().map_or(0.0, |period_ns| 1e9 / period_ns)
     }
