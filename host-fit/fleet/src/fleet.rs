@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::estimate::BIAS;
+use crate::estimate::{BIAS, check_regressors};
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
 use crate::odd::{Distance, FAR, devices_needed, discoveries, judge};
 use crate::population::{Member, Population};
@@ -287,6 +287,7 @@ impl Fleet {
         if fleet.schema != SCHEMA {
             return Err(not(format!("its schema is {:?}", fleet.schema)));
         }
+        check_regressors(&fleet.asked.regressors).map_err(|error| not(error.to_string()))?;
         let mut axes = fleet.parts.iter().flat_map(|part| &part.axes);
         if let Some(axis) =
             axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_complete()))
@@ -367,9 +368,10 @@ impl Fleet {
     ///
     /// # Errors
     ///
-    /// There are no rows, or a unit occurs twice.
+    /// There are no rows, a unit occurs twice, or the regressors are refused by [`check_regressors`].
     pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
         let (asked, units) = (gathered.asked()?, gathered.sorted());
+        check_regressors(&asked.regressors)?;
         Gathered::check_once(&units)?;
         Ok(Self::of_units(&units, asked, library, program))
     }
