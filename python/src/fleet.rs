@@ -5,8 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fos_data::file::write_atomically;
 use fos_data::recording::load;
-use fos_diagnose::effects::Regressor;
-use fos_fleet::{Asked, EstimateError, FleetError, Gathered, PROGRAM, Unit, UnitRow, row_of};
+use fos_fleet::{Asked, FleetError, Gathered, PROGRAM, Unit, UnitRow, check_regressors, row_of};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
@@ -20,12 +19,7 @@ use crate::work;
 type Named = (String, String, Option<String>);
 
 fn asked(py: Python<'_>, regressors: Vec<String>, diagnosed: bool) -> PyResult<Asked> {
-    for regressor in &regressors {
-        Regressor::parse(regressor).map_err(|reason| {
-            let wrong = EstimateError::Regressor { regressor: regressor.clone(), reason };
-            py_error(py, "FleetError", &wrong.to_string())
-        })?;
-    }
+    check_regressors(&regressors).map_err(|wrong| py_error(py, "FleetError", &wrong.to_string()))?;
     Ok(Asked { regressors, diagnosed, read: Default::default() })
 }
 

@@ -122,6 +122,8 @@ def test_rows_that_are_no_fleet_are_refused(line, rows):
         fos.UnitRow.from_json("[]")
     with pytest.raises(FleetError, match="is no regressor"):
         fos.unit_row(line / "u1.parquet", regressors=["temp_c:lowpas(1)"])
+    with pytest.raises(FleetError, match='"temp_c" is given twice'):
+        fos.unit_row(line / "u1.parquet", regressors=["temp_c", "temp_c"])
 
 
 def test_they_show_themselves_and_are_tables(rows):

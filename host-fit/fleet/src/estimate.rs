@@ -66,6 +66,14 @@ pub enum EstimateError {
         "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
     )]
     Regressor { regressor: String, reason: String },
+    /// A regressor occurs twice, so its correction would be subtracted twice.
+    #[error("the regressor {0:?} is given twice\nhelp: give each regressor once")]
+    DuplicateRegressor(String),
+    /// A regressor has the name of the constant coefficient.
+    #[error(
+        "the regressor {BIAS:?} has the name of the constant coefficient\nhelp: rename the column in the log or in the column map"
+    )]
+    ReservedRegressor,
     #[error(
         "{column}: {seconds:.1} s at rest in stretches long enough for means over {block_s:.1} s; its coefficients need at least {needed:.0} s\nhelp: record a longer log of the device lying still, without interruptions"
     )]
@@ -141,6 +149,27 @@ impl Estimate {
     }
 }
 
+/// Parses regressors and checks that each has a coefficient of its own.
+///
+/// # Errors
+///
+/// A regressor is invalid, occurs twice, or has the name of the bias.
+pub fn check_regressors(regressors: &[String]) -> Result<Vec<Regressor>, EstimateError> {
+    let mut parsed = Vec::new();
+    for text in regressors {
+        let unknown = |reason| EstimateError::Regressor { regressor: text.clone(), reason };
+        let regressor = Regressor::parse(text).map_err(unknown)?;
+        if text == BIAS {
+            return Err(EstimateError::ReservedRegressor);
+        }
+        if parsed.contains(&regressor) {
+            return Err(EstimateError::DuplicateRegressor(text.clone()));
+        }
+        parsed.push(regressor);
+    }
+    Ok(parsed)
+}
+
 /// Estimates the bias and the coefficients of `regressors` of an axis (a column) from the rows at rest of a log in one or several
 /// orientations.
 ///
@@ -150,7 +179,8 @@ impl Estimate {
 ///
 /// # Errors
 ///
-/// A column is missing, a regressor is invalid, the time at rest is too short, or the device moves throughout the log.
+/// A column is missing, the regressors are refused by [`check_regressors`], the time at rest is too short, or the device moves throughout
+/// the log.
 pub fn estimate(
     recording: &Recording,
     column: &str,
@@ -171,10 +201,8 @@ pub fn estimate(
     let has_bias = !pose::has_unknown_level(column, &log.error_series(column)?.reference);
     let inputs = Inputs::new(&log);
     let mut columns = vec![vec![1.0; blocks.len()]];
-    for text in regressors {
-        let unknown = |reason| EstimateError::Regressor { regressor: text.clone(), reason };
-        let regressor = Regressor::parse(text).map_err(unknown)?;
-        columns.push(blocks.means(&inputs.regressor(&regressor)?));
+    for regressor in &check_regressors(regressors)? {
+        columns.push(blocks.means(&inputs.regressor(regressor)?));
     }
     // Centred, so that a large offset does not cost digits of the noise.
     let mean = reduced.means.iter().sum::<f64>() / reduced.means.len() as f64;

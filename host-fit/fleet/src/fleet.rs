@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::estimate::BIAS;
+use crate::estimate::{BIAS, check_regressors};
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
 use crate::odd::{Distance, FAR, devices_needed, discoveries, judge};
 use crate::population::{Member, Population};
@@ -201,7 +201,7 @@ struct StoredRow {
 ///
 /// # Errors
 ///
-/// The rows cannot be stored. A unit that cannot be read is no error: its row has the reason.
+/// The rows cannot be stored, or the file has other content. A unit that cannot be read is no error: its row has the reason.
 pub fn rows(
     units: &[Unit],
     asked: &Asked,
@@ -212,10 +212,9 @@ pub fn rows(
     progress: impl Fn(usize) + Sync,
 ) -> Result<Vec<UnitRow>, FleetError> {
     let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
-    let known =
-        known_rows(rows_path).map_err(failed)?.ok_or_else(|| FleetError::NotRows(rows_path.to_owned()))?;
+    let Known { rows: known, in_line } = known_rows(rows_path)?;
     let file = OpenOptions::new().create(true).append(true).open(rows_path).map_err(failed)?;
-    let (file, done) = (Mutex::new(file), AtomicUsize::new(0));
+    let (file, done) = (Mutex::new(RowsFile { file, in_line }), AtomicUsize::new(0));
     let stored: Vec<StoredRow> = units
         .par_iter()
         .map(|unit| {
@@ -224,10 +223,9 @@ pub fn rows(
                 Some(row) => StoredRow { key, row: row.clone() },
                 None => {
                     let stored = StoredRow { key, row: unit_row(unit, asked, library, program) };
-                    // One write per line: other threads append too.
                     let line = line_of(&stored);
                     let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                    file.write_all(&line).and_then(|()| file.flush()).map_err(failed)?;
+                    file.append(&line).map_err(failed)?;
                     stored
                 }
             };
@@ -246,18 +244,65 @@ fn line_of(stored: &StoredRow) -> Vec<u8> {
     line
 }
 
-/// Stored rows by key; a truncated last line is ignored. None if the file has other content.
-fn known_rows(rows_path: &Path) -> std::io::Result<Option<HashMap<String, UnitRow>>> {
-    let file = match File::open(rows_path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Some(HashMap::new())),
-        file => file?,
-    };
-    let (mut known, mut lines) = (HashMap::new(), 0);
-    for line in BufReader::new(file).split(b'\n') {
-        known.extend(serde_json::from_slice::<StoredRow>(&line?).map(|stored| (stored.key, stored.row)));
-        lines += 1;
+/// File to which rows are appended.
+struct RowsFile {
+    file: File,
+    /// The file does not end with a newline, after an interruption or a failed write.
+    in_line: bool,
+}
+
+impl RowsFile {
+    /// Appends a line. A line that was cut off is ended first, because a row behind it on the same line would be unreadable.
+    fn append(&mut self, line: &[u8]) -> std::io::Result<()> {
+        if std::mem::replace(&mut self.in_line, true) {
+            self.file.write_all(b"\n")?;
+        }
+        self.file.write_all(line)?;
+        self.in_line = false;
+        Ok(())
     }
-    Ok((lines <= 1 || !known.is_empty()).then_some(known))
+}
+
+/// Content of a file of rows.
+#[derive(Default)]
+struct Known {
+    /// Rows by key.
+    rows: HashMap<String, UnitRow>,
+    /// The file does not end with a newline.
+    in_line: bool,
+}
+
+/// Reads the stored rows; truncated lines are ignored.
+///
+/// # Errors
+///
+/// The file cannot be read, or has other content than rows.
+fn known_rows(rows_path: &Path) -> Result<Known, FleetError> {
+    let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
+    let file = match File::open(rows_path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Known::default()),
+        file => file.map_err(failed)?,
+    };
+    let (mut known, mut is_foreign) = (Known::default(), false);
+    let (mut file, mut line) = (BufReader::new(file), Vec::new());
+    while file.read_until(b'\n', &mut line).map_err(failed)? > 0 {
+        known.in_line = line.pop_if(|byte| *byte == b'\n').is_none();
+        match serde_json::from_slice::<StoredRow>(&line) {
+            Ok(StoredRow { key, row }) => drop(known.rows.insert(key, row)),
+            Err(error) => is_foreign |= !(error.is_eof() && is_start_of_row(&line)),
+        }
+        line.clear();
+    }
+    if is_foreign && known.rows.is_empty() {
+        return Err(FleetError::NotRows(rows_path.to_owned()));
+    }
+    Ok(known)
+}
+
+/// A truncated line of [`line_of`] starts with the key, or is shorter.
+fn is_start_of_row(line: &[u8]) -> bool {
+    const START: &[u8] = b"{\"key\":\"";
+    line.starts_with(START) || START.starts_with(line)
 }
 
 /// Digest of everything a row depends on: name, size and modification time of its logs, settings, program and library.
@@ -287,6 +332,7 @@ impl Fleet {
         if fleet.schema != SCHEMA {
             return Err(not(format!("its schema is {:?}", fleet.schema)));
         }
+        check_regressors(&fleet.asked.regressors).map_err(|error| not(error.to_string()))?;
         let mut axes = fleet.parts.iter().flat_map(|part| &part.axes);
         if let Some(axis) =
             axes.find(|axis| axis.population.as_ref().is_some_and(|found| !found.is_complete()))
@@ -327,10 +373,11 @@ impl Fleet {
     ///
     /// # Errors
     ///
-    /// An element is not a row, the rows do not belong to the population, or a file cannot be written. Nothing is written before all
-    /// rows are checked.
+    /// An element is not a row, the rows do not belong to the population, the file of the rows has other content, or a file cannot be
+    /// written. Nothing is written before all rows are checked.
     pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
         let rows_path = rows_beside(path);
+        known_rows(&rows_path)?;
         let (mut gathered, mut lines) = (Gathered::default(), Vec::new());
         for (index, row) in rows.iter().enumerate() {
             let wrong = |reason: &dyn ToString| FleetError::NotARow {
@@ -367,9 +414,10 @@ impl Fleet {
     ///
     /// # Errors
     ///
-    /// There are no rows, or a unit occurs twice.
+    /// There are no rows, a unit occurs twice, or the regressors are refused by [`check_regressors`].
     pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
         let (asked, units) = (gathered.asked()?, gathered.sorted());
+        check_regressors(&asked.regressors)?;
         Gathered::check_once(&units)?;
         Ok(Self::of_units(&units, asked, library, program))
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, EstimateError};
 use crate::row::{Asked, AxisRow, UnitRow};
 
 /// Schema of [`Gathered::to_bytes`].
@@ -46,6 +46,9 @@ pub enum GatheredError {
         "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
     NotWhole { unit: String, column: String },
+    /// The regressors of the rows are invalid.
+    #[error(transparent)]
+    Regressors(#[from] EstimateError),
     /// Bytes that are not gathered rows.
     #[error("not gathered rows: {0}\nhelp: gather the rows again with this version")]
     NotGathered(String),

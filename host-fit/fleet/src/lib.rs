@@ -16,7 +16,7 @@ mod row;
 mod ship;
 mod tails;
 
-pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, estimate};
+pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, check_regressors, estimate};
 pub use fleet::{
     AxisSummary, DuplicateUnit, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary,
     SCHEMA, rows, rows_beside,

@@ -16,8 +16,12 @@ const LONGEST: u64 = 4096;
 /// Number of bytes without a valid frame after which the stream is refused: some twenty seconds of a serial port at 115200 baud.
 const STRANGE: u64 = 1 << 18;
 
-/// A tick that decreases by more than this is a restart, not a wrapped counter.
-const RESTART: u32 = 1 << 31;
+/// Largest increase of the tick from one sample to the next; a larger one is a restart.
+const MAX_INCREASE: u32 = 1 << 31;
+
+/// Largest increase across a wrap of the counter: 3.9 days at 200 Hz. The tick of a restarted device decreases too, and as a wrap it would
+/// be a gap of up to months.
+const MAX_INCREASE_IN_WRAP: u32 = 1 << 26;
 
 /// A stream cannot be converted into a log.
 #[derive(Debug, thiserror::Error)]
@@ -189,17 +193,20 @@ impl Log {
         }
         let ticks = match self.tick {
             None => 0,
-            Some((ticks, counter)) => match sample.tick.wrapping_sub(counter) {
-                0 => return,
-                ahead if ahead < RESTART => {
-                    self.report.lost += u64::from(ahead) - 1;
-                    ticks + u64::from(ahead)
+            Some((ticks, counter)) => {
+                let limit = if sample.tick < counter { MAX_INCREASE_IN_WRAP } else { MAX_INCREASE };
+                match sample.tick.wrapping_sub(counter) {
+                    0 => return,
+                    ahead if ahead < limit => {
+                        self.report.lost += u64::from(ahead) - 1;
+                        ticks + u64::from(ahead)
+                    }
+                    _ => {
+                        self.report.restarts += 1;
+                        ticks + 1
+                    }
                 }
-                _ => {
-                    self.report.restarts += 1;
-                    ticks + 1
-                }
-            },
+            }
         };
         self.tick = Some((ticks, sample.tick));
         self.report.samples += 1;
@@ -371,6 +378,29 @@ mod tests {
         [500, 501, 0, 1].map(sample).iter().for_each(|frame| bytes.extend(frame));
         let restarted = read(&bytes);
         assert_eq!(column(&restarted, "segment"), [0.0, 0.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn detects_restart_at_any_counter_value() {
+        let lost_and_restarts = |ticks: [u32; 2]| {
+            let bytes = [stream(&[Frame::Start(START)]), ticks.map(sample).concat()].concat();
+            let Report { lost, restarts, .. } = read(&bytes).report;
+            (lost, restarts)
+        };
+        let half = 1 << 31;
+        for before in [1, half - 1, half, half + 1, 3_000_000_000, 4_200_000_000] {
+            for after in [0, 40].into_iter().filter(|after| *after < before) {
+                assert_eq!(lost_and_restarts([before, after]), (0, 1), "{before} to {after}");
+            }
+        }
+        // A wrap with and without lost samples.
+        assert_eq!(lost_and_restarts([u32::MAX, 0]), (0, 0));
+        assert_eq!(lost_and_restarts([u32::MAX - 5, 10]), (15, 0));
+        let longest = MAX_INCREASE_IN_WRAP - 1;
+        assert_eq!(lost_and_restarts([longest.wrapping_neg(), 0]), (u64::from(longest) - 1, 0));
+        assert_eq!(lost_and_restarts([longest.wrapping_neg(), 1]), (0, 1));
+        // Without a wrap, the tick increases, so the gap may be long.
+        assert_eq!(lost_and_restarts([7, half]), (u64::from(half) - 8, 0));
     }
 
     #[test]

@@ -491,7 +491,7 @@ def unit_row(
         shown_as: What reasons in `failed` call the files, where they are copies of others.
 
     Raises:
-        FleetError: A regressor that cannot be read.
+        FleetError: A regressor that cannot be read, or that is given twice.
         RecordingError: A map or a format that cannot be.
         EffectError: A file that is no effect.
     """

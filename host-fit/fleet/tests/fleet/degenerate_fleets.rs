@@ -3,7 +3,7 @@
 use crate::drawn::{asked, row};
 use fos_data::recording::Recording;
 use fos_diagnose::effects::Library;
-use fos_fleet::{Fleet, Unit, UnitRow, row_of};
+use fos_fleet::{Fleet, Gathered, Unit, UnitRow, check_regressors, row_of};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
@@ -248,4 +248,27 @@ fn panic_on_a_log_is_reported_in_its_row() {
     let row = row_of(&unit, read, &asked(), &Library::built_in(), "a test");
     assert!(row.axes.is_empty() && row.failed.len() == 2, "{row:?}");
     assert!(row.failed[0].contains("index out of bounds") && row.failed[0].contains("help: "), "{row:?}");
+}
+
+#[test]
+fn rejects_regressors_with_the_same_coefficient() {
+    let message = |regressors: &[&str]| {
+        let regressors: Vec<String> = regressors.iter().map(|text| (*text).to_owned()).collect();
+        check_regressors(&regressors).err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    assert_eq!(message(&["temp_c", "temp_c * temp_c", "temp_c:lowpass(60)"]), "");
+    for (twice, named) in [
+        (["temp_c", "temp_c"], "\"temp_c\" is given twice"),
+        (["temp_c * temp_c", "temp_c*temp_c"], "\"temp_c*temp_c\" is given twice"),
+        (["temp_c", "bias"], "\"bias\" has the name of the constant coefficient"),
+    ] {
+        let message = message(&twice);
+        assert!(message.contains(named) && message.contains("help: "), "{twice:?}: {message}");
+    }
+    // Rows of an earlier version may have the regressor twice.
+    let rows = rows(5, |_, row| row.asked.regressors.push("temp_c".to_owned()));
+    let mut gathered = Gathered::default();
+    rows.iter().for_each(|row| gathered.add(row).expect("a row"));
+    let refused = Fleet::of_gathered(&gathered, &Library::built_in(), "a test");
+    assert!(refused.is_err_and(|error| error.to_string().contains("\"temp_c\" is given twice")));
 }

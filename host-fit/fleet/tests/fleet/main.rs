@@ -7,3 +7,4 @@ mod of_logs;
 mod population;
 mod ship;
 mod small_fleets;
+mod stored_rows;

@@ -10,9 +10,9 @@ use crate::cli::units::{Units, UnitsOption, counted, percent, three};
 use crate::program::this_build;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
-use fos_diagnose::effects::{Regressor, SizeUnit};
+use fos_diagnose::effects::SizeUnit;
 use fos_fleet::{
-    Asked, AxisSummary, BIAS, EstimateError, FALSE_ODD, PROGRAM, PartSummary, rows, rows_beside, units_in,
+    Asked, AxisSummary, BIAS, FALSE_ODD, PROGRAM, PartSummary, check_regressors, rows, rows_beside, units_in,
 };
 
 /// The devices, and the files to write.
@@ -45,10 +45,7 @@ pub(super) struct Make {
 impl Make {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let library = library(&self.effects)?;
-        for regressor in &self.regressors {
-            Regressor::parse(regressor)
-                .map_err(|reason| EstimateError::Regressor { regressor: regressor.clone(), reason })?;
-        }
+        check_regressors(&self.regressors)?;
         let units = units_in(self.folder.as_deref().ok_or("no folder")?)?;
         let asked = Asked {
             regressors: self.regressors.clone(),
