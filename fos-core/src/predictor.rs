@@ -160,7 +160,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 
     /// Predicts the error of the next tick without a sample. Same as [`coast`](Self::coast), but not bounded by the gap
-    /// limit. `corrected` is the latest measured value minus the prediction.
+    /// limit. `corrected` is the latest measured value minus the prediction, with the flags of that value if it was not
+    /// finite, saturated or stuck. If it was not finite, or there was no sample yet, the last corrected value is repeated and
+    /// flagged [`NOT_FINITE`](crate::Validity::NOT_FINITE).
     ///
     /// ```
     /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample, Term, y};
