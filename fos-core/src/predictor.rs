@@ -201,7 +201,8 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
         self.evaluator.skip(ticks, &mut self.corrections);
-        self.latest()
+        self.begun |= ticks > 0;
+        self.corrections()
     }
 
     /// Starts the clocks at `ticks` after power-on, so that a model loaded later has the right phase of the warm-up. Call

@@ -1,8 +1,8 @@
 //! Bad samples, gaps and restarts: the output stays finite and is flagged, and their effect vanishes.
 
 use fos_core::{
-    AxisParameters, Correction, Fixed, Input, Predictor, Quantity, Range, Real, Sample, Scalar, Source, Term,
-    Transform, Validity, u, y,
+    AxisParameters, Correction, Evaluator, Fixed, Input, Predictor, Quantity, Range, Real, Sample, Scalar,
+    Source, Term, Transform, Validity, u, y,
 };
 use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
 use fos_testkit::noise::Noise;
@@ -427,6 +427,49 @@ fn forecast_without_a_usable_sample_is_finite_and_flagged() {
 #[test]
 fn forecast_without_a_usable_sample_is_finite_and_flagged_in_fixed_point() {
     assert_forecasts_show_the_fault_of_the_latest_sample::<Fixed>();
+}
+
+#[test]
+fn evaluator_does_nothing_without_room_for_the_corrections() {
+    let model = with_temperature::<f32>();
+    let mut evaluator = Evaluator::<f32, 2, 1, 16, 32>::empty();
+    model.borrow(|model| evaluator.load(model)).unwrap();
+    let mut noise = Noise::new(13);
+    let mut room = [Correction::NONE; 2];
+    for _ in 0..20 {
+        let measured = noisy(&mut noise);
+        evaluator.track_some(&Sample { measured: &measured, quantities: &[0.7] }, u32::MAX, &mut room);
+    }
+    let mut untouched = evaluator.clone();
+    let mut short = [Correction::NONE; 1];
+    let measured = noisy(&mut noise);
+    for ticks in [1, 5, 6, 7, 1000, u32::MAX] {
+        evaluator.skip(ticks, &mut short);
+        evaluator.forecast(&[0.1], &mut short);
+        evaluator.track_some(&Sample { measured: &measured, quantities: &[0.1] }, 1, &mut short);
+        assert_eq!(short, [Correction::NONE; 1]);
+    }
+    for n in 0..5 {
+        let measured = noisy(&mut noise);
+        let sample = Sample { measured: &measured, quantities: &[0.7] };
+        let mut expected = room;
+        evaluator.track_some(&sample, u32::MAX, &mut room);
+        untouched.track_some(&sample, u32::MAX, &mut expected);
+        assert_eq!(room, expected, "{n}");
+        assert!(room[0].validity.is_valid(), "{n}: {room:?}");
+    }
+}
+
+#[test]
+fn skipping_no_ticks_shows_no_corrections_of_an_earlier_model() {
+    let model = with_temperature::<f32>();
+    let mut predictor = model.predictor().unwrap();
+    step(&mut predictor, Mode::Track, &[9.81; 2], &[0.0]);
+    let latest = predictor.corrections().to_vec();
+    assert_eq!(predictor.skip(0), latest);
+    model.borrow(|model| predictor.load(model)).unwrap();
+    assert_eq!(predictor.skip(0), []);
+    assert_eq!(predictor.skip(1).len(), 2);
 }
 
 #[test]
