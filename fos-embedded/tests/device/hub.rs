@@ -229,6 +229,41 @@ fn model_loaded_later_has_the_phase_of_the_warm_up() {
     }
 }
 
+/// Regression: the count of ticks wrapped, and a model loaded after 248 days at 200 Hz began with a full warm-up.
+#[test]
+fn model_loaded_after_the_tick_counter_wrapped_has_no_warm_up() {
+    let warm_up = Input {
+        source: Source::Clock,
+        transform: Transform::Decay { tau_s: 5.0 },
+        centre: 0.0,
+        scale: 1.0,
+        source_range: Range::new(0.0, 0.0),
+        range: Range::new(0.0, 1.0),
+    };
+    let physical = [Term::new(0.5, &[u(0, 0)])];
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &physical, stochastic: &[] }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[],
+        inputs: &[warm_up],
+        axes: &axes,
+    };
+    let mut hub = TestHub::new(SCALES);
+    let mut random = Random(9);
+    // the counter is then at its largest value, at 0, and beyond
+    for (skipped, tick) in [(u32::MAX - 2, u32::MAX - 2), (0, u32::MAX - 1), (0, u32::MAX), (0, 0), (0, 1)] {
+        let output = *hub.update(&RawSample { skipped, ..random.at_rest() });
+        assert_eq!(output.tick, tick, "telemetry wraps");
+        let mut late = hub.clone();
+        late.load_model(&model).expect("a model");
+        let output = *late.update(&random.at_rest());
+        assert!(output.validity()[3].is_valid());
+        assert!((output.predicted()[3] - OFFSET[3]).abs() < 1e-7, "{tick}: {}", output.predicted()[3]);
+    }
+}
+
 #[test]
 fn skipped_samples_set_the_gap_fault() {
     let mut hub = still(&MADE);
