@@ -4,7 +4,7 @@ use crate::models::{
     self, AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters,
 };
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Input, Model, Predictor,
+    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Info, Input, Model, Predictor,
     Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
@@ -497,6 +497,31 @@ fn uses_given_quantities_and_flags_absent_ones() {
     let info = Image::parse(&bytes).expect("an image").info();
     assert_eq!(hub.columns::<32>(&info).as_deref(), Some("temp_c\nsupply_v"));
     assert_eq!(hub.columns::<8>(&info), None);
+}
+
+/// Regression: at most 17 values were logged, but all names were, and the host rejected every sample.
+#[test]
+fn logs_as_many_values_as_names_for_the_largest_model() {
+    const LARGEST: usize = 32;
+    let mut hub = Hub::<LARGEST, 8, 64>::new(SCALES);
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &[], stochastic: &[] }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[Quantity::Other; LARGEST],
+        inputs: &[],
+        axes: &axes,
+    };
+    hub.load_model(&model).expect("a model for this sensor");
+    for index in 0..LARGEST {
+        assert!(hub.give_application(index, index as f32));
+    }
+    let _ = hub.update(&Random(1).at_rest());
+    let columns = hub.columns::<512>(&Info::default()).expect("room");
+    let logged = hub.logged();
+    assert_eq!(logged.len(), columns.lines().count());
+    assert!(logged.iter().skip(1).copied().eq((0..LARGEST).map(|index| index as f32)), "{logged:?}");
 }
 
 #[test]
