@@ -331,7 +331,9 @@ impl<R: Scalar> RunningAxis<R> {
     #[cold]
     pub(crate) fn forecast(&mut self, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
-        self.extrapolate(stochastic, self.last_measured, validity, correction);
+        // NaN before the first sample
+        let fault = self.fault(self.last_measured, self.last_measured);
+        self.extrapolate(stochastic, self.last_measured, validity | fault, correction);
     }
 
     /// Processes a missing sample.

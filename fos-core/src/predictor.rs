@@ -160,7 +160,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 
     /// Predicts the error of the next tick without a sample. Same as [`coast`](Self::coast), but not bounded by the gap
-    /// limit. `corrected` is the latest measured value minus the prediction.
+    /// limit. `corrected` is the latest measured value minus the prediction, with the flags of that value if it was not
+    /// finite, saturated or stuck. If it was not finite, or there was no sample yet, the last corrected value is repeated and
+    /// flagged [`NOT_FINITE`](crate::Validity::NOT_FINITE).
     ///
     /// ```
     /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample, Term, y};
@@ -199,7 +201,8 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
         self.evaluator.skip(ticks, &mut self.corrections);
-        self.latest()
+        self.begun |= ticks > 0;
+        self.corrections()
     }
 
     /// Starts the clocks at `ticks` after power-on, so that a model loaded later has the right phase of the warm-up. Call

@@ -1,5 +1,5 @@
 /*
- * fos: takes the error out of the samples of a six-axis inertial sensor, by a model that was fitted before.
+ * fos: removes the bias drift from the samples of a six-axis inertial sensor, with a model fitted beforehand.
  *
  *     static uint64_t memory[FOS_HUB_BYTES / 8];
  *     fos_hub *hub;
@@ -7,27 +7,27 @@
  *     if (status == FOS_STATUS_OK)
  *         status = fos_hub_load(hub, image, image_length);
  *     if (status != FOS_STATUS_OK)
- *         return report(status); // or go on: with a model refused the hub corrects nothing, and every output says so
+ *         return report(status); // or continue: without a model the hub corrects nothing, and flags every output
  *     for (;;) {
  *         read_sensor(&raw);
- *         (void)fos_hub_update(hub, &raw, &output); // refuses NULL and misaligned pointers only
+ *         (void)fos_hub_update(hub, &raw, &output); // fails only on NULL and misaligned pointers
  *         use(&output); // flags: output.validity, output.faults
  *     }
  *
- * What holds for every function:
+ * Rules for every function:
  *
- * - Memory is the caller's. Nothing is allocated and nothing is kept of what is passed but the memory of the hub
- *   itself. A pointer leads to one object of its type, or to as many bytes as the length beside it says; these do not
- *   overlap the hub. A `fos_hub *` is one that fos_hub_init() gave out. That much cannot be checked here. The same holds
- *   of streams and fos_streams_init(), of a store and fos_store_init().
- * - Checked is: NULL, alignment, lengths that no memory can have, numbers that stand for nothing. What is refused has a
- *   status, and nothing was done but what the function says. No function panics or aborts: the linker shows it of all but
- *   the store's, tests with damaged flash of those. None waits but for the functions of a flash.
- * - Threads: a hub (or streams, or a store) is in one call at a time; calls from an interrupt and a task need a lock of
- *   the caller's. Different hubs do not know of each other: there is no global state. Functions without a hub can be
- *   called at any time.
- * - Units are in the comment of every number: SI, but degrees Celsius. An interrupt that calls fos_hub_update() must
- *   save the registers of the floating-point unit, if there is one.
+ * - Memory belongs to the caller. Nothing is allocated, and apart from the memory of the hub itself nothing that is passed
+ *   is used after the call. A pointer must point to one object of its type, or to as many bytes as the length next to it
+ *   states; these must not overlap the hub. A `fos_hub *` must come from fos_hub_init(). None of this can be checked here.
+ *   The same applies to streams and fos_streams_init(), and to a store and fos_store_init(); a store also uses the
+ *   functions and the context of its flash later.
+ * - Checked are NULL, alignment, impossible lengths and invalid numbers. A rejected call returns a status and has no effect
+ *   except as documented. No function panics or aborts: the linker proves it for all functions but those of the store,
+ *   which are tested with damaged flash. No function waits, except for the functions of a flash.
+ * - Threads: a hub (or streams, or a store) must be in one call at a time; calls from an interrupt and a task need a lock.
+ *   Different hubs are independent: there is no global state. Functions without a hub can be called at any time.
+ * - The comment of every number has its unit: SI, but degrees Celsius. An interrupt that calls fos_hub_update() must save
+ *   the registers of the floating-point unit, if there is one.
  *
  * Generated from fos-embedded/src/c_api; do not edit. FOS_WRITE_HEADER=1 cargo test -p fos-embedded --test device c_header::
  */
@@ -38,11 +38,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Version of this interface: raised with what is added. What a header before declares stays as it is, so that a program
-// compiled with it links and runs unchanged: with a library whose fos_api_version() is this or more.
+// Version of this interface, incremented with every addition. Existing declarations never change, so a program compiled
+// with this header links and runs with every library whose fos_api_version() is this or higher.
 #define FOS_API_VERSION 1
 
-// Axes of a sensor, at these places of every array of six: accelerometer x, y, z, then gyro x, y, z.
+// Number of axes of a sensor, in the order of every array of six: accelerometer x, y, z, then gyro x, y, z.
 #define FOS_AXES 6
 
 // Accelerometer x.
@@ -63,34 +63,34 @@
 // Gyro z.
 #define FOS_GZ 5
 
-// A hub takes models of at most so many inputs, and as many logged quantities.
+// Largest number of inputs, and of logged quantities, of a model.
 #define FOS_MAX_INPUTS 16
 
-// A hub takes models of at most so many terms, all axes together.
+// Largest number of terms of a model, over all axes.
 #define FOS_MAX_TERMS 128
 
-// A hub holds so many values of history: at least (longest lag) x (inputs + axes) + inputs of a model.
+// Values in the history of a hub; a model needs (longest lag) x (inputs + axes) + inputs.
 #define FOS_MAX_HISTORY 256
 
-// Validity: nothing speaks against the value.
+// Validity: no reason against the value.
 #define FOS_VALIDITY_VALID 0
 
-// Validity: the history is not full yet; only the part of the error that inputs explain is taken out.
+// Validity: the history is not full yet; only the part of the error that inputs explain is subtracted.
 #define FOS_VALIDITY_WARMING_UP 1
 
-// Validity: some of the history is the model's own prediction; normal in motion and for a few samples after it.
+// Validity: part of the history is the model's own prediction; normal in motion and for a few samples after it.
 #define FOS_VALIDITY_OWN_HISTORY 2
 
-// Validity: in motion for longer than the model was validated for; the predicted part fades out.
+// Validity: the motion has lasted longer than the model was validated for; the predicted part fades out.
 #define FOS_VALIDITY_COASTING_TOO_LONG 4
 
-// Validity: the error is far outside what was seen while fitting; it was limited.
+// Validity: the error is far outside its fitted range; it was limited.
 #define FOS_VALIDITY_OUTPUT_OUT_OF_RANGE 8
 
-// Validity: an input, or the inputs together, are outside what was seen while fitting; the edge of that range was used.
+// Validity: an input, or the part that inputs explain, is outside its fitted range; the edge of the range was used.
 #define FOS_VALIDITY_INPUT_OUT_OF_RANGE 16
 
-// Validity: the measured value is not finite; the corrected value before is repeated.
+// Validity: the measured value is not finite; the previous corrected value is repeated.
 #define FOS_VALIDITY_NOT_FINITE 32
 
 // Validity: a logged quantity is not finite or was never given; its last finite value was used.
@@ -105,27 +105,26 @@
 // Validity: there was no sample.
 #define FOS_VALIDITY_MISSING 512
 
-// Validity: the model does not have this axis, or there is no model; nothing was taken out.
+// Validity: the model does not have this axis, or there is no model; nothing was subtracted.
 #define FOS_VALIDITY_NOT_MODELLED 1024
 
-// Validity: at rest the three accelerometers together, corrected, were further from gravity than as measured: the
-// model was fitted to something else. It stays until a rest of some seconds shows otherwise.
+// Validity: at rest, the corrected vector of the three accelerometers was further from gravity than the measured one: the
+// model was fitted to other data. Persists until a rest of a few seconds passes the check.
 #define FOS_VALIDITY_AWAY_FROM_GRAVITY 2048
 
-// Fault, as all of them since the sample before: a transfer over the bus failed.
+// Fault (all faults refer to the time since the previous sample): a bus transfer failed.
 #define FOS_FAULT_BUS 1
 
-// Fault: the sensor's FIFO ran over; samples are lost.
+// Fault: the FIFO of the sensor overran; samples were lost.
 #define FOS_FAULT_OVERRUN 2
 
-// Fault: samples are missing; fos_raw_sample.skipped says how many. The hub sets it itself where that is more than
-// none.
+// Fault: samples are missing; fos_raw_sample.skipped holds their number. The hub sets it itself if that is above 0.
 #define FOS_FAULT_GAP 4
 
-// Fault: the sensor had been reset, was set up anew, or the clock of its stamps was set back.
+// Fault: the sensor was reset or set up again, or the clock of its timestamps was set back.
 #define FOS_FAULT_RESET 8
 
-// Fault: the sensor does not say that it is the part it should be.
+// Fault: the identity of the sensor does not match the expected part.
 #define FOS_FAULT_WRONG_PART 16
 
 // Fault: all axes have repeated the same codes for longer than noise allows.
@@ -134,101 +133,101 @@
 // Fault: at least one axis is at full scale. The hub sets it itself.
 #define FOS_FAULT_SATURATED 64
 
-// Fault: the thermometer says that it has nothing to say.
+// Fault: the thermometer reports an invalid value.
 #define FOS_FAULT_TEMPERATURE 128
 
-// Fault: the sensor's true sample rate is further than 1 % from the model's, or the clock that tells was set back.
-// The hub sets it itself.
+// Fault: the true sampling rate of the sensor differs from that of the model by more than 1 %, or the application's clock
+// was set back. The hub sets it itself.
 #define FOS_FAULT_RATE 256
 
-// The codes are as the sensor gives them.
+// Kind of values: raw sensor output.
 #define FOS_VALUES_RAW 0
 
-// The codes are after a correction by the factory or the driver.
+// Kind of values: corrected by the factory calibration or the driver.
 #define FOS_VALUES_FACTORY_CORRECTED 1
 
 // Drift: the mean of the innovation has shifted.
 #define FOS_DRIFT_MEAN 1
 
-// Drift: the variance of the innovation has grown.
+// Drift: the variance of the innovation has increased.
 #define FOS_DRIFT_VARIANCE 2
 
-// Bytes that are enough for a hub on every target: for memory that is reserved when compiling.
+// Bytes that suffice for a hub on every target, for memory reserved at compile time.
 #define FOS_HUB_BYTES 7168
 
-// An alignment that is enough for a hub on every target, in bytes.
+// Alignment that suffices for a hub on every target, in bytes.
 #define FOS_HUB_ALIGN 8
 
-// Bytes that every frame of telemetry fits.
+// Bytes that suffice for every telemetry frame.
 #define FOS_TELEMETRY_BYTES 512
 
-// Samples of gyros and of accelerometers that are queued: a batch must go in.
+// Capacity of the queues of gyros and accelerometers, samples each; a batch must fit.
 #define FOS_STREAMS_DEPTH 64
 
-// Bytes that are enough for streams on every target: for memory that is reserved when compiling.
+// Bytes that suffice for streams on every target, for memory reserved at compile time.
 #define FOS_STREAMS_BYTES 3584
 
-// An alignment that is enough for streams on every target, in bytes.
+// Alignment that suffices for streams on every target, in bytes.
 #define FOS_STREAMS_ALIGN 8
 
-// The longest image that a store of six pages and more takes, bytes: it fits a page with what the store puts before it. A
-// store of four or five pages takes half a page, 2027 bytes.
+// Longest image in a store of six or more pages, bytes: one page minus the overhead of the store. A store of four or five
+// pages holds images of up to half a page, 2027 bytes.
 #define FOS_STORE_IMAGE_BYTES 4067
 
-// Bytes that are enough for a store on every target: for memory that is reserved when compiling.
+// Bytes that suffice for a store on every target, for memory reserved at compile time.
 #define FOS_STORE_BYTES 4224
 
-// An alignment that is enough for a store on every target, in bytes.
+// Alignment that suffices for a store on every target, in bytes.
 #define FOS_STORE_ALIGN 8
 
-// What a call came to. Every function says which of these it returns, and what that means for it.
+// Result of a call. Every function lists the values that it returns, with their meaning.
 enum fos_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // Done.
+    // Success.
     FOS_STATUS_OK = 0,
-    // A pointer is NULL that must not be.
+    // A required pointer is NULL.
     FOS_STATUS_NULL = 1,
-    // A pointer is not aligned for what it should lead to.
+    // A pointer is not aligned for its type.
     FOS_STATUS_MISALIGNED = 2,
-    // A number stands for nothing, is not finite, or describes memory that cannot be.
+    // A number is invalid or not finite, or describes an impossible memory range.
     FOS_STATUS_ARGUMENT = 3,
-    // The memory or buffer handed in is too small.
+    // The memory or buffer passed in is too small.
     FOS_STATUS_NO_ROOM = 4,
     // The loaded model has no such quantity or axis.
     FOS_STATUS_NOT_IN_MODEL = 5,
-    // It is not known yet.
+    // The value is not known yet.
     FOS_STATUS_NOT_KNOWN = 6,
     // Loading: fewer bytes than the image has.
     FOS_STATUS_TRUNCATED = 7,
-    // Loading: it does not start as a model image does.
+    // Loading: the bytes do not start like a model image.
     FOS_STATUS_NOT_AN_IMAGE = 8,
-    // Loading: an image of a format version, or with flags, that this library does not know.
+    // Loading: the format version or a flag of the image is unknown to this library.
     FOS_STATUS_OTHER_VERSION = 9,
-    // Loading: more bytes than the image, or a part of it, has.
+    // Loading: more bytes than the image, or a part of it, should have.
     FOS_STATUS_TRAILING_BYTES = 10,
     // Loading: the checksum does not match.
     FOS_STATUS_DAMAGED = 11,
-    // Loading: the checksum is right, but what it covers is not a model that can be run.
+    // Loading: the checksum is correct, but the contents are not a usable model.
     FOS_STATUS_UNUSABLE = 12,
     // Loading: the model needs more than FOS_MAX_INPUTS, FOS_MAX_TERMS or FOS_MAX_HISTORY.
     FOS_STATUS_TOO_LARGE = 13,
-    // Loading: the model was fitted on raw values and the sensor gives corrected ones, or the other way round: a
-    // correction would be applied twice, or not at all.
+    // Loading: the model was fitted on raw values and the sensor gives corrected ones, or the reverse: a correction would
+    // be applied twice, or not at all.
     FOS_STATUS_OTHER_VALUES = 14,
-    // Loading: the model was fitted at a sample period that is further than 10 % from the sensor's.
+    // Loading: the sample period of the model differs from that of the sensor by more than 10 %.
     FOS_STATUS_OTHER_PERIOD = 15,
-    // Loading: an axis of the model is none of the sensor's six, or is there twice.
+    // Loading: an axis of the model is not one of the sensor's six, or occurs twice.
     FOS_STATUS_OTHER_AXIS = 16,
-    // Loading: a quantity of the model is measured by an axis that is none of the sensor's six.
+    // Loading: a quantity of the model is measured by an axis that is not one of the sensor's six.
     FOS_STATUS_OTHER_QUANTITY = 17,
-    // Streams: a stamp that does not increase, or a value that is not finite.
+    // Streams: the timestamp does not increase, or a value is not finite.
     FOS_STATUS_NOT_TAKEN = 18,
-    // Store: a function of the flash failed, or what is there is beyond repair.
+    // Store: a function of the flash failed, or the contents cannot be repaired.
     FOS_STATUS_FLASH = 19,
-    // Store: it was written and did not read back: worn flash.
+    // Store: the image was written but did not read back: worn flash.
     FOS_STATUS_NOT_KEPT = 20,
     // Store: there is no valid image.
     FOS_STATUS_NO_MODEL = 21,
@@ -243,37 +242,37 @@ typedef int32_t fos_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// One sensor of six axes and its model. It lives in memory of the caller's, from fos_hub_init() until the caller uses
-// that memory for something else; there is nothing to free. It must not be copied or moved.
+// One six-axis sensor and its model. The hub lives in memory of the caller, from fos_hub_init() until the caller reuses
+// that memory; there is nothing to free. It must not be copied or moved.
 typedef struct fos_hub fos_hub;
 
-// Model images in flash: two slots, the newest valid one wins. A save goes into the slot that is not in use and is read
-// back; whatever happens to the power meanwhile, the image before or the new one is there, and after it the one before
-// can still be returned to. It lives in memory of the caller's, as a hub does; what is in the flash stays there.
+// Model images in flash: two slots, of which the newest valid one is used. A save is written to the slot that is not in use
+// and read back. It survives power loss: the previous or the new image remains valid, and after a save the previous one
+// is still available for a rollback. The store lives in memory of the caller, like a hub; the images stay in the flash.
 typedef struct fos_store fos_store;
 
-// Gyros, accelerometers and a thermometer, each with stamps of its own, as samples of one sensor for
-// fos_hub_update_si(). It lives in memory of the caller's, as a hub does.
+// Resamples gyros, accelerometers and a thermometer with separate timestamps to samples of one sensor, for
+// fos_hub_update_si(). The streams live in memory of the caller, like a hub.
 //
-// The gyros lead: every sample of theirs is one for the hub. The accelerometers are interpolated between their two
-// neighbours, and missing where a sample is lost; the temperature is the newest that is not of later, and missing where
-// it is older than three of its periods. What is missing is NaN, which the hub says. `skipped` is what the stamps say;
-// a sample that came faster than the period, because another client asked for a faster rate, is passed over and
-// counted. Streams may come in any order between them and in any batches; the samples are the same. Where a clock is set
-// back, which is certain after 8 samples, the sample says FOS_FAULT_RESET and has the 7 before as skipped.
+// The gyros lead: every gyro sample becomes a sample of the hub. Accelerometers are interpolated between their two
+// neighbours, and missing where a sample was lost. The temperature is the newest at or before the gyro sample, and missing
+// if older than three of its periods. Missing values are NaN, which the hub flags. `skipped` follows from the timestamps. A
+// sample that came faster than the period, because another client requested a faster rate, is passed over and counted.
+// Streams may arrive in any order between streams and in any batches, with the same result. When the clock was set back,
+// which is detected after 8 samples, the next sample has FOS_FAULT_RESET and the 7 rejected ones as skipped.
 //
-// Stamps are ns of one clock, whatever it is; an offset between clocks is the caller's to add.
+// Timestamps are in ns of one clock with any origin; the caller corrects offsets between clocks.
 typedef struct fos_streams fos_streams;
 
-// What the codes of a sensor mean, as it is set up.
+// Scales of the codes of a sensor as configured, its sample period and kind of values.
 typedef struct fos_scales {
-    // Of an accelerometer's code, m/s^2; positive.
+    // Size of one code of the accelerometers, m/s^2; positive.
     float accel_mps2;
-    // Of a gyro's code, rad/s; positive.
+    // Size of one code of the gyros, rad/s; positive.
     float gyro_rads;
-    // Of the thermometer's code, K; 0 if there is none.
+    // Size of one code of the thermometer, K; 0 if there is none.
     float temperature_k;
-    // What the thermometer's code 0 stands for, degrees Celsius.
+    // Temperature at code 0 of the thermometer, degrees Celsius.
     float temperature_zero_c;
     // Sample period that the sensor is set to, s; positive.
     double period_s;
@@ -281,139 +280,140 @@ typedef struct fos_scales {
     uint8_t values;
 } fos_scales;
 
-// What a sensor gave at one instant.
+// Codes of a sensor at one instant.
 typedef struct fos_raw_sample {
-    // Sample periods without a sample before this one.
+    // Number of sample periods without a sample before this one.
     uint32_t skipped;
-    // Codes of the accelerometers x, y, z. A magnitude of 32767 and more is full scale.
+    // Codes of the accelerometers x, y, z; full scale from a magnitude of 32767.
     int16_t accel[3];
-    // Codes of the gyros x, y, z. A magnitude of 32767 and more is full scale.
+    // Codes of the gyros x, y, z; full scale from a magnitude of 32767.
     int16_t gyro[3];
     // Code of the thermometer.
     int16_t temperature;
-    // FOS_FAULT_... since the sample before; other bits are ignored.
+    // FOS_FAULT_... since the previous sample; other bits are ignored.
     uint16_t faults;
-    // 0 if the code of the thermometer is not valid, anything else if it is.
+    // 0 if the code of the thermometer is invalid, any other value if it is valid.
     uint8_t has_temperature;
 } fos_raw_sample;
 
-// One corrected sample. Every number in it is finite but what is not known: an innovation, a temperature, and what was
-// measured where the source gave no number. That is NaN. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of
-// six are in the order FOS_AX to FOS_GZ.
+// One corrected sample. Corrected values are always finite. NaN stands for an unknown innovation or temperature, and for a
+// measured value that the source did not give. Units: m/s^2 for accelerometers, rad/s for gyros. Arrays of six are in the
+// order FOS_AX to FOS_GZ.
 typedef struct fos_output {
-    // Sample periods since the hub took its scales; wraps.
+    // Number of sample periods since fos_hub_init(); wraps.
     uint32_t tick;
-    // As the sensor gave it, m/s^2, rad/s; of fos_hub_update_si() NaN or infinite where the sample was.
+    // Measured values, m/s^2, rad/s; after fos_hub_update_si() NaN or infinite if the sample was.
     float measured[6];
-    // With the predicted error taken out, m/s^2, rad/s.
+    // Measured values minus predicted error, m/s^2, rad/s.
     float corrected[6];
-    // Measured minus predicted error, m/s^2, rad/s; NaN where the true value is not known.
+    // Measured error minus predicted error, m/s^2, rad/s; NaN if the true value is not known.
     float innovation[6];
-    // Temperature of the sensor, degrees Celsius; NaN where it is not known.
+    // Temperature of the sensor, degrees Celsius; NaN if not known.
     float temperature_c;
-    // What speaks against trusting each axis: FOS_VALIDITY_...; 0 if nothing does.
+    // Reasons not to trust each axis: FOS_VALIDITY_...; 0 if there is none.
     uint16_t validity[6];
-    // What went wrong on the way from the sensor, and with its clock: FOS_FAULT_...; 0 if nothing did.
+    // Faults on the way from the sensor, and of its clock: FOS_FAULT_...; 0 if there is none.
     uint16_t faults;
-    // 1 if the unit counts as still, else 0.
+    // 1 if the device counts as still, else 0.
     uint8_t still;
-    // 1 if the model has stopped fitting on at least one axis (fos_hub_drift says which), else 0.
+    // 1 if the model no longer fits on at least one axis (see fos_hub_drift()), else 0.
     uint8_t drift;
 } fos_output;
 
-// The same in SI units: of a source that gives values, or codes of more than 16 bits. A value that is NaN or infinite is
-// missing: the output says so.
+// A sample in SI units, for sources that give values or codes of more than 16 bits. NaN and infinite values count as
+// missing and are flagged in the output.
 typedef struct fos_si_sample {
-    // Sample periods without a sample before this one.
+    // Number of sample periods without a sample before this one.
     uint32_t skipped;
     // Specific force x, y, z, m/s^2.
     float accel[3];
-    // Rate x, y, z, rad/s.
+    // Angular rate x, y, z, rad/s.
     float gyro[3];
-    // Temperature of the sensor, degrees Celsius; NaN where it is not known.
+    // Temperature of the sensor, degrees Celsius; NaN if not known.
     float temperature_c;
-    // FOS_FAULT_... since the sample before; other bits are ignored.
+    // FOS_FAULT_... since the previous sample; other bits are ignored.
     uint16_t faults;
 } fos_si_sample;
 
-// One corrected sample, and what was taken out of it.
+// One corrected sample with the predicted error.
 typedef struct fos_si_output {
-    // As of fos_hub_update().
+    // Output as from fos_hub_update().
     struct fos_output output;
-    // The error that was predicted, offset included, m/s^2, rad/s: the bias that a phone's framework asks for. 0 on an
-    // axis that the model does not have.
+    // Predicted error, offset included, m/s^2, rad/s: the bias that a phone's framework requests. 0 on axes without a
+    // model.
     float predicted[6];
 } fos_si_output;
 
-// A quantity that the application gives: one of the numbers that follow.
+// A logged quantity that the application gives: FOS_QUANTITY_...
 typedef uint8_t fos_quantity;
 
-// Whether the unit is still: one of FOS_MOTION_DETECT, FOS_MOTION_MOVING, FOS_MOTION_STILL.
+// Motion state of the device: FOS_MOTION_DETECT, FOS_MOTION_MOVING or FOS_MOTION_STILL.
 typedef uint8_t fos_motion;
 
-// Nominal periods, ns.
+// Nominal periods of the streams, ns.
 typedef struct fos_stream_periods {
-    // Of the gyros: that of the hub's scales. Not 0.
+    // Period of the gyros, equal to that of the hub's scales; not 0.
     uint64_t gyro_ns;
-    // Of the accelerometers. Not 0.
+    // Period of the accelerometers; not 0.
     uint64_t accel_ns;
-    // Of the thermometer; 0 if there is none.
+    // Period of the thermometer; 0 if there is none.
     uint64_t temperature_ns;
 } fos_stream_periods;
 
-// What did not go into a sample as it came; each stays at its highest value.
+// Counts of one stream: samples that did not enter a sample of the hub unchanged. Each saturates.
 typedef struct fos_stream_count {
-    // Stamps that did not increase.
+    // Samples rejected because their timestamp did not increase.
     uint32_t refused;
     // Samples with a value that is not finite.
     uint32_t not_finite;
-    // Samples that a full queue lost, or a clock that was set back.
+    // Samples dropped because the queue was full or the clock was set back.
     uint32_t dropped;
-    // Times that the clock was set back.
+    // Number of times the clock was set back.
     uint32_t set_back;
-    // Samples given, or passed over, without a value of this stream; of the gyros see `not_finite`.
+    // Samples returned or passed over without a value of this stream; 0 for the gyros, see `not_finite`.
     uint32_t missing;
 } fos_stream_count;
 
-// The same of all streams.
+// Counts of all streams.
 typedef struct fos_stream_counts {
-    // Of the gyros.
+    // Counts of the gyros.
     struct fos_stream_count gyro;
-    // Of the accelerometers.
+    // Counts of the accelerometers.
     struct fos_stream_count accel;
-    // Of the thermometer.
+    // Counts of the thermometer.
     struct fos_stream_count temperature;
-    // Samples of the gyros that came faster than their period.
+    // Gyro samples passed over because they came faster than the period.
     uint32_t passed_over;
 } fos_stream_counts;
 
-// Flash for a store: a range of it, and the product's functions that reach it. They return 0 when all is done, and
-// anything else when it is not; they do not call the store. `context` is handed to them as it is.
+// Flash for a store: a range, and functions of the application that access it. The functions return 0 on success and any
+// other value on failure; they must not call the store. `context` is passed to them unchanged.
 typedef struct fos_flash {
-    // For the functions that follow; may be NULL.
+    // Passed to the following functions; may be NULL.
     void *context;
     // Reads `length` bytes at `address`, both multiples of 8.
     int32_t (*read)(void *context, uint32_t address, uint8_t *bytes, size_t length);
-    // Writes `length` bytes at `address`, both multiples of 8, once after every erase; not into words of 16 bytes and
-    // more: such parts are not supported.
+    // Writes `length` bytes at `address`, both multiples of 8, at most once after every erase. Parts with write words of
+    // 16 bytes or more are not supported.
     int32_t (*write)(void *context, uint32_t address, const uint8_t *bytes, size_t length);
-    // Has `length` bytes at `address` read 0xff: 4096 of them, or one sector where sectors are larger.
+    // Erases `length` bytes at `address` to 0xff: 4096 bytes, or one sector if sectors are larger.
     int32_t (*erase)(void *context, uint32_t address, uint32_t length);
-    // Where the range begins: a sector.
+    // Start address of the range; the start of a sector.
     uint32_t address;
-    // Bytes of the range: whole pages, at least four, for images of more than 2027 bytes six. A page is 4096 bytes, or one sector where sectors are larger.
+    // Length of the range, bytes: whole pages, at least four; at least six for images of more than 2027 bytes. A page is
+    // 4096 bytes, or one sector if sectors are larger.
     uint32_t capacity;
-    // Bytes of a sector, which is erased at once: divides 4096, or is a larger multiple of 8.
+    // Size of a sector, the smallest unit of erasing, bytes: a divisor of 4096, or a larger multiple of 8.
     uint32_t erase_size;
 } fos_flash;
 
-// The hub finds out, by the limits in the model; a model without limits takes the unit to move always.
+// Motion: detected by the hub with the limits in the model; without limits the device counts as moving.
 #define FOS_MOTION_DETECT 0
 
-// It moves: the model coasts on its own prediction.
+// Motion: the device moves; the model coasts on its own prediction.
 #define FOS_MOTION_MOVING 1
 
-// It is still: the model follows the measured error.
+// Motion: the device is still; the model tracks the measured error.
 #define FOS_MOTION_STILL 2
 
 // Supply voltage, V.
@@ -431,160 +431,168 @@ typedef struct fos_flash {
 // Magnetic field z, uT.
 #define FOS_QUANTITY_MAGNETIC_Z_UT 4
 
-// True value of axis i is FOS_QUANTITY_REFERENCE + i, m/s^2 or rad/s.
+// True value of an axis, m/s^2 or rad/s; FOS_QUANTITY_REFERENCE + i for axis i.
 #define FOS_QUANTITY_REFERENCE 16
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-// A status in words, for a log; "unknown status" for a number that is none. Never NULL; the text is static.
+// Text of a status, for a log; "unknown status" for other numbers. Never NULL; the text is static.
 const char *fos_status_text(int32_t status);
 
-// One FOS_VALIDITY_... in words, for a log: "valid" for 0, "unknown validity" for what is not exactly one of them.
-// Never NULL; the text is static.
+// Text of one FOS_VALIDITY_..., for a log: "valid" for 0, "unknown validity" for anything but exactly one of them. Never
+// NULL; the text is static.
 const char *fos_validity_text(uint16_t bit);
 
-// Version of the library's interface: FOS_API_VERSION of the header that belongs to it.
+// Version of the library's interface: FOS_API_VERSION of the matching header.
 uint32_t fos_api_version(void);
 
-// Version of the library, as "0.1.0". Never NULL; the text is static.
+// Version of the library, for example "0.1.0". Never NULL; the text is static.
 const char *fos_version(void);
 
-// Bytes that a hub takes, at most FOS_HUB_BYTES.
+// Size of a hub in bytes, at most FOS_HUB_BYTES.
 size_t fos_hub_size(void);
 
-// Alignment that a hub takes, in bytes, at most FOS_HUB_ALIGN.
+// Alignment of a hub in bytes, at most FOS_HUB_ALIGN.
 size_t fos_hub_align(void);
 
-// The scales of a source that gives values, for fos_hub_init(): the accelerometers are at full scale at `accel_mps2`,
-// m/s^2, the gyros at `gyro_rads`, rad/s, where there is none at FLT_MAX; one sample every `period_s` seconds. `values` is
-// FOS_VALUES_RAW or FOS_VALUES_FACTORY_CORRECTED.
+// Computes the scales of a source that gives values in SI units, for fos_hub_init(). `accel_mps2` is the full scale of the
+// accelerometers in m/s^2, `gyro_rads` that of the gyros in rad/s, FLT_MAX if there is none; `period_s` is the sample
+// period in seconds; `values` is FOS_VALUES_RAW or FOS_VALUES_FACTORY_CORRECTED.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `out`.
 // - FOS_STATUS_ARGUMENT: a full scale or the period is not finite, 0 or negative, or too small to be divided into 32767
-//   codes, or `values` stands for nothing. `*out` is as before.
+//   codes, or `values` is invalid. `*out` is unchanged.
 fos_status fos_scales_of_full_scale(float accel_mps2,
                                     float gyro_rads,
                                     double period_s,
                                     uint8_t values,
                                     struct fos_scales *out);
 
-// Makes a hub without a model, for a sensor with these scales, in `memory` of `size` bytes; what was there before
-// does not matter. `*out` is then the hub, at the start of `memory`. `scales` is copied.
+// Creates a hub without a model, for a sensor with these scales, in `memory` of `size` bytes, whose contents are
+// overwritten. `*out` then points to the hub, at the start of `memory`. `scales` is copied.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `scales` or `out`.
 // - FOS_STATUS_NO_ROOM: `size` is less than fos_hub_size().
-// - FOS_STATUS_ARGUMENT: a scale or the period is not finite or has the wrong sign, `values` stands for nothing, or no
-//   memory at `memory` can have `size` bytes.
+// - FOS_STATUS_ARGUMENT: a scale or the period is not finite or has the wrong sign, `values` is invalid, or `size` is
+//   impossible at that address.
 //
-// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+// After any status other than FOS_STATUS_OK `*out` is NULL, if `out` itself is valid.
 fos_status fos_hub_init(void *memory, size_t size, const struct fos_scales *scales, struct fos_hub **out);
 
-// Takes a model image of exactly `length` bytes; history and inputs start anew, clocks go on from fos_hub_init. The
-// image need not be aligned, and is not needed afterwards.
+// Loads a model image of exactly `length` bytes. History and inputs are reset; the clocks of the inputs continue from
+// fos_hub_init(). The image need not be aligned and is not needed afterwards.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NULL: `hub` or `image`. FOS_STATUS_MISALIGNED: `hub`. FOS_STATUS_ARGUMENT: no memory at `image` can
-//   have `length` bytes. The hub is then as before.
-// - FOS_STATUS_TRUNCATED to FOS_STATUS_OTHER_QUANTITY, as said there. The hub then has no model, also if it had one
-//   before: it corrects nothing, and every output says so.
-fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length);
+// - FOS_STATUS_NULL: `hub` or `image`. FOS_STATUS_MISALIGNED: `hub`. FOS_STATUS_ARGUMENT: `length` is impossible at that
+//   address. The hub is then unchanged.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_OTHER_QUANTITY: see there. The hub then has no model, even if it had one before: it
+//   corrects nothing and flags every output with FOS_VALIDITY_NOT_MODELLED.
+fos_status fos_hub_load(struct fos_hub *hub,
+                        const uint8_t *image,
+                        size_t length);
 
-// Corrects one sample; in the order of time, every one exactly once. `*raw` is read before `*output` is written.
+// Corrects one sample. Pass every sample exactly once, in the order of time. `*raw` is read before `*output` is written.
 //
-// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
-//   output.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `raw` or `output`. The sample counts as not given, `*output` is as
-//   before.
-fos_status fos_hub_update(struct fos_hub *hub, const struct fos_raw_sample *raw, struct fos_output *output);
+// - FOS_STATUS_OK: with or without a model. It does not validate the values: check `validity` and `faults` of the output.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `raw` or `output`. The sample is not processed and `*output` is
+//   unchanged.
+fos_status fos_hub_update(struct fos_hub *hub,
+                          const struct fos_raw_sample *raw,
+                          struct fos_output *output);
 
-// As fos_hub_update(), of a sample in SI units; full scale, period and what the values are stay those of the hub's
-// scales: fos_scales_of_full_scale(). A hub may be given both in turn. `*sample` is read before `*output` is written.
+// Corrects one sample in SI units; otherwise the same as fos_hub_update(). Full scale, period and kind of values are those
+// of the hub's scales, see fos_scales_of_full_scale(). Both functions may be used with the same hub. `*sample` is read
+// before `*output` is written.
 //
-// - FOS_STATUS_OK: with or without a model. It says nothing of the values: look at `validity` and `faults` of the
-//   output. An axis without a number says FOS_VALIDITY_NOT_FINITE, a model that uses a temperature without one
+// - FOS_STATUS_OK: with or without a model. It does not validate the values: check `validity` and `faults` of the output.
+//   An axis without a finite value has FOS_VALIDITY_NOT_FINITE; without a temperature, axes whose model uses it have
 //   FOS_VALIDITY_INPUT_NOT_FINITE.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `sample` or `output`. The sample counts as not given, `*output` is as
-//   before.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`, `sample` or `output`. The sample is not processed and `*output` is
+//   unchanged.
 fos_status fos_hub_update_si(struct fos_hub *hub,
                              const struct fos_si_sample *sample,
                              struct fos_si_output *output);
 
-// What a logged quantity is from now on, in its unit; to be called before the sample that it belongs to. Temperature
-// and the six axes are not given: the sensor measures them. Until a quantity is given, and while it is NaN or
-// infinite, the axes that use it say FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model forgets it.
+// Sets a logged quantity from now on, in its unit; call it before the sample that the value belongs to. Temperature and the
+// six axes come from the sensor. Until a quantity is set, and while it is NaN or infinite, the axes that use it have
+// FOS_VALIDITY_INPUT_NOT_FINITE. Loading a model resets it.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_IN_MODEL: the model does not use it. That does no harm.
+// - FOS_STATUS_NOT_IN_MODEL: the model does not use it; the value is ignored.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
-// - FOS_STATUS_ARGUMENT: `quantity` stands for nothing.
-fos_status fos_hub_give(struct fos_hub *hub, fos_quantity quantity, float value);
+// - FOS_STATUS_ARGUMENT: `quantity` is invalid.
+fos_status fos_hub_give(struct fos_hub *hub,
+                        fos_quantity quantity,
+                        float value);
 
-// As fos_hub_give(), for the `k`-th of those quantities of the model that the application gives, from 0, in the
-// model's order: for one that has only a name. Those that the sensor measures (temperature, the six axes) are not
-// counted.
+// Sets the `k`-th quantity, from 0, of those that the application gives, in the model's order; for quantities that have
+// only a name. Quantities that the sensor measures (temperature, the six axes) are not counted. Otherwise the same as
+// fos_hub_give().
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NOT_IN_MODEL: the model has no such quantity.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
 fos_status fos_hub_give_application(struct fos_hub *hub, size_t k, float value);
 
-// Whether the unit is still, from the next sample on, where the application knows; FOS_MOTION_DETECT, as at first,
-// leaves that to the hub.
+// Sets the motion state from the next sample on, if the application knows it. FOS_MOTION_DETECT, the initial value, leaves
+// it to the hub.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
-// - FOS_STATUS_ARGUMENT: `motion` stands for nothing.
-fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
+// - FOS_STATUS_ARGUMENT: `motion` is invalid.
+fos_status fos_hub_set_motion(struct fos_hub *hub,
+                              fos_motion motion);
 
-// What the application's clock shows, us since whenever, now that all samples up to now were given. From it the
-// sensor's true sample rate is found; to be called after every batch of samples. A clock that goes back starts the
-// measurement anew.
+// Passes the time of the application's clock, in us since any origin, after all samples up to now were passed. Call it
+// after every batch of samples; it measures the true sampling rate of the sensor. A clock that is set back restarts the
+// measurement.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
 fos_status fos_hub_clock(struct fos_hub *hub, uint64_t now_us);
 
-// The sensor's true sample rate by the application's clock, in Hz.
+// True sampling rate of the sensor by the application's clock, in Hz.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_KNOWN: the first 10 s without a fault are not over; `*rate_hz` is NaN.
+// - FOS_STATUS_NOT_KNOWN: fewer than 10 s without a fault have passed; `*rate_hz` is NaN.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub` or `rate_hz`.
 fos_status fos_hub_rate_hz(const struct fos_hub *hub, float *rate_hz);
 
-// Whether the model of an axis, FOS_AX to FOS_GZ, has stopped fitting: `*drift` is 0, or FOS_DRIFT_MEAN,
-// FOS_DRIFT_VARIANCE or both. Axes are watched in turn, 200 samples each, while their innovation is known. What was
-// found stays until fos_hub_restart_watch() or fos_hub_load().
+// Drift of the model of an axis, FOS_AX to FOS_GZ: `*drift` is 0 while the model fits, otherwise FOS_DRIFT_MEAN,
+// FOS_DRIFT_VARIANCE or both. The axes are monitored in turn, 200 samples each, while their innovation is known. A detected
+// drift persists until fos_hub_restart_watch() or fos_hub_load().
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NOT_IN_MODEL: the model does not have the axis; `*drift` is 0.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub` or `drift`.
 // - FOS_STATUS_ARGUMENT: `axis` is not less than FOS_AXES.
-fos_status fos_hub_drift(const struct fos_hub *hub, size_t axis, uint8_t *drift);
+fos_status fos_hub_drift(const struct fos_hub *hub,
+                         size_t axis,
+                         uint8_t *drift);
 
-// Forgets that the model has stopped fitting, and tests anew.
+// Clears the drift of all axes and restarts the tests.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `hub`.
 fos_status fos_hub_restart_watch(struct fos_hub *hub);
 
-// Writes the frame that says what the samples hold: `*used` bytes of `buffer`, to be sent as they are, before the
-// first sample and again every minute or so for those who join late. `image` is the image that the hub has loaded:
-// it has the names of the quantities. Without a model `image` may be NULL and `length` 0.
+// Writes the start frame, which describes the samples: `*used` bytes of `buffer`, to be sent unchanged before the first
+// sample, and again about once per minute for receivers that join late. `image` is the image loaded by the hub, which has
+// the names of the quantities. Without a model, `image` may be NULL and `length` 0.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes, or the names of the quantities take more than
 //   400.
 // - FOS_STATUS_NULL: `hub`, `buffer`, `used`, or `image` where `length` is not 0. FOS_STATUS_MISALIGNED: `hub` or
 //   `used`.
-// - FOS_STATUS_ARGUMENT: no memory there can have `length` or `capacity` bytes.
-// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image`, as for fos_hub_load().
+// - FOS_STATUS_ARGUMENT: `length` or `capacity` is impossible at that address.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: `image` is invalid, as for fos_hub_load().
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
-// `buffer` is not to be sent.
+// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid, and `buffer` must not be sent.
 fos_status fos_telemetry_start(const struct fos_hub *hub,
                                const uint8_t *image,
                                size_t length,
@@ -592,126 +600,128 @@ fos_status fos_telemetry_start(const struct fos_hub *hub,
                                size_t capacity,
                                size_t *used);
 
-// Writes the frame of the latest sample: `*used` bytes of `buffer`, to be sent as they are.
+// Writes the frame of the latest sample: `*used` bytes of `buffer`, to be sent unchanged.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NO_ROOM: the frame does not fit into `capacity` bytes.
 // - FOS_STATUS_NULL: `hub`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `hub` or `used`.
-// - FOS_STATUS_ARGUMENT: no memory there can have `capacity` bytes.
+// - FOS_STATUS_ARGUMENT: `capacity` is impossible at that address.
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to, and what is in
-// `buffer` is not to be sent.
+// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid, and `buffer` must not be sent.
 fos_status fos_telemetry_sample(const struct fos_hub *hub, uint8_t *buffer, size_t capacity, size_t *used);
 
-// Bytes that streams take, at most FOS_STREAMS_BYTES.
+// Size of streams in bytes, at most FOS_STREAMS_BYTES.
 size_t fos_streams_size(void);
 
-// Alignment that streams take, in bytes, at most FOS_STREAMS_ALIGN.
+// Alignment of streams in bytes, at most FOS_STREAMS_ALIGN.
 size_t fos_streams_align(void);
 
-// Makes streams without a sample in `memory` of `size` bytes; what was there before does not matter. `*out` is then at
-// the start of `memory`. `periods` is copied.
+// Creates empty streams in `memory` of `size` bytes, whose contents are overwritten. `*out` then points to the start of
+// `memory`. `periods` is copied.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `periods` or `out`.
 // - FOS_STATUS_NO_ROOM: `size` is less than fos_streams_size().
-// - FOS_STATUS_ARGUMENT: a period is more than INT64_MAX, one that must not be 0 is, or no memory at `memory` can have
-//   `size` bytes.
+// - FOS_STATUS_ARGUMENT: a period exceeds INT64_MAX, the period of gyros or accelerometers is 0, or `size` is impossible at
+//   that address.
 //
-// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+// After any status other than FOS_STATUS_OK `*out` is NULL, if `out` itself is valid.
 fos_status fos_streams_init(void *memory,
                             size_t size,
                             const struct fos_stream_periods *periods,
                             struct fos_streams **out);
 
-// Other periods, from the next sample on: what a stream was asked for has changed. `gyro_ns` is to stay the period of the
-// hub's scales. `periods` is copied.
+// Sets the periods from the next sample on, after the requested rate of a stream has changed. `gyro_ns` must remain the
+// period of the hub's scales. `periods` is copied.
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `periods`.
-// - FOS_STATUS_ARGUMENT: as of fos_streams_init(); the periods are as before.
-fos_status fos_streams_set_periods(struct fos_streams *streams,
-                                   const struct fos_stream_periods *periods);
+// - FOS_STATUS_ARGUMENT: a period is invalid, as for fos_streams_init(); the periods are unchanged.
+fos_status fos_streams_set_periods(struct fos_streams *streams, const struct fos_stream_periods *periods);
 
-// Takes a sample of the gyros: rate x, y, z, rad/s. Call fos_streams_next() after it until there is nothing more: a full
-// queue loses its oldest sample.
+// Adds a gyro sample: angular rate x, y, z, rad/s. Call fos_streams_next() afterwards until it returns
+// FOS_STATUS_NOT_KNOWN: a full queue drops its oldest sample.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, and nothing was done; or a value is not finite, and the sample is
-//   there without gyros. fos_streams_counts() says which.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, and the sample is rejected; or a value is not finite, and the
+//   sample remains with the gyros missing. fos_streams_counts() distinguishes the two.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which points to three values.
 fos_status fos_streams_gyro(struct fos_streams *streams,
                             int64_t stamp_ns,
                             const float *value);
 
-// Takes a sample of the accelerometers: specific force x, y, z, m/s^2.
+// Adds an accelerometer sample: specific force x, y, z, m/s^2.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or a value is not finite.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which leads to three.
+// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, or a value is not finite.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `value`, which points to three values.
 fos_status fos_streams_accel(struct fos_streams *streams, int64_t stamp_ns, const float *value);
 
-// Takes a temperature of the sensor, degrees Celsius; before the samples of the gyros that it is for.
+// Adds a temperature of the sensor, degrees Celsius. Add it before the gyro samples that it applies to.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_TAKEN: its stamp does not increase, or it is not finite.
+// - FOS_STATUS_NOT_TAKEN: the timestamp does not increase, or the value is not finite.
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`.
 fos_status fos_streams_temperature(struct fos_streams *streams, int64_t stamp_ns, float celsius);
 
-// The next sample for fos_hub_update_si(), and its stamp, that of the gyros; as soon as nothing that may still come can
-// change it, or the queue of the gyros is full.
+// Returns the next sample for fos_hub_update_si() and its timestamp, that of the gyros, once no later value can change it
+// or the queue of the gyros is full.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_KNOWN: there is nothing more yet; `*sample` and `*stamp_ns` are as before.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
-fos_status fos_streams_next(struct fos_streams *streams, struct fos_si_sample *sample, int64_t *stamp_ns);
+// - FOS_STATUS_NOT_KNOWN: no further sample is ready; `*sample` and `*stamp_ns` are unchanged.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. No sample is removed.
+fos_status fos_streams_next(struct fos_streams *streams,
+                            struct fos_si_sample *sample,
+                            int64_t *stamp_ns);
 
-// As fos_streams_next(), with what there is, without waiting for the accelerometers: for the end, or before a long sleep.
+// Returns the next sample with the values available, without waiting for the accelerometers: at the end, or before a long
+// sleep. Otherwise the same as fos_streams_next().
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NOT_KNOWN: there is nothing more; `*sample` and `*stamp_ns` are as before.
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. Nothing is taken out.
+// - FOS_STATUS_NOT_KNOWN: there is no further sample; `*sample` and `*stamp_ns` are unchanged.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams`, `sample` or `stamp_ns`. No sample is removed.
 fos_status fos_streams_flush(struct fos_streams *streams,
                              struct fos_si_sample *sample,
                              int64_t *stamp_ns);
 
-// What was refused, missing, lost or passed over since fos_streams_init().
+// Counts of rejected, missing, dropped and passed-over samples since fos_streams_init().
 //
 // - FOS_STATUS_OK
 // - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `streams` or `counts`.
 fos_status fos_streams_counts(const struct fos_streams *streams, struct fos_stream_counts *counts);
 
-// Bytes that a store takes, at most FOS_STORE_BYTES.
+// Size of a store in bytes, at most FOS_STORE_BYTES.
 size_t fos_store_size(void);
 
-// Alignment that a store takes, in bytes, at most FOS_STORE_ALIGN.
+// Alignment of a store in bytes, at most FOS_STORE_ALIGN.
 size_t fos_store_align(void);
 
-// Makes a store in `memory` of `size` bytes, over the images that are in the flash, which is not yet looked at. `*out` is
-// then at the start of `memory`. `flash` is copied.
+// Creates a store in `memory` of `size` bytes, for the images in the flash, which is not accessed yet. `*out` then points to
+// the start of `memory`. `flash` is copied.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `flash` or `out`; NULL: one of the functions in `flash` too.
+// - FOS_STATUS_NULL, FOS_STATUS_MISALIGNED: `memory`, `flash` or `out`; FOS_STATUS_NULL also for a function in `flash`.
 // - FOS_STATUS_NO_ROOM: `size` is less than fos_store_size().
-// - FOS_STATUS_ARGUMENT: the range is not whole pages from the start of a sector, fewer than four or beyond the
-//   addresses; a sector neither divides 4096 nor is a larger multiple of 8; or no memory at `memory` can have `size`
-//   bytes.
+// - FOS_STATUS_ARGUMENT: the range does not consist of whole pages from the start of a sector, has fewer than four, or
+//   exceeds the address space; the sector size neither divides 4096 nor is a larger multiple of 8; or `size` is impossible
+//   at that address.
 //
-// After any other status than FOS_STATUS_OK `*out` is NULL, where `out` itself can be written to.
+// After any status other than FOS_STATUS_OK `*out` is NULL, if `out` itself is valid.
 fos_status fos_store_init(void *memory,
                           size_t size,
                           const struct fos_flash *flash,
                           struct fos_store **out);
 
-// Stores an image of exactly `length` bytes; from then on it is the newest. It takes the time of some writes, and now and
-// then of an erase. `image` does not overlap the store.
+// Stores an image of exactly `length` bytes as the newest. It takes the time of a few writes and sometimes of an erase.
+// `image` must not overlap the store.
 //
-// - FOS_STATUS_OK: it is in the flash and was read back.
-// - FOS_STATUS_NULL: `store` or `image`. FOS_STATUS_MISALIGNED: `store`. FOS_STATUS_ARGUMENT: no memory at `image` can
-//   have `length` bytes.
-// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: it is no image, as for fos_hub_load(). Nothing was written.
-// - FOS_STATUS_NO_ROOM: it is longer than FOS_STORE_IMAGE_BYTES, or half a page where that is all. Nothing was written.
-// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the image before is still the newest; it may be tried again.
+// - FOS_STATUS_OK: the image was written and read back.
+// - FOS_STATUS_NULL: `store` or `image`. FOS_STATUS_MISALIGNED: `store`. FOS_STATUS_ARGUMENT: `length` is impossible at that
+//   address.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: the image is invalid, as for fos_hub_load(). Nothing was written.
+// - FOS_STATUS_NO_ROOM: the image is longer than FOS_STORE_IMAGE_BYTES, or than 2027 bytes in a store of four or five
+//   pages. Nothing was written.
+// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the previous image is still the newest; the call may be repeated.
 fos_status fos_store_save(struct fos_store *store,
                           const uint8_t *image,
                           size_t length);
@@ -719,41 +729,38 @@ fos_status fos_store_save(struct fos_store *store,
 // Copies the newest valid image into `buffer`: `*used` bytes, for fos_hub_load().
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NO_MODEL: there is none. What is damaged, or of a version that this library does not run, is none.
-// - FOS_STATUS_NO_ROOM: it is longer than `capacity`; FOS_STORE_IMAGE_BYTES are always enough.
-// - FOS_STATUS_FLASH
-// - FOS_STATUS_NULL: `store`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `store` or `used`. FOS_STATUS_ARGUMENT: no memory
-//   at `buffer` can have `capacity` bytes.
+// - FOS_STATUS_NO_MODEL: there is none. Damaged images, and those of a version that this library does not run, do not count.
+// - FOS_STATUS_NO_ROOM: the image is longer than `capacity`; FOS_STORE_IMAGE_BYTES always suffice.
+// - FOS_STATUS_FLASH: a function of the flash failed.
+// - FOS_STATUS_NULL: `store`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `store` or `used`. FOS_STATUS_ARGUMENT:
+//   `capacity` is impossible at that address.
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid.
 fos_status fos_store_load(struct fos_store *store,
                           uint8_t *buffer,
                           size_t capacity,
                           size_t *used);
 
-// As fos_store_load(), of the image before the newest: what to return to if an update proves wrong. To stay with it, save
-// it: it is then the newest.
+// Copies the image before the newest into `buffer`, for a rollback after a bad update; otherwise the same as
+// fos_store_load(). To make the rollback permanent, save the image: it is then the newest.
 //
 // - FOS_STATUS_OK
-// - FOS_STATUS_NO_MODEL: there is none, or it is damaged.
-// - All others as of fos_store_load().
-fos_status fos_store_load_previous(struct fos_store *store,
-                                   uint8_t *buffer,
-                                   size_t capacity,
-                                   size_t *used);
+// - FOS_STATUS_NO_MODEL: there is no previous image, or it is damaged.
+// - All others: as for fos_store_load().
+fos_status fos_store_load_previous(struct fos_store *store, uint8_t *buffer, size_t capacity, size_t *used);
 
-// Makes the image of a unit of that of its part and the unit's record, as `fos fleet export` writes them: `*used` bytes in `buffer`, as many
-// as the image of the part has, for fos_hub_load() and fos_store_save(). Neither overlaps `buffer`. Until the record is there, the image of the part
-// itself serves.
+// Makes the image of a unit from the image of its part and the record of the unit, as written by `fos fleet export`: `*used`
+// bytes in `buffer`, as many as the image of the part has, for fos_hub_load() and fos_store_save(). Neither must overlap
+// `buffer`. Until the record is available, use the image of the part.
 //
-// - FOS_STATUS_OK: whether the model can be used is found when it is loaded.
-// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record are damaged, or the record has another number of values.
+// - FOS_STATUS_OK: the model itself is checked when the image is loaded.
+// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: image or record is damaged, or the record has another number of values.
 // - FOS_STATUS_OTHER_PART: the record belongs to another image.
 // - FOS_STATUS_NO_ROOM: `capacity` is less than `part_length`.
-// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`. FOS_STATUS_ARGUMENT: no memory can have
-//   so many bytes.
+// - FOS_STATUS_NULL: `part`, `record`, `buffer` or `used`. FOS_STATUS_MISALIGNED: `used`.
+//   FOS_STATUS_ARGUMENT: a length is impossible at its address.
 //
-// After any other status than FOS_STATUS_OK `*used` is 0, where `used` itself can be written to.
+// After any status other than FOS_STATUS_OK `*used` is 0, if `used` itself is valid.
 fos_status fos_image_for_unit(const uint8_t *part,
                               size_t part_length,
                               const uint8_t *record,

@@ -102,7 +102,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut fixed: Hub<8, 128, 256, Fixed> = Hub::new(SCALES);
     // A model that does not fit is refused, and the hub then passes measurements through.
     let _ = fixed.load(&image);
-    let mut ticks = 0_u32;
+    let (mut ticks, mut since_power_on) = (0_u32, 0_u32);
     hub.load(&image).expect("a model that the predictor takes");
     for event in events(&mut bytes, event) {
         match event {
@@ -117,7 +117,8 @@ fuzz_target!(|bytes: &[u8]| {
                 };
                 let output = *hub.update(&raw);
                 assert!(output.corrected().iter().all(|value| value.is_finite()));
-                ticks = ticks.wrapping_add(raw.skipped.saturating_add(1));
+                let passed = raw.skipped.saturating_add(1);
+                (ticks, since_power_on) = (ticks.wrapping_add(passed), since_power_on.saturating_add(passed));
                 assert_eq!(output.tick, ticks.wrapping_sub(1));
                 in_fixed_point(&mut fixed, &raw, &output);
                 let mut faults = raw.faults;
@@ -166,7 +167,7 @@ fuzz_target!(|bytes: &[u8]| {
                 let motion = expected.motion;
                 expected = Expected::new(&single);
                 expected.motion = motion;
-                expected.begin_after(ticks);
+                expected.begin_after(since_power_on);
             }
         }
     }

@@ -30,9 +30,9 @@ pub struct Sample<'a, R> {
 /// A [`Predictor`](crate::Predictor) that writes the corrections into memory of the caller, for callers such as a hub that
 /// store them anyway. Capacities are those of a predictor.
 ///
-/// Every method that takes a sample writes one correction per axis into the start of `corrections`, in the order of the
-/// model. If `corrections` has fewer entries than the model has axes, the method does nothing. Otherwise the behaviour is
-/// that of the predictor.
+/// Every method with the parameter `corrections` writes one correction per axis into its start, in the order of the model.
+/// If `corrections` has fewer entries than the model has axes, the method does nothing. Otherwise the behaviour is that of
+/// the predictor.
 #[derive(Debug, Clone)]
 pub struct Evaluator<
     R: Scalar,
@@ -141,9 +141,12 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         });
     }
 
-    /// Advances over `ticks` missing samples. See [`Predictor::skip`](crate::Predictor::skip).
+    /// Advances over `ticks` missing samples; 0 changes nothing. See [`Predictor::skip`](crate::Predictor::skip).
     #[cold]
     pub fn skip(&mut self, ticks: u32, corrections: &mut [Correction<R>]) {
+        if corrections.len() < self.axes.len() {
+            return;
+        }
         // one more than the longest gap limit or lag
         let stepped = ticks.min(self.axes.iter().map(RunningAxis::settling_ticks).fold(0, u32::max) + 1);
         if ticks > stepped {

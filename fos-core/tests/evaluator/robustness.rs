@@ -1,8 +1,8 @@
 //! Bad samples, gaps and restarts: the output stays finite and is flagged, and their effect vanishes.
 
 use fos_core::{
-    AxisParameters, Correction, Input, Quantity, Range, Real, Sample, Scalar, Source, Term, Transform,
-    Validity, u, y,
+    AxisParameters, Correction, Evaluator, Fixed, Input, Predictor, Quantity, Range, Real, Sample, Scalar,
+    Source, Term, Transform, Validity, u, y,
 };
 use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, PERIOD_S, Roomy, cases, input, models, plain};
 use fos_testkit::noise::Noise;
@@ -353,6 +353,123 @@ fn first_sample_is_not_a_repetition() {
             .collect();
         assert_eq!(stuck, [false, false, false, true, true], "{value}");
     }
+}
+
+/// Without lags, so that a forecast is valid; with a full scale and the stuck test.
+fn without_lags<S: Scalar<Stored = f32>>() -> Predictor<S, 1, 0, 1, 1> {
+    let parameters = AxisParameters::<f32> {
+        reference: 9.81,
+        offset: 0.5,
+        full_scale: 30.0,
+        stuck_after_repeats: 3,
+        gap_limit_samples: 5,
+        ..plain()
+    };
+    OwnedModel::autoregressive(parameters, vec![]).borrow(Predictor::new).unwrap()
+}
+
+fn assert_forecasts_show_the_fault_of_the_latest_sample<S: Scalar<Stored = f32>>() {
+    let number = |value: f32| S::of(value);
+    let near = |found: &Correction<S>, expected: f64| (found.corrected.to_f64() - expected).abs() < 1e-5;
+    let mut predictor = without_lags::<S>();
+    let fresh = predictor.forecast(&[])[0];
+    assert!(
+        near(&fresh, 9.81) && fresh.validity == Validity::NOT_FINITE,
+        "before the first sample: {fresh:?}"
+    );
+    let missing = predictor.skip(1)[0];
+    assert!(near(&missing, 9.81) && missing.validity.contains(Validity::MISSING), "{missing:?}");
+    for (value, flag) in [
+        (f32::NAN, Validity::NOT_FINITE),
+        (f32::INFINITY, Validity::SATURATED),
+        (f32::NEG_INFINITY, Validity::SATURATED),
+        (30.0, Validity::SATURATED),
+    ] {
+        let mut predictor = without_lags::<S>();
+        let track = |predictor: &mut Predictor<S, 1, 0, 1, 1>, value| {
+            predictor.track(&Sample { measured: &[number(value)], quantities: &[] })[0]
+        };
+        assert_eq!(track(&mut predictor, 10.0).validity, Validity::VALID);
+        let valid = predictor.forecast(&[])[0];
+        assert!(near(&valid, 9.5) && valid.validity == Validity::VALID, "{valid:?}");
+        let _ = track(&mut predictor, value);
+        for n in 0..20 {
+            let found = predictor.forecast(&[])[0];
+            assert!(
+                found.corrected.is_finite() && found.corrected.abs() <= number(256.0),
+                "{value} {n}: {found:?}"
+            );
+            assert!(found.validity.contains(flag), "{value} {n}: {found:?}");
+            if value.is_nan() {
+                assert!(near(&found, 9.5), "{n}: the last corrected value: {found:?}");
+            }
+        }
+        let missing = predictor.skip(1)[0];
+        assert!(missing.corrected.is_finite(), "{value}: {missing:?}");
+        assert_eq!(track(&mut predictor, 10.1).validity, Validity::VALID);
+        let recovered = predictor.forecast(&[])[0];
+        assert!(near(&recovered, 9.6) && recovered.validity == Validity::VALID, "{recovered:?}");
+        for _ in 0..3 {
+            let _ = track(&mut predictor, 10.1);
+        }
+        assert_eq!(predictor.forecast(&[])[0].validity, Validity::STUCK);
+        predictor.reset();
+        let found = predictor.forecast(&[])[0];
+        assert!(near(&found, 9.81) && found.validity == Validity::NOT_FINITE, "after a reset: {found:?}");
+    }
+}
+
+#[test]
+fn forecast_without_a_usable_sample_is_finite_and_flagged() {
+    assert_forecasts_show_the_fault_of_the_latest_sample::<f32>();
+}
+
+#[test]
+fn forecast_without_a_usable_sample_is_finite_and_flagged_in_fixed_point() {
+    assert_forecasts_show_the_fault_of_the_latest_sample::<Fixed>();
+}
+
+#[test]
+fn evaluator_does_nothing_without_room_for_the_corrections() {
+    let model = with_temperature::<f32>();
+    let mut evaluator = Evaluator::<f32, 2, 1, 16, 32>::empty();
+    model.borrow(|model| evaluator.load(model)).unwrap();
+    let mut noise = Noise::new(13);
+    let mut room = [Correction::NONE; 2];
+    for _ in 0..20 {
+        let measured = noisy(&mut noise);
+        evaluator.track_some(&Sample { measured: &measured, quantities: &[0.7] }, u32::MAX, &mut room);
+    }
+    let mut untouched = evaluator.clone();
+    let mut short = [Correction::NONE; 1];
+    let measured = noisy(&mut noise);
+    for ticks in [1, 5, 6, 7, 1000, u32::MAX] {
+        evaluator.skip(ticks, &mut short);
+        evaluator.forecast(&[0.1], &mut short);
+        evaluator.track_some(&Sample { measured: &measured, quantities: &[0.1] }, 1, &mut short);
+        assert_eq!(short, [Correction::NONE; 1]);
+    }
+    for n in 0..5 {
+        let measured = noisy(&mut noise);
+        let sample = Sample { measured: &measured, quantities: &[0.7] };
+        let mut expected = room;
+        evaluator.track_some(&sample, u32::MAX, &mut room);
+        untouched.track_some(&sample, u32::MAX, &mut expected);
+        assert_eq!(room, expected, "{n}");
+        assert!(room[0].validity.is_valid(), "{n}: {room:?}");
+    }
+}
+
+#[test]
+fn skipping_no_ticks_shows_no_corrections_of_an_earlier_model() {
+    let model = with_temperature::<f32>();
+    let mut predictor = model.predictor().unwrap();
+    step(&mut predictor, Mode::Track, &[9.81; 2], &[0.0]);
+    let latest = predictor.corrections().to_vec();
+    assert_eq!(predictor.skip(0), latest);
+    model.borrow(|model| predictor.load(model)).unwrap();
+    assert_eq!(predictor.skip(0), []);
+    assert_eq!(predictor.skip(1).len(), 2);
 }
 
 #[test]

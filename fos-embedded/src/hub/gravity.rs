@@ -19,11 +19,15 @@ const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 /// Noise is in both squares; means over [`SAMPLES`] are compared.
 const TOLERANCE: f32 = 0.1 * SQUARE;
 
-/// Interval of the checked samples, ticks: a sum of squares costs as much as two terms.
-const EVERY: u32 = 8;
+/// Interval of the checked samples: a sum of squares costs as much as two terms. It counts samples and not ticks, which a
+/// source with regular gaps could miss.
+const EVERY: u16 = 8;
 
 /// Number of checked samples per decision, 2.5 s at 200 Hz, so that vibration averages out.
-const SAMPLES: u8 = 64;
+const SAMPLES: u16 = 64;
+
+/// Samples at rest per decision.
+const WINDOW: u16 = EVERY * SAMPLES;
 
 /// |a|² − g², (m/s²)².
 // not inlined: many library calls without an FPU
@@ -49,22 +53,25 @@ fn is_away(measured: f32, corrected: f32, tolerance: f32) -> bool {
 pub(super) struct Gravity {
     measured: f32,
     corrected: f32,
-    /// Samples until the next decision.
-    left: u8,
+    /// Samples at rest until the next decision.
+    left: u16,
     away: bool,
 }
 
 impl Gravity {
-    pub(super) const NEW: Self = Self { measured: 0.0, corrected: 0.0, left: SAMPLES, away: false };
+    pub(super) const NEW: Self = Self { measured: 0.0, corrected: 0.0, left: WINDOW, away: false };
 
     /// Processes a sample; every [`EVERY`]th at rest counts. The decision holds until the next one.
     #[inline(always)]
     pub(super) fn update<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
         if !output.still {
             // a mean must not span two rests
-            self.left = SAMPLES;
-        } else if output.tick.is_multiple_of(EVERY) {
-            self.add(output);
+            self.left = WINDOW;
+        } else {
+            self.left -= 1;
+            if self.left.is_multiple_of(EVERY) {
+                self.add(output);
+            }
         }
         if self.away {
             Self::flag(output);
@@ -80,15 +87,14 @@ impl Gravity {
 
     #[inline(never)]
     fn add<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
-        if self.left == SAMPLES {
+        if self.left == WINDOW - EVERY {
             (self.measured, self.corrected) = (0.0, 0.0);
         }
         let [x, y, z, ..] = output.measured;
         self.measured += excess(&[x, y, z].map(R::stored));
         self.corrected += excess(&output.accel());
-        self.left -= 1;
         if self.left == 0 {
-            self.left = SAMPLES;
+            self.left = WINDOW;
             self.away = is_away(self.measured, self.corrected, f32::from(SAMPLES) * TOLERANCE);
         }
     }

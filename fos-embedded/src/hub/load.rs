@@ -25,8 +25,8 @@ pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
     Hub<INPUTS, TERMS, HISTORY, R>
 {
-    /// Loads a model image. History and inputs are reset; the clocks of the inputs continue from the creation of the hub.
-    /// The image is not needed afterwards.
+    /// Loads a model image. History and inputs are reset; the clocks of the inputs continue from the creation of the hub, up
+    /// to 2³² ticks (248 days at 200 Hz). The image is not needed afterwards.
     ///
     /// # Errors
     ///
@@ -60,7 +60,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
             self.unload();
         } else {
             // effects since power-on (warm-up) continue where the sensor is
-            self.evaluator.begin_after(self.ticks);
+            self.evaluator.begin_after(if self.wrapped { u32::MAX } else { self.ticks });
             info!("model loaded: {=usize} axes, {=usize} quantities", self.axes.len(), self.sources.len());
         }
         loaded

@@ -11,6 +11,8 @@ mod rate;
 #[cfg_attr(not(feature = "monitor"), path = "watch_nothing.rs")]
 mod watch;
 
+use core::hint::cold_path;
+
 use fos_core::{
     Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity,
 };
@@ -109,7 +111,10 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
     in_pose: bool,
     /// Bit i is set if axis i of the model has no gate.
     without_gate: u32,
+    /// Ticks since the hub was made; wraps, as telemetry does.
     ticks: u32,
+    /// `ticks` has wrapped.
+    wrapped: bool,
     output: Output<R>,
 }
 
@@ -137,6 +142,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
             in_pose: false,
             without_gate: 0,
             ticks: 0,
+            wrapped: false,
             output: Output::NONE,
         }
     }
@@ -226,7 +232,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[inline(never)]
     fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output<R> {
         let ticks = skipped.saturating_add(1);
-        self.ticks = self.ticks.wrapping_add(ticks);
+        let (now, wraps) = self.ticks.overflowing_add(ticks);
+        self.ticks = now;
+        if wraps {
+            cold_path();
+            self.wrapped = true;
+        }
         self.rate.tick(ticks);
         let mut faults = reported;
         if skipped > 0 || !faults.is_empty() {

@@ -6,8 +6,8 @@ use heapless::{String, Vec};
 use super::Hub;
 use super::quantity_source::QuantitySource;
 
-/// Largest number of logged quantities, temperature included.
-pub const MAX_LOGGED: usize = 17;
+/// Largest number of logged quantities: temperature, and those of a hub with 32 `INPUTS`, the most that there can be.
+pub const MAX_LOGGED: usize = 33;
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>
     Hub<INPUTS, TERMS, HISTORY, R>
@@ -42,6 +42,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
 
     /// Temperature in °C, then the quantities given by the application, in the model's order and units.
     pub fn logged(&self) -> Vec<f32, MAX_LOGGED> {
+        const { assert!(INPUTS < MAX_LOGGED, "every quantity must have room, as it has a column") };
         let given = self.sources.iter().zip(&self.quantities).filter(|(source, _)| source.is_application());
         let mut logged = Vec::new();
         for value in core::iter::once(self.output.temperature_c).chain(given.map(|(_, value)| *value)) {

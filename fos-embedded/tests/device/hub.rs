@@ -4,7 +4,7 @@ use crate::models::{
     self, AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters,
 };
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Input, Model, Predictor,
+    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Info, Input, Model, Predictor,
     Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
@@ -229,6 +229,41 @@ fn model_loaded_later_has_the_phase_of_the_warm_up() {
     }
 }
 
+/// Regression: the count of ticks wrapped, and a model loaded after 248 days at 200 Hz began with a full warm-up.
+#[test]
+fn model_loaded_after_the_tick_counter_wrapped_has_no_warm_up() {
+    let warm_up = Input {
+        source: Source::Clock,
+        transform: Transform::Decay { tau_s: 5.0 },
+        centre: 0.0,
+        scale: 1.0,
+        source_range: Range::new(0.0, 0.0),
+        range: Range::new(0.0, 1.0),
+    };
+    let physical = [Term::new(0.5, &[u(0, 0)])];
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &physical, stochastic: &[] }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[],
+        inputs: &[warm_up],
+        axes: &axes,
+    };
+    let mut hub = TestHub::new(SCALES);
+    let mut random = Random(9);
+    // the counter is then at its largest value, at 0, and beyond
+    for (skipped, tick) in [(u32::MAX - 2, u32::MAX - 2), (0, u32::MAX - 1), (0, u32::MAX), (0, 0), (0, 1)] {
+        let output = *hub.update(&RawSample { skipped, ..random.at_rest() });
+        assert_eq!(output.tick, tick, "telemetry wraps");
+        let mut late = hub.clone();
+        late.load_model(&model).expect("a model");
+        let output = *late.update(&random.at_rest());
+        assert!(output.validity()[3].is_valid());
+        assert!((output.predicted()[3] - OFFSET[3]).abs() < 1e-7, "{tick}: {}", output.predicted()[3]);
+    }
+}
+
 #[test]
 fn skipped_samples_set_the_gap_fault() {
     let mut hub = still(&MADE);
@@ -390,15 +425,22 @@ fn flags_models_that_lead_away_from_gravity() {
     assert_eq!(away(&hub), ACCELEROMETERS);
     let [x, y, z] = hub.output().accel();
     assert!(((x * x + y * y + z * z).sqrt() - 9.8).abs() > 2.0, "{x} {y} {z}");
-    assert!(hub.output().faults.is_empty() && !hub.output().drift, "nothing else speaks against it");
+    assert!(hub.output().faults.is_empty() && !hub.output().drift, "no other flag is set");
     hub.set_motion(Some(Motion::Moving));
     run(&mut hub, 2000);
-    assert_eq!(away(&hub), ACCELEROMETERS, "moving tells nothing new");
+    assert_eq!(away(&hub), ACCELEROMETERS, "motion does not change the verdict");
     hub.load(&image(&MADE)).expect("a sound model");
     hub.give(Quantity::Supply, 3.3);
     hub.set_motion(Some(Motion::Still));
     run(&mut hub, 2000);
     assert_eq!(away(&hub), [false; 6]);
+    // regression: a source that loses every other sample, and was never on a checked tick
+    let mut hub = of_two_orientations(&SIX);
+    let mut random = Random(9);
+    for _ in 0..600 {
+        let _ = hub.update(&RawSample { skipped: 1, ..random.at_rest() });
+    }
+    assert_eq!(away(&hub), ACCELEROMETERS);
     // two accelerometers do not determine the magnitude of gravity
     let mut hub = of_two_orientations(&[Axis::Ax, Axis::Az, Axis::Gx]);
     run(&mut hub, 2000);
@@ -455,6 +497,31 @@ fn uses_given_quantities_and_flags_absent_ones() {
     let info = Image::parse(&bytes).expect("an image").info();
     assert_eq!(hub.columns::<32>(&info).as_deref(), Some("temp_c\nsupply_v"));
     assert_eq!(hub.columns::<8>(&info), None);
+}
+
+/// Regression: at most 17 values were logged, but all names were, and the host rejected every sample.
+#[test]
+fn logs_as_many_values_as_names_for_the_largest_model() {
+    const LARGEST: usize = 32;
+    let mut hub = Hub::<LARGEST, 8, 64>::new(SCALES);
+    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &[], stochastic: &[] }];
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        quantities: &[Quantity::Other; LARGEST],
+        inputs: &[],
+        axes: &axes,
+    };
+    hub.load_model(&model).expect("a model for this sensor");
+    for index in 0..LARGEST {
+        assert!(hub.give_application(index, index as f32));
+    }
+    let _ = hub.update(&Random(1).at_rest());
+    let columns = hub.columns::<512>(&Info::default()).expect("room");
+    let logged = hub.logged();
+    assert_eq!(logged.len(), columns.lines().count());
+    assert!(logged.iter().skip(1).copied().eq((0..LARGEST).map(|index| index as f32)), "{logged:?}");
 }
 
 #[test]
