@@ -33,6 +33,8 @@ mod testable;
 #[cfg(test)]
 mod bursts_tests;
 #[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
 mod faults_tests;
 #[cfg(test)]
 mod nothing_tested_tests;
