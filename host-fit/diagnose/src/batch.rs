@@ -12,7 +12,7 @@ use crate::case::question;
 use crate::detect::{DiagnoseError, Diagnosis, correction, diagnose, is_fast};
 use crate::effects::Library;
 use crate::study::Tool;
-use fos_data::case::{Case, CaseError, CaseMeta};
+use fos_data::case::{Case, CaseError};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{Recording, RecordingError, write_columns};
 use fos_data::text::hexadecimal;
@@ -37,6 +37,7 @@ pub struct Answers {
 /// Answer to one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
+    /// Name of its folder, which is unique; the name in `meta.json` need not be.
     pub case: String,
     /// The diagnosis; absent if the case could not be read or diagnosed.
     #[serde(flatten)]
@@ -199,9 +200,8 @@ fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Resul
     };
     let correction_eval_csv = case.eval.as_ref().map(|eval| write(eval, "eval")).transpose()?;
     let correction_field_csv = Some(write(&case.field, "field")?);
-    let CaseMeta { case: name, .. } = case.meta;
     Ok(Answer {
-        case: name,
+        case: name.to_owned(),
         diagnosis: Some(diagnosis),
         error: None,
         correction_eval_csv,
@@ -226,4 +226,28 @@ fn write_correction(
     let time: Vec<f64> = log.time_s.chunks(chunk).map(mean).collect();
     let values: Vec<f64> = values.chunks(chunk).map(mean).collect();
     Ok(write_columns(path, &[("t_s", &time), ("corr", &values)])?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fos_simulate::{Axis, CasePlan, Durations, Setup, simulate_case};
+
+    #[test]
+    fn answers_have_the_names_of_their_folders() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (cases, output) = (folder.path().join("cases"), folder.path().join("answers"));
+        let mut plan = CasePlan::new(1, "lsm6dso", Setup::Bench, Axis::Gx);
+        plan.durations = Durations { baseline_s: 60.0, field_s: 60.0, eval_s: 60.0 };
+        // a case states the name of the folder that it was written to
+        let written = cases.join("before");
+        simulate_case(&plan).expect("a case").write(&written).expect("a case folder");
+        std::fs::rename(&written, cases.join("one")).expect("renamed");
+        std::fs::create_dir(cases.join("two")).expect("a folder");
+        std::fs::write(cases.join("two/meta.json"), r#"{"case": "another"}"#).expect("a broken case");
+        let answers = run(&cases, &output, &Library::built_in(), "test", |_, _, _| {}).expect("answers");
+        let names: Vec<(&str, bool)> =
+            answers.cases.iter().map(|answer| (answer.case.as_str(), answer.error.is_some())).collect();
+        assert_eq!(names, [("one", false), ("two", true)]);
+    }
 }

@@ -130,7 +130,7 @@ impl ThermalTable {
         let turns = if is_unknown { &stillness.turns[..] } else { &[] };
         let blocks = Blocks::with_levels(recording, length_s, known.collect(), turns);
         if blocks.beyond_levels() < FEWEST_BLOCKS {
-            return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.len() });
+            return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.beyond_levels() });
         }
         let y = blocks.means(&series.values);
         let mean = y.iter().sum::<f64>() / y.len() as f64;
@@ -215,6 +215,31 @@ pub fn left_by(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fos_data::recording::{LoadOptions, Source};
+    use fos_data::stillness;
+    use fos_testkit::noise::white_noise;
+
+    /// A log of 120 blocks, of which 119 determine the levels of as many orientations, was refused because "120 blocks
+    /// are too few; 40 are needed".
+    #[test]
+    fn refusal_counts_the_blocks_beyond_levels() {
+        let n = 1200;
+        let noise = white_noise(1, n);
+        let columns = [
+            ("t_s", (0..n).map(|row| 0.05 * row as f64).collect()),
+            ("ax_mps2", noise.iter().map(|noise| 9.8 + 0.01 * noise).collect()),
+            ("temp_c", (0..n).map(|row| 10.0 + 0.025 * row as f64).collect()),
+        ];
+        let columns = columns.map(|(name, values): (&str, Vec<f64>)| (name.to_owned(), values)).into();
+        let log = Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default());
+        let log = log.expect("a log");
+        let turns = (10..n).step_by(10).collect();
+        let stillness = Stillness { still: vec![true; n], turns, ..stillness::find(&log) };
+        match ThermalTable::fit(&log, &stillness, 0..n) {
+            Err(ThermalError::TooShort { blocks, .. }) => assert!(blocks < FEWEST_BLOCKS, "{blocks}"),
+            other => panic!("{other:?}"),
+        }
+    }
 
     #[test]
     fn shifting_the_reference_preserves_the_cubic() {

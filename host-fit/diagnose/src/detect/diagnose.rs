@@ -22,7 +22,7 @@ use super::question::{DiagnoseError, Question};
 use super::slow::{SlowResult, SlowSearch};
 use super::telegraph::{self, Telegraph};
 use super::testable::{Testable, lacking};
-use crate::effects::{Band, Detector, Effect, Inputs};
+use crate::effects::{Detector, Effect, Inputs};
 
 /// Diagnoses the missing effects of an axis.
 ///
@@ -162,15 +162,13 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
     let assembly = assembly((&prepared, &prepared.given), question, &lines, &slow, LogResults::default());
-    let mut slow_findings = assembly.slow_findings(slow.found.iter().collect())?.into_iter();
-    let mut line_findings = assembly.line_findings()?.into_iter();
+    let mut findings = assembly.slow_findings(slow.found.iter().collect())?;
+    findings.extend(assembly.line_findings()?);
     effects
         .iter()
         .map(|id| {
-            let found = match question.library.get(id)?.band {
-                Band::Wide => line_findings.find(|finding| finding.effect == *id),
-                _ => slow_findings.find(|finding| finding.effect == *id),
-            };
+            let at = findings.iter().position(|finding| finding.effect == *id);
+            let found = at.map(|at| findings.remove(at));
             found.filter(|finding| !finding.correction.is_empty()).ok_or_else(|| {
                 let experiment = question.library.get(id).map_or("", |effect| effect.experiment.as_str());
                 let reason = format!(

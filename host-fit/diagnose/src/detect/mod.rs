@@ -34,6 +34,8 @@ mod visibility;
 #[cfg(test)]
 mod bursts_tests;
 #[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
 mod faults_tests;
 #[cfg(test)]
 mod nothing_tested_tests;

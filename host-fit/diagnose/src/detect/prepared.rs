@@ -130,10 +130,12 @@ impl Prepared {
     ///
     /// A column is missing.
     pub(super) fn time_needed(&self, question: &Question<'_>) -> Result<String, DiagnoseError> {
-        let (has, wanted) = (self.reduced.blocks.len(), MIN_BLOCKS as f64 * self.reduced.blocks.length_s);
-        let has_s = has as f64 * self.reduced.blocks.length_s;
+        // as in `is_short`: the first block after each turn only determines a level
+        let blocks = &self.reduced.blocks;
+        let (has_s, wanted) =
+            (blocks.beyond_levels() as f64 * blocks.length_s, MIN_BLOCKS as f64 * blocks.length_s);
         let any_inputs = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
-        Ok(match any_inputs.blocks.len() < MIN_BLOCKS {
+        Ok(match any_inputs.blocks.beyond_levels() < MIN_BLOCKS {
             true => format!("{wanted:.0} s at rest, {:.0} s more than this log has", (wanted - has_s).ceil()),
             false => format!(
                 "values of every logged input over {wanted:.0} s at rest; they are all known in only {has_s:.0} s"

@@ -70,6 +70,19 @@ fn rests_add_no_regressors() {
     }
 }
 
+/// The blocks that only determine a level were counted: "values of every logged input" were requested, which were known.
+#[test]
+fn short_log_of_many_rests_states_missing_time() {
+    let log = fos_data::disturbance::marked(&turned_bursts(1, 18)).0.into_owned();
+    let (blocks, needed) = with_question(&log, "az", |question| {
+        let prepared = Prepared::new(question).expect("long enough for lines");
+        assert!(prepared.is_short());
+        (prepared.reduced.blocks.len(), prepared.time_needed(question).expect("a message"))
+    });
+    assert!(blocks >= super::MIN_BLOCKS, "{blocks}");
+    assert!(needed.contains("more than this log has"), "{needed}");
+}
+
 /// A bias step of up to 99 % was found in half of them.
 #[test]
 fn finds_nothing_in_bursts_between_turns() {

@@ -387,8 +387,10 @@ impl Effect {
             }
         }
         if self.search == Detector::Terms {
-            // any axis serves to check the text
-            self.regressors("gx_rads", self.parameter.as_ref().map(|parameter| parameter.low))?;
+            // each term can act on one of the two
+            for target in ["gx_rads", "ax_mps2"] {
+                self.regressors(target, self.parameter.as_ref().map(|parameter| parameter.low))?;
+            }
         }
         Ok(())
     }
@@ -505,6 +507,7 @@ mod tests {
         for (terms, expected) in [
             ("", "needs one"),
             ("[[terms]]\nregressor = \"temp_c:lowpas(3)\"\n", "lowpas"),
+            ("[[terms]]\nregressor = \"temp_c:lowpas(3)\"\ntargets = \"accelerometer\"\n", "lowpas"),
             ("[[terms]]\nregressor = \"temp_c\"\ngyro = \"furlong\"\n", "furlong"),
             (
                 "[[terms]]\nregressor = \"temp_c\"\n[parameter]\nname = \"tau_s\"\nlow = 5\nhigh = 1\n",

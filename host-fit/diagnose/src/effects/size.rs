@@ -23,7 +23,7 @@ fn si(unit: &str) -> Option<f64> {
         "dps" => PI / 180.0,
         "mdps" => PI / 180e3,
         "dph" => PI / 180.0 / 3600.0,
-        "rad/s" | "m/s²" | "K" | "V" | "pct" | "µT" | "s" | "m" | "1" => 1.0,
+        "K" | "V" | "pct" | "µT" | "s" | "m" | "1" => 1.0,
         "g" => G,
         "mg" => G * 1e-3,
         "µg" => G * 1e-6,
@@ -32,6 +32,45 @@ fn si(unit: &str) -> Option<f64> {
         "mV" => 1e-3,
         "h" => 3600.0,
         _ => return None,
+    })
+}
+
+/// Longest text of a unit, bytes.
+const MAX_BYTES: usize = 64;
+
+/// Characters that end a name.
+fn is_sign(letter: char) -> bool {
+    matches!(letter, '/' | '(' | ')' | '²' | '³')
+}
+
+/// Reads `a/b/c` as `(a/b)/c`: returns its size in SI and the text after it.
+fn ratio(text: &str) -> Option<(f64, &str)> {
+    let (mut size, mut rest) = power(text)?;
+    // terminates: each iteration shortens the rest
+    while let Some(denominator) = rest.strip_prefix('/') {
+        let (one, after) = power(denominator)?;
+        size *= 1.0 / one;
+        rest = after;
+    }
+    Some((size, rest))
+}
+
+/// Reads a name, or a ratio in brackets, with its power.
+fn power(text: &str) -> Option<(f64, &str)> {
+    let (one, rest) = match text.strip_prefix('(') {
+        Some(inside) => {
+            let (one, rest) = ratio(inside)?;
+            (one, rest.strip_prefix(')')?)
+        }
+        None => {
+            let (name, rest) = text.split_at(text.find(is_sign).unwrap_or(text.len()));
+            (si(name)?, rest)
+        }
+    };
+    Some(match (rest.strip_prefix('²'), rest.strip_prefix('³')) {
+        (Some(after), _) => (one.powi(2), after),
+        (_, Some(after)) => (one.powi(3), after),
+        _ => (one, rest),
     })
 }
 
@@ -69,7 +108,6 @@ impl SizeUnit {
 
     /// Replaces the names of the parts; a part that is itself a ratio is put in brackets.
     fn with_names<'a>(&'a self, name: impl Fn(&'a str) -> &'a str) -> String {
-        let is_sign = |letter: char| matches!(letter, '/' | '(' | ')' | '²' | '³');
         let mut text = String::new();
         for part in self.text.split_inclusive(is_sign) {
             let old = part.trim_end_matches(is_sign);
@@ -86,24 +124,13 @@ impl FromStr for SizeUnit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let unknown = || {
-            format!(
-                "unit {text:?}: write NUMERATOR or NUMERATOR/DENOMINATOR out of dps, mdps, dph, g, mg, µg, %, ppm, cm, m, K, V, mV, pct, µT, s, h, with ² or ³, as mg/K²"
-            )
-        };
-        let plain: String = text.chars().filter(|c| !matches!(c, '(' | ')')).collect();
-        let mut total = 1.0;
-        for (place, part) in plain.split('/').enumerate() {
-            let (name, power) = match part.strip_suffix('²') {
-                Some(name) => (name, 2),
-                None => part.strip_suffix('³').map_or((part, 1), |name| (name, 3)),
-            };
-            let one = si(name).ok_or_else(unknown)?.powi(power);
-            // in a/(b/c) the last part is back in the numerator
-            let is_below = place == 1 || (place == 2 && !text.contains('('));
-            total *= if is_below { 1.0 / one } else { one };
+        // the length limits the depth of the brackets
+        match Some(text).filter(|text| text.len() <= MAX_BYTES).and_then(ratio) {
+            Some((si, "")) => Ok(Self { text: text.to_owned(), si }),
+            _ => Err(format!(
+                "unit {text:?}: write NUMERATOR or NUMERATOR/DENOMINATOR out of dps, mdps, dph, g, mg, µg, %, ppm, cm, m, K, V, mV, pct, µT, s, h, with ² or ³, as mg/K², or with a ratio in brackets, as mg/(K/s)"
+            )),
         }
-        Ok(Self { text: text.to_owned(), si: total })
     }
 }
 
@@ -128,6 +155,12 @@ mod tests {
             ("mg/mV", 9.80665),
             ("dph/h", PI / 180.0 / 3600.0 / 3600.0),
             ("ppm/dps²", 1e-6 / (PI / 180.0).powi(2)),
+            ("(mg/K)/V", 9.80665e-3),
+            ("(mg/mV)/h", 9.80665 / 3600.0),
+            ("mg/mV/h", 9.80665 / 3600.0),
+            ("mg/mV/h/h", 9.80665 / 3600.0 / 3600.0),
+            ("mg/(K/h)²", 9.80665e-3 * 3600.0 * 3600.0),
+            ("dps/(g/(mV/h))", PI / 180.0 / 9.80665 * (1e-3 / 3600.0)),
         ] {
             let unit: SizeUnit = text.parse().unwrap();
             assert!((unit.si / si - 1.0).abs() < 1e-12, "{text}: {}", unit.si);
@@ -144,6 +177,45 @@ mod tests {
             let unit: SizeUnit = text.parse().unwrap();
             assert_eq!([unit.spelled(), unit.in_si()], [spelled, si], "{text}");
         }
-        assert!("dps/furlong".parse::<SizeUnit>().is_err());
+        let nested = format!("{}mg{}", "(".repeat(100_000), ")".repeat(100_000));
+        for text in [
+            "dps/furlong",
+            "",
+            "mg/",
+            "/K",
+            "mg//K",
+            "(mg/K",
+            "mg/K)",
+            "mg()",
+            "mg(K)",
+            "(mg)K",
+            "mg²²",
+            &nested,
+        ] {
+            assert!(text.parse::<SizeUnit>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn units_of_built_in_effects_keep_their_sizes() {
+        // before brackets were parsed, the last part of a/(b/c) was put into the numerator
+        let former = |text: &str| -> f64 {
+            let plain = text.replace(['(', ')'], "");
+            let part = |(place, part): (usize, &str)| {
+                let name = part.trim_end_matches(['²', '³']);
+                let power = if part.ends_with('²') { 2 } else { 1 + 2 * i32::from(part.ends_with('³')) };
+                let one = si(name).expect("a unit").powi(power);
+                if place == 1 { 1.0 / one } else { one }
+            };
+            plain.split('/').enumerate().map(part).product()
+        };
+        let library = crate::effects::Library::built_in();
+        let terms = library.effects().iter().flat_map(|effect| &effect.terms);
+        let units: Vec<&String> =
+            terms.flat_map(|term| [&term.gyro, &term.accelerometer]).flatten().collect();
+        assert!(units.len() > 40, "{}", units.len());
+        for text in units {
+            assert_eq!(text.parse::<SizeUnit>().expect("a unit").si, former(text), "{text}");
+        }
     }
 }

@@ -125,7 +125,12 @@ pub fn fit_axis(
     let mut recording = recording;
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
-        let part = physical::fit(&regressors, &inputs, &poses.columns()).map_err(search_error)?;
+        let levels = poses.columns();
+        let most = physical::most_levels(&regressors);
+        if levels.len() > most {
+            return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
+        }
+        let part = physical::fit(&regressors, &inputs, &levels).map_err(search_error)?;
         model.axes[0].physical = part.terms;
         left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
@@ -409,10 +414,10 @@ mod tests {
     use fos_data::recording::{LoadOptions, Source};
     use fos_testkit::series::every_kind;
 
-    fn recording(values: &[f64]) -> Recording {
+    fn recording(column: &str, values: &[f64]) -> Recording {
         let columns = vec![
             ("t_s".to_owned(), (0..values.len()).map(|row| row as f64 / 20.0).collect()),
-            ("gx_rads".to_owned(), values.to_vec()),
+            (column.to_owned(), values.to_vec()),
             ("temp_c".to_owned(), (0..values.len()).map(|row| 25.0 + (row as f64 / 300.0).sin()).collect()),
         ];
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
@@ -433,7 +438,7 @@ mod tests {
     fn fitted_models_stay_near_their_training_rows() {
         let mut fitted = 0;
         for (name, values) in every_kind(800) {
-            let recording = recording(&values);
+            let recording = recording("gx_rads", &values);
             let options = FitOptions {
                 max_lag: 4,
                 max_terms: 8,
@@ -455,6 +460,33 @@ mod tests {
             "attack: divergent models | {fitted} models of every kind of data stay, tracked and after 1, 10 and 60 s of their own output, near the rows that they were fitted to | negative control: a trace twice the range of the error away is {}",
             if far.is_err() { "refused" } else { "accepted" },
         );
+    }
+
+    /// Rests of 3 s at 20 Hz, each possibly in another orientation.
+    fn in_orientations(count: usize) -> Result<AxisFit, AxisError> {
+        let n = 60 * count;
+        let noise = fos_testkit::noise::white_noise(4, n);
+        let values: Vec<f64> = noise.iter().map(|noise| 9.8 + 0.01 * noise).collect();
+        let recording = recording("ax_mps2", &values);
+        let turns = (60..n).step_by(60).collect();
+        let rest = Stillness { still: vec![true; n], turns, ..stillness::find(&recording) };
+        let options = FitOptions {
+            max_lag: 1,
+            degree: 1,
+            memory_s: Vec::new(),
+            physical: vec!["temp_c".parse().unwrap()],
+            train: Train::Share(0.5),
+            ..FitOptions::default()
+        };
+        fit_axis(&recording, &rest, "ax", &options)
+    }
+
+    /// "u126 cannot be a term" was the message.
+    #[test]
+    fn rejects_more_orientations_than_levels() {
+        assert!(in_orientations(2 * 126).is_ok());
+        let error = in_orientations(2 * 127).unwrap_err().to_string();
+        assert!(error.contains("rests in 127 orientations") && error.contains("at most 126"), "{error}");
     }
 
     #[test]

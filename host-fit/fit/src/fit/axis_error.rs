@@ -53,6 +53,17 @@ pub enum AxisError {
         /// Whole seconds at rest until the end of the first orientation.
         train_s: u64,
     },
+    /// An accelerometer without a reference rests in too many orientations for a fit with physical terms.
+    #[error(
+        "{column}: the device rests in {poses} orientations, each with its own constant; at most {most} can be fitted together with physical terms\nhelp: a smaller `train`, which contains fewer of them; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; or fit without `physical`; gyros are not affected: `axis` gx,gy,gz"
+    )]
+    TooManyPoses {
+        column: String,
+        /// Number of orientations in the training part.
+        poses: usize,
+        /// Largest number of orientations beside the inputs of the model.
+        most: usize,
+    },
     /// All values are equal, or at least half of them repeat one value.
     #[error(
         "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"

@@ -9,7 +9,7 @@ use super::axis_report::LeftOut;
 use super::refit;
 use super::regressors::Regressors;
 use super::stop::NoiseRule;
-use crate::candidates::Monomial;
+use crate::candidates::{MAX_INPUT, Monomial};
 use crate::model::FittedTerm;
 use crate::model::UnitModel;
 use crate::moments::Rows;
@@ -35,6 +35,11 @@ pub struct UnknownTerm {
     pub coefficient: f64,
     /// Standard error of the coefficient.
     pub standard_error: f64,
+}
+
+/// Returns the largest number of levels for [`fit`]: each takes the index of an input behind those of the model.
+pub fn most_levels(regressors: &Regressors) -> usize {
+    (usize::from(MAX_INPUT) + 1).saturating_sub(regressors.inputs.len())
 }
 
 /// Fits the physical part over `inputs` and `levels`, columns of constants that hold for part of the rows. A term whose
