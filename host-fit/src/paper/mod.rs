@@ -15,6 +15,7 @@ mod compare;
 mod curves;
 mod figures;
 mod judge;
+mod position_error;
 mod result;
 mod settings;
 mod split;
