@@ -107,12 +107,12 @@ impl Lot {
 pub enum PopulationError {
     /// There is no coefficient that enough units tell.
     #[error(
-        "no coefficient is identifiable from the logs of three units or more\nhelp: record more units at rest for some minutes, while the temperature changes"
+        "no coefficient is identifiable from the logs of three devices or more\nhelp: record more devices at rest for some minutes, while the temperature changes"
     )]
     NoCoefficient,
     /// A coefficient is known of fewer than two units.
     #[error(
-        "this coefficient is identifiable from the logs of {known} units; a population needs three\nhelp: record more units at rest, while what the coefficient depends on changes"
+        "this coefficient is identifiable from the logs of {known} devices; a population needs three\nhelp: record more devices at rest, while what the coefficient depends on changes"
     )]
     TooFew {
         /// Its place among the names.

@@ -180,8 +180,8 @@ fn a_fleet_of_three_units_says_when_it_is_not_to_be_trusted() {
     write(folder.path(), &few);
     done(folder.path(), &["fleet", "report", "population.json"]);
     let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
-    assert!(page.contains("Caution: The scatter between units is only known to lie between"));
-    assert!(page.contains("Unit by unit") && page.contains("none named"));
+    assert!(page.contains("Caution: The scatter between devices is only known to lie between"));
+    assert!(page.contains("Device by device") && page.contains("none named"));
 }
 
 /// Whatever a fleet is, what is written of it is shown: equal values, no errors, one to three devices, one log under several names.
@@ -202,7 +202,7 @@ fn degenerate_fleets_are_shown_without_a_number_missing() {
         }
     };
     for (what, rows, said) in [
-        ("equal values", change(6, &|_, row| equal(row, true)), "No unit is unlike the others."),
+        ("equal values", change(6, &|_, row| equal(row, true)), "No device is unlike the others."),
         ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
         ("one device", change(1, &|_, _| {}), "no axis has a population"),
         ("two devices", change(2, &|_, _| {}), "no axis has a population"),
