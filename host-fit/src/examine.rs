@@ -40,7 +40,8 @@ pub fn examine(
 ) -> Result<Examination, CompareError> {
     // A refinement recalibrates its first model on the log to explain; that model is exported only after an effect is added.
     let added = refinement.last().filter(|last| last.added.is_some());
-    let model: &UnitModel = added.map_or(&study.model, |last| &last.model);
+    let alone = study.axis_alone(&refinement.column).ok();
+    let model: &UnitModel = added.map(|last| &last.model).or(alone.as_ref()).unwrap_or(&study.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
     let trained_rows = 0..study.data.trained_rows;

@@ -26,6 +26,7 @@ pub mod record;
 pub mod replay;
 pub mod report;
 mod timing;
+mod unaided;
 mod units;
 #[cfg(feature = "workbench")]
 pub mod workbench;

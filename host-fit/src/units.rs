@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 use fos_data::column::Column;
+use fos_data::text::rounded;
 use fos_diagnose::effects::SizeUnit;
 use fos_fit::evaluate::ModelErrors;
 
@@ -79,6 +80,15 @@ impl ShownUnit {
         }
     }
 
+    /// The unit of heading or position errors of an axis.
+    pub(crate) fn of_unaided(column: &str, units: Units) -> Self {
+        match (Column::named(column).is_angular_rate(), units) {
+            (true, Units::Field) => Self::new("°", std::f64::consts::PI / 180.0),
+            (true, Units::Si) => Self::new("rad", 1.0),
+            (false, _) => Self::new("m", 1.0),
+        }
+    }
+
     /// Units of N, B and K of an axis.
     pub(crate) fn of_noise(column: &str, units: Units) -> [Self; 3] {
         let column = Column::named(column);
@@ -110,6 +120,17 @@ impl ShownUnit {
 impl From<ErrorUnit> for ShownUnit {
     fn from(unit: ErrorUnit) -> Self {
         Self::new(unit.label, unit.si)
+    }
+}
+
+/// Three significant digits, in plain notation from 0.00001 on.
+pub(crate) fn three(value: f64) -> String {
+    match value.abs() {
+        small if (1e-5..1e-3).contains(&small) => {
+            let decimals = (2 - small.log10().floor() as i32) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => rounded(value, 3),
     }
 }
 

@@ -15,11 +15,16 @@ def test_what_is_handed_over_has_the_types_that_are_said() -> None:
     comparison: fos.Comparison = study.compare()
     errors: fos.ModelErrors = comparison["gx"].model
     slow: float | None = errors.slow_error_coast
+    unaided: tuple[fos.UnaidedError, ...] = errors.unaided
+    heading: fos.RmsInterval | None = unaided[0].heading_rad
     image: bytes = study.export_image()
     corrections: fos.Corrections = fos.Predictor(image).run(log)
     corrected: npt.NDArray[np.float32] = corrections.corrected
     assert (type(rate), type(image), corrected.dtype) == (float, bytes, np.float32)
     assert slow is None or slow > 0
+    assert [one.window_s for one in unaided] == [1, 10, 60, 600]
+    assert heading is not None and 0 < heading.low < heading.rms < heading.high
+    assert (unaided[3].windows, unaided[3].heading_rad) == (0, None)
     assert columns["gx_rads"].dtype == np.float64
 
 

@@ -34,7 +34,7 @@ test("a population is opened, a unit of it is looked at, and its log is opened",
   await page.locator('[data-key="open-population"]').click();
   await page.waitForSelector(".population table");
   // every coefficient of every axis has its row, with the units that it is of
-  const rows = page.locator('[aria-label="Scatter of units and lots"] tbody tr');
+  const rows = page.locator('[aria-label="Scatter of devices and lots"] tbody tr');
   const coefficients = stored.parts[0].axes.flatMap((/** @type {any} */ axis) => axis.population.names.map(() => axis.population.units));
   assert.equal(await rows.count(), coefficients.length);
   assert.deepEqual(await rows.evaluateAll((all) => all.map((row) => Number(row.children[3]?.textContent))), coefficients);

@@ -12,7 +12,7 @@ use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
-use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, rival, trace, worst_stretches};
+use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::{FittedAxis, UnitModel};
 use fos_fit::playback::Playback;
@@ -328,9 +328,17 @@ impl AxisComparison {
     /// Returns the RMS of the slow error in a free run, in the unit of the axis: of the constant mean, and of the
     /// model.
     pub fn slow_errors(&self) -> [Option<f64>; 2] {
-        [Rival::Mean.name(), MODEL].map(|name| {
-            let errors = self.errors.iter().find(|errors| errors.model == name);
-            errors.and_then(|errors| errors.slow_error_coast).map(f64::sqrt)
-        })
+        self.before_and_after().map(|errors| errors.and_then(|errors| errors.slow_error_coast).map(f64::sqrt))
+    }
+
+    /// Heading or position errors without aiding, by length of the windows: with the constant bias learnt in training
+    /// alone, and with the model.
+    pub fn unaided(&self) -> Vec<[UnaidedError; 2]> {
+        let [Some(before), Some(after)] = self.before_and_after() else { return Vec::new() };
+        before.unaided.iter().zip(&after.unaided).map(|(before, after)| [*before, *after]).collect()
+    }
+
+    fn before_and_after(&self) -> [Option<&ModelErrors>; 2] {
+        [Rival::Mean.name(), MODEL].map(|name| self.errors.iter().find(|errors| errors.model == name))
     }
 }

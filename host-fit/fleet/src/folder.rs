@@ -86,12 +86,15 @@ fn of_table(folder: &Path, table: &Path) -> Result<Vec<Unit>, FolderError> {
             Entry::Occupied(entry) => {
                 let known = &mut units[*entry.get()];
                 if known.logs.contains(&log) {
-                    return Err(wrong(at, format!("the unit {unit:?} has the log {} twice", log.display())));
+                    return Err(wrong(
+                        at,
+                        format!("the device {unit:?} has the log {} twice", log.display()),
+                    ));
                 }
                 if known.lot != lot {
                     let [one, other] =
                         [&known.lot, &lot].map(|lot| lot.as_deref().unwrap_or("none").to_owned());
-                    return Err(wrong(at, format!("the unit {unit:?} is of two lots: {one} and {other}")));
+                    return Err(wrong(at, format!("the device {unit:?} is of two lots: {one} and {other}")));
                 }
                 known.logs.push(log);
             }
@@ -175,7 +178,7 @@ mod tests {
     fn logs_are_units_and_subfolders_are_lots() {
         let folder = tempfile::tempdir().expect("a folder");
         touched(folder.path(), &["b/7.csv", "a/7.csv", "a/8.parquet", "alone.csv", "notes.md"]);
-        let units = units_in(folder.path()).expect("units");
+        let units = units_in(folder.path()).expect("devices");
         let named: Vec<_> = units.iter().map(|unit| (unit.name.as_str(), unit.lot.as_deref())).collect();
         assert_eq!(named, [("a/7", Some("a")), ("a/8", Some("a")), ("alone", None), ("b/7", Some("b"))]);
     }
@@ -189,11 +192,11 @@ mod tests {
             let meta = r#"{"case": "x", "target": "gx_rads", "nominal_rate_hz": 200, "files": {"baseline": "reference", "field": "log"}}"#;
             std::fs::write(folder.path().join(case).join("meta.json"), meta).expect("a file");
         }
-        let units = units_in(folder.path()).expect("units");
+        let units = units_in(folder.path()).expect("devices");
         let named: Vec<_> =
             units.iter().map(|unit| (unit.name.as_str(), unit.lot.as_deref(), unit.logs.len())).collect();
         assert_eq!(named, [("one", None, 2), ("w7/two", Some("w7"), 2)]);
-        let alone = units_in(&folder.path().join("one")).expect("a unit");
+        let alone = units_in(&folder.path().join("one")).expect("a device");
         assert_eq!((alone[0].name.as_str(), alone[0].logs.len()), ("one", 2));
     }
 
@@ -202,17 +205,17 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |text: &str| std::fs::write(folder.path().join(UNITS), text).expect("a table");
         write("unit,part,lot,log\n7, bmi270, w12, x/7.csv\n8,,,8.csv\n");
-        let units = units_in(folder.path()).expect("units");
+        let units = units_in(folder.path()).expect("devices");
         assert_eq!((units[0].name.as_str(), units[0].lot.as_deref()), ("8", None));
         assert_eq!((units[1].part.as_str(), units[1].lot.as_deref()), ("bmi270", Some("w12")));
         assert_eq!(units[1].logs, [folder.path().join("x/7.csv")]);
         write("unit,part,lot,log\n7,,a,7.csv\n8,,a,8.csv\n7,,a,later.csv\n7,other,b,7.csv\n");
-        let units = units_in(folder.path()).expect("units");
+        let units = units_in(folder.path()).expect("devices");
         let logs: Vec<_> = units.iter().map(|unit| unit.logs.len()).collect();
         assert_eq!((logs, &units[0].logs[1]), (vec![2, 1, 1], &folder.path().join("later.csv")));
         for (table, line) in [
-            ("unit,part,lot,log\n7,,,7.csv\n7,,,7.csv\n", ":3: the unit \"7\" has the log "),
-            ("unit,part,lot,log\n7,,a,7.csv\n7,,,8.csv\n", ":3: the unit \"7\" is of two lots: a and none"),
+            ("unit,part,lot,log\n7,,,7.csv\n7,,,7.csv\n", ":3: the device \"7\" has the log "),
+            ("unit,part,lot,log\n7,,a,7.csv\n7,,,8.csv\n", ":3: the device \"7\" is of two lots: a and none"),
             ("unit,part,lot\n7,,\n", ":2: "),
             ("unit,part,lot,log\n7,,,7.csv\n8,7.csv\n", ":3: "),
         ] {

@@ -26,7 +26,7 @@ pub enum GatheredError {
     Nothing,
     /// Two units have different settings.
     #[error(
-        "the units {first:?} and {other:?} were asked different things: {what}\nhelp: ask all units for the same regressors, diagnosed or not, and read all logs alike"
+        "the devices {first:?} and {other:?} were asked different things: {what}\nhelp: ask all devices for the same regressors, diagnosed or not, and read all logs alike"
     )]
     Asked {
         first: String,
@@ -37,7 +37,7 @@ pub enum GatheredError {
     },
     /// A unit occurs twice.
     #[error(
-        "the unit {unit:?}{} is there twice\nhelp: one row for each unit of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
+        "the device {unit:?}{} is there twice\nhelp: one row for each device of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
         suffix_of_part(part)
     )]
     Twice { unit: String, part: String },

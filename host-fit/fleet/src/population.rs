@@ -107,12 +107,12 @@ impl Lot {
 pub enum PopulationError {
     /// No coefficient is identifiable from the logs of enough units.
     #[error(
-        "no coefficient is identifiable from the logs of three units or more\nhelp: record more units at rest for some minutes, while the temperature changes"
+        "no coefficient is identifiable from the logs of three devices or more\nhelp: record more devices at rest for some minutes, while the temperature changes"
     )]
     NoCoefficient,
     /// A coefficient is identifiable from the logs of fewer than three units.
     #[error(
-        "this coefficient is identifiable from the logs of {known} units; a population needs three\nhelp: record more units at rest, while what the coefficient depends on changes"
+        "this coefficient is identifiable from the logs of {known} devices; a population needs three\nhelp: record more devices at rest, while what the coefficient depends on changes"
     )]
     TooFew {
         /// Index among the names.

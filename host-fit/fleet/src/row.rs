@@ -156,7 +156,7 @@ pub fn row_of<E: Display>(
             Ok(None) => break,
             Ok(Some(Ok(log))) => match logs.iter().find(|other| is_same(other, &log)) {
                 Some(other) => row.failed.push(format!(
-                    "{} is the same log as {}: counted once\nhelp: give each log of a unit once",
+                    "{} is the same log as {}: counted once\nhelp: give each log of a device once",
                     path_of(&log),
                     path_of(other)
                 )),

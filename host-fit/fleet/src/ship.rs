@@ -63,7 +63,7 @@ pub struct ShippedUnit {
 pub enum ShipError {
     /// No axis has a population.
     #[error(
-        "{}no axis of this part has a population\nhelp: a fleet of at least three units, at rest for some minutes while the temperature changes", named(.0)
+        "{}no axis of this part has a population\nhelp: a fleet of at least three devices, at rest for some minutes while the temperature changes", named(.0)
     )]
     NoPopulation(String),
     /// A row lacks what the image needs.

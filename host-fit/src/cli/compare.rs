@@ -16,6 +16,7 @@ use fos_fit::evaluate::{ModelErrors, Stretch};
 use crate::curves::curves;
 use crate::figures::moved;
 use crate::plots;
+use crate::unaided::{LEGEND as LEGEND_UNAIDED, UnaidedRow};
 use fos_data::recording::{LoadOptions, Recording};
 use fos_diagnose::study::{Study, load_again};
 
@@ -103,6 +104,7 @@ fn print_comparison(comparison: &Comparison, printed: Printed) {
     let (begin, end) = comparison.judged_s;
     print_line!("evaluated from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
     print_line!("\n{}\n{LEGEND}", summary(comparison, printed.units));
+    print_unaided(comparison, printed);
     if printed.details {
         return comparison.axes.iter().for_each(|axis| print_axis(axis, printed));
     }
@@ -127,6 +129,36 @@ fn print_comparison(comparison: &Comparison, printed: Printed) {
     {
         print_channels(dependence);
     }
+}
+
+/// A sentence for each time without aiding if there is one axis or with `--details`, otherwise a table.
+fn print_unaided(comparison: &Comparison, printed: Printed) {
+    let of_axes: Vec<(&str, Vec<UnaidedRow>)> = comparison
+        .axes
+        .iter()
+        .map(|axis| (axis.column.as_str(), UnaidedRow::all(axis, printed.units)))
+        .filter(|(_, rows)| !rows.is_empty())
+        .collect();
+    if of_axes.is_empty() {
+        return;
+    }
+    if printed.details || comparison.axes.len() == 1 {
+        for (column, rows) in &of_axes {
+            print_line!("\n  {column}");
+            rows.iter().for_each(|row| print_line!("  {}", row.sentence()));
+        }
+    } else {
+        let windows = of_axes[0].1.iter().map(|row| row.window.clone());
+        let header = ["  axis".to_owned(), "without aiding".to_owned()].into_iter().chain(windows);
+        let mut rows_of_table = table(&header.collect::<Vec<_>>());
+        for (column, rows) in &of_axes {
+            let quantity = format!("{}, {}", rows[0].quantity, rows[0].unit);
+            let cells = rows.iter().map(UnaidedRow::cell);
+            rows_of_table.add_row([format!("  {column}"), quantity].into_iter().chain(cells));
+        }
+        print_line!("\n{rows_of_table}");
+    }
+    print_line!("  {LEGEND_UNAIDED}");
 }
 
 /// Time of a stretch, its error, and its distinctive properties.

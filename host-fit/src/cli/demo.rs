@@ -9,12 +9,13 @@ use serde_json::json;
 use super::arguments::OutputFolder;
 use super::output::{Failure, number, print_json, progress, say};
 use super::refinement::print_refinement;
-use super::units::Printed;
+use super::units::{Printed, Units};
 use crate::curves::curves;
 use crate::export::{image, rust_source};
 use crate::figures::moved;
 use crate::plots;
 use crate::replay::replay;
+use crate::unaided::UnaidedRow;
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::file::{make_folder, write_atomically};
 use fos_data::recording::{LoadOptions, Recording, write_columns};
@@ -133,11 +134,18 @@ impl Demo {
             print_refinement(&refinement, Printed::default());
         }
 
+        let later = logs.judged.as_ref().unwrap_or(&logs.field);
+        let refined = refinement.last().map_or(&alone, |last| &last.model);
+        let later_rest = stillness::find(later);
+        let (on_later, _) = compare(refined, &[lag_1], later, &later_rest, 0..later.n_rows(), None, |_| {})?;
+        say!(self, "");
+        for row in UnaidedRow::all(&on_later.axes[0], Units::default()) {
+            say!(self, "   {}", row.sentence());
+        }
+
         let bytes = image(&study.model, "simulated phone-class unit", &study.provenance())?;
         write_atomically(&path("unit.fosm"), &bytes)?;
         write_atomically(&path("model.rs"), rust_source(&study.model, &study.provenance()).as_bytes())?;
-        let later = logs.judged.as_ref().unwrap_or(&logs.field);
-        let later_rest = stillness::find(later);
         let replayed = replay(&Image::parse(&bytes)?, later, &later_rest, &[])?;
         write_columns(path("corrected.parquet"), &replayed.columns(later))?;
         let place = replayed.summary.axes.iter().position(|axis| axis.column == AXIS);
@@ -164,6 +172,7 @@ impl Demo {
             return print_json(&json!({
                 "folder": self.folder.display().to_string(),
                 "comparison": comparison,
+                "evaluation": on_later,
                 "findings": found,
                 "growth": refinement,
                 "replay": replayed.summary,

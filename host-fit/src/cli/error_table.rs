@@ -3,7 +3,7 @@
 use comfy_table::Table;
 
 use super::output::table;
-use super::units::{ErrorUnit, Units, three};
+use super::units::{ErrorUnit, Units};
 use fos_fit::evaluate::ModelErrors;
 
 /// Unit in which the errors of these models are shown.
@@ -49,11 +49,6 @@ pub(super) fn error_table(models: &[&ModelErrors], unit: ErrorUnit) -> Table {
                 at(m).map_or_else(|| "–".to_owned(), |deviation| unit.show(deviation))
             });
         }
-    }
-    if models.iter().any(|m| m.position_error_m.is_some()) {
-        add("position error, m (paper)".into(), &|m| {
-            m.position_error_m.map_or_else(|| "–".to_owned(), three)
-        });
     }
     if models.iter().any(|m| m.cautions > 0) {
         add("rows with a caution".into(), &|m| m.cautions.to_string());

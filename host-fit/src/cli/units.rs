@@ -3,8 +3,7 @@
 use clap::Args;
 
 use crate::units::ShownUnit;
-pub(super) use crate::units::{ErrorUnit, Units};
-use fos_data::text::rounded;
+pub(super) use crate::units::{ErrorUnit, Units, three};
 
 /// Option for the units of a printed text of fixed extent.
 #[derive(Debug, Clone, Copy, Default, Args)]
@@ -47,17 +46,6 @@ impl ErrorUnit {
     /// Root of a variance in SI, without the unit; a dash for none.
     pub(super) fn root(self, variance: Option<f64>) -> String {
         variance.map_or_else(|| "–".to_owned(), |variance| self.show(variance.max(0.0).sqrt()))
-    }
-}
-
-/// Three significant digits, in plain notation from 0.00001 on.
-pub(super) fn three(value: f64) -> String {
-    match value.abs() {
-        small if (1e-5..1e-3).contains(&small) => {
-            let decimals = (2 - small.log10().floor() as i32) as usize;
-            format!("{value:.decimals$}")
-        }
-        _ => rounded(value, 3),
     }
 }
 

@@ -13,6 +13,7 @@
 
 mod canvas;
 pub mod compare;
+mod converted;
 pub mod dependence;
 mod draw;
 pub mod evidence;

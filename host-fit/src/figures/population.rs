@@ -70,8 +70,8 @@ pub fn of_coefficient(of: &OfCoefficient) -> Figure {
         of.units.iter().partition(|unit| (unit.value - of.mean).abs() <= FURTHEST * seen);
     let beyond = match far.len() {
         0 => String::new(),
-        1 => "; 1 unit lies beyond".to_owned(),
-        n => format!("; {n} units lie beyond"),
+        1 => "; 1 device lies beyond".to_owned(),
+        n => format!("; {n} devices lie beyond"),
     };
     let lots = if of.lots.is_empty() { in_order(of, &near) } else { by_lot(of, &near) };
     Figure { title: of.title.clone(), panels: vec![distribution(of, &near, seen, &beyond), lots] }
@@ -109,7 +109,7 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
     let belonging = near.iter().filter(|unit| !unit.is_odd).count() as f64;
     // A curve much narrower than a bin would be a needle above everything else.
     for (label, ink, deviation) in
-        [("units and the error of a log", Ink::Bound, seen), ("units", Ink::Predicted, of.scatter)]
+        [("devices and the error of a log", Ink::Bound, seen), ("devices", Ink::Predicted, of.scatter)]
     {
         if let Ok(normal) = Normal::new(of.mean, deviation)
             && deviation > 0.3 * width
@@ -120,9 +120,9 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
         }
     }
     Panel {
-        title: format!("How {} units lie{beyond}", of.units.len()),
+        title: format!("How {} devices lie{beyond}", of.units.len()),
         x: Axis::linear(of.quantity.clone()),
-        y: Axis::linear("Units in a bin (1)"),
+        y: Axis::linear("Devices in a bin (1)"),
         series,
         ..Panel::default()
     }
@@ -162,8 +162,8 @@ fn in_order(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
     let mut series = dots_of(&dots);
     series.push(mean_of(of));
     Panel {
-        title: "Unit by unit".into(),
-        x: Axis::linear("Units, in the order of their names (1)"),
+        title: "Device by device".into(),
+        x: Axis::linear("Devices, in the order of their names (1)"),
         y: Axis::linear(of.quantity.clone()),
         series,
         ..Panel::default()
@@ -191,7 +191,7 @@ fn mean_of(of: &OfCoefficient) -> Series {
 /// Parts of the variance of the estimates, with a panel for each of `coefficients`.
 pub fn of_variance(title: &str, coefficients: &[(String, Vec<OfVariance>)]) -> Figure {
     let panel = |(name, axes): &(String, Vec<OfVariance>)| {
-        let kinds = [("lots", Ink::Predicted), ("units", Ink::Measured), ("error of a log", Ink::Bound)];
+        let kinds = [("lots", Ink::Predicted), ("devices", Ink::Measured), ("error of a log", Ink::Bound)];
         let series = kinds.iter().enumerate().map(|(kind, (label, ink))| {
             let cells = axes.iter().enumerate().map(|(place, axis)| {
                 let below: f64 = axis.shares[..kind].iter().sum();
@@ -240,7 +240,7 @@ mod tests {
         let figure = of_coefficient(&drawn(&[-1.0, -0.5, 0.0, 0.1, 0.2, 1.5, 40.0], 2));
         let Shape::Cells(bins) = &figure.panels[0].series[0].shape else { panic!("bins") };
         assert_eq!(bins.iter().map(|(.., count)| *count as usize).sum::<usize>(), 6);
-        assert_eq!(figure.panels[0].title, "How 7 units lie; 1 unit lies beyond");
+        assert_eq!(figure.panels[0].title, "How 7 devices lie; 1 device lies beyond");
         assert!(svg(&figure).expect("drawn").contains("2026-W1"));
     }
 

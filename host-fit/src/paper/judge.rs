@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use fos_core::y;
 
+use super::position_error::position_error_m;
 use super::result::{Entry, Judged};
 use super::settings::Settings;
 use super::split::Split;
 use crate::timing::median_time;
 use fos_fit::candidates::{Candidates, Monomial};
-use fos_fit::evaluate::position_error_m;
 use fos_fit::fit::{NoiseRule, StopRule, autoregression, refit};
 use fos_fit::moments::Rows;
 use fos_fit::signal::noise_floor::NoiseFloor;

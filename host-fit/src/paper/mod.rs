@@ -14,6 +14,7 @@ mod compare;
 mod curves;
 mod figures;
 mod judge;
+mod position_error;
 mod result;
 mod settings;
 mod split;

@@ -1,6 +1,7 @@
 //! A report: what a study says of its axes, as plain data; [`html`] and [`markdown`] only render it.
 
 mod axis_section;
+mod axis_units;
 mod evidence;
 pub mod fleet;
 mod log_summary;
@@ -12,6 +13,7 @@ mod template;
 use serde::Serialize;
 
 pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
+pub(crate) use axis_units::{AxisUnits, UnitChoice};
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};
 pub(crate) use render::markdown_environment;

@@ -1,10 +1,15 @@
 //! A report as a page, and as Markdown. Nothing is computed here.
 
+use std::collections::BTreeMap;
+
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context};
 
 use super::template::{RenderError, drawn, environment, of_pages, style};
-use super::{Report, markdown_text};
+use super::{AxisSection, AxisUnits, Report, markdown_text};
+use crate::figures::Figure;
+use crate::unaided::{LEGEND, UnaidedRow};
+use crate::units::{ShownUnit, Units, three};
 
 /// One file that needs nothing else: styles and figures are in it.
 ///
@@ -15,13 +20,17 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
     // every figure is drawn before it is rendered
     let mut axes = Vec::new();
     for axis in &report.axes {
-        let figures = axis.figures.iter().map(drawn).collect::<Result<Vec<_>, _>>()?;
-        let evidence = axis.section.offers.iter().map(|offer| offer.evidence.as_ref().map(drawn).transpose());
+        let section = &axis.section;
+        let unit = AxisUnits::of(section).errors.field;
+        let picture = |figure: &Figure| drawn(&figure.clone().in_unit(&section.unit, &unit));
+        let figures = axis.figures.iter().map(picture).collect::<Result<Vec<_>, _>>()?;
+        let evidence = section.offers.iter().map(|offer| offer.evidence.as_ref().map(picture).transpose());
         let evidence = evidence.collect::<Result<Vec<_>, _>>()?;
-        let staircase = axis.section.staircase.as_ref().map(drawn).transpose()?;
-        axes.push(context! { section => Serde(&axis.section), figures, evidence, staircase });
+        let staircase = section.staircase.as_ref().map(picture).transpose()?;
+        axes.push(context! { figures, evidence, staircase, ..numbers(section) });
     }
-    let environment = of_pages()?;
+    let mut environment = of_pages()?;
+    add_unit_filters(&mut environment);
     let template = environment.template_from_str(include_str!("report.html"))?;
     Ok(template.render(context! { report => Serde(report), axes, style => style() })?)
 }
@@ -33,11 +42,42 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
 /// None that a report can cause.
 pub fn markdown(report: &Report) -> Result<String, RenderError> {
     let mut environment = markdown_environment()?;
+    add_unit_filters(&mut environment);
     environment.add_filter("code", |text: &str| Value::from_safe_string(markdown_text::code(text)));
     environment
         .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
     let template = environment.template_from_str(include_str!("report.md"))?;
-    Ok(template.render(context! { report => Serde(report) })?)
+    let axes: Vec<Value> = report.axes.iter().map(|axis| numbers(&axis.section)).collect();
+    Ok(template.render(context! { report => Serde(report), axes })?)
+}
+
+/// The numbers of an axis with the units that people read them in.
+fn numbers(section: &AxisSection) -> Value {
+    let AxisUnits { measured, errors, sizes, .. } = AxisUnits::of(section);
+    let sizes: BTreeMap<String, ShownUnit> =
+        sizes.into_iter().map(|(stored, unit)| (stored, unit.field)).collect();
+    let unaided =
+        section.comparison.as_ref().map_or_else(Vec::new, |axis| UnaidedRow::all(axis, Units::Field));
+    context! {
+        section => Serde(section),
+        coefficients_in => Serde(&measured.field),
+        errors_in => Serde(&errors.field),
+        sizes_in => Serde(&sizes),
+        unaided => Serde(&unaided),
+        unaided_legend => LEGEND,
+    }
+}
+
+/// Filters that show a value in SI, or the root of its square, in the unit that is their argument, without its label.
+fn add_unit_filters(environment: &mut Environment<'_>) {
+    let shown = |value: Option<f64>, unit: &Value| -> Result<String, Error> {
+        let divisor = f64::try_from(unit.get_attr("divisor")?)?;
+        Ok(value.map_or_else(|| "–".to_owned(), |value| three(value / divisor).replace('-', "−")))
+    };
+    environment.add_filter("in_unit", move |value: Option<f64>, unit: Value| shown(value, &unit));
+    environment.add_filter("root_in_unit", move |square: Option<f64>, unit: Value| {
+        shown(square.map(|square| square.max(0.0).sqrt()), &unit)
+    });
 }
 
 /// For Markdown: text is escaped.

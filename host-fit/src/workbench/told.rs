@@ -1,7 +1,5 @@
 //! What a page is told of a study: with every change, in the list of all, and when it is looked at.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
 
 use super::job::Job;
@@ -9,8 +7,7 @@ use super::known::KnownAxis;
 use super::standing::{Outcome, Standing, pays};
 use super::state::State;
 use crate::command_lines::command_lines;
-use crate::report::{AxisSection, Summaries};
-use crate::units::{ErrorUnit, ShownUnit, Units};
+use crate::report::{AxisSection, AxisUnits, Summaries, UnitChoice};
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::study::{Refinement, RefinementStep};
 
@@ -109,56 +106,6 @@ pub(super) struct AxisPage {
     /// Of each refinement step: whether its effect reduces the error by more than noise.
     pays: Vec<bool>,
     units: AxisUnits,
-}
-
-/// Units of an axis for people; the page chooses between field units and SI.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-struct AxisUnits {
-    /// Measured values.
-    measured: UnitChoice,
-    /// Errors and residuals.
-    errors: UnitChoice,
-    /// N, B and K.
-    noise: [UnitChoice; 3],
-    /// Coefficients of findings, by the unit they are stored in.
-    sizes: BTreeMap<String, UnitChoice>,
-}
-
-/// A unit in both systems.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-struct UnitChoice {
-    field: ShownUnit,
-    si: ShownUnit,
-}
-
-impl UnitChoice {
-    fn of<U: Into<ShownUnit>>(unit: impl Fn(Units) -> U) -> Self {
-        Self { field: unit(Units::Field).into(), si: unit(Units::Si).into() }
-    }
-}
-
-impl AxisUnits {
-    fn of(section: &AxisSection) -> Self {
-        let column = section.column.as_str();
-        let errors = section.comparison.iter().flat_map(|comparison| &comparison.errors);
-        let [field, si] = [Units::Field, Units::Si].map(|units| ShownUnit::of_noise(column, units));
-        let found = section.diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings);
-        let added = section.refinement.iter().flat_map(Refinement::added).map(|added| &added.finding);
-        let sizes = found
-            .chain(added)
-            .flat_map(|finding| &finding.sizes)
-            .map(|size| (size.unit.clone(), UnitChoice::of(|units| ShownUnit::of_size(&size.unit, units))));
-        let mut noise = field.into_iter().zip(si).map(|(field, si)| UnitChoice { field, si });
-        Self {
-            // the values of a turning gyro are large
-            measured: UnitChoice::of(|units| ErrorUnit::of(column, f64::INFINITY, units)),
-            errors: UnitChoice::of(|units| ErrorUnit::of_models(column, errors.clone(), units)),
-            noise: std::array::from_fn(|_| noise.next().expect("three of each")),
-            sizes: sizes.collect(),
-        }
-    }
 }
 
 impl AxisPage {

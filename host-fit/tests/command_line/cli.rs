@@ -13,6 +13,11 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     let compared = done(folder, &["compare", "unit.json", "--details", "--figures", "figures"]);
     assert!(compared.contains("noise floor") && compared.contains("free run, 10 s ahead"), "{compared}");
     assert!(compared.contains("best lag") && compared.contains("by time and frequency"), "{compared}");
+    assert!(compared.contains("Heading error after 10 s without aiding: "), "{compared}");
+    assert!(
+        compared.contains("Heading error after 10 min without aiding: log too short (0 of 3"),
+        "{compared}"
+    );
     // a line for each axis before the details
     let details = compared.find("\ngx_rads: ").expect("the details");
     let (glance, _) = compared.split_at(details);
@@ -28,6 +33,13 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
         let summary = done(folder, arguments);
         assert!(summary.lines().count() <= 40, "{arguments:?}: {summary}");
         assert!(summary.contains("--details") && !summary.contains("dps"), "{summary}");
+        if arguments[0] == "compare" {
+            let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+            let row =
+                |text: &str| summary.lines().map(words).find(|line| line.contains(text)).expect("a row");
+            assert_eq!(row("gz_rads heading error, °").matches(" → ").count(), 2, "{summary}");
+            assert!(row("ax_mps2 position error, m").ends_with("too short"), "{summary}");
+        }
     }
     let si = done(folder, &["compare", "unit.json", "--units", "si"]);
     assert!(si.contains(" rad/s ") && !si.contains('°'), "{si}");
@@ -59,6 +71,35 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     let again =
         done(folder, &["fit", "corrected.parquet", "--axis", "gx", "--memory", "none", "-o", "again.json"]);
     assert!(again.contains("gx_rads"), "{again}");
+}
+
+/// Text is in the units of data sheets, JSON in SI.
+#[test]
+fn reports_are_in_field_units_and_state_the_error_without_aiding() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    done(folder, &["simulate", "log.parquet", "--minutes", "3", "--seed", "4", "--at-rest"]);
+    done(folder, &["fit", "log.parquet", "--axis", "gx,ax", "--physical", "temp_c", "-o", "unit.json"]);
+    for (axis, unit, si, quantity) in [
+        ("gx", "°/", "rad/s", "heading error after 10 s, °"),
+        ("ax", "mg", "m/s²", "position error after 10 s, m"),
+    ] {
+        let arguments = ["report", "unit.json", "--from", "log.parquet", "--axis", axis];
+        for file in ["report.md", "report.html"] {
+            done(folder, &[&arguments[..], &["-o", file]].concat());
+            let text = std::fs::read_to_string(folder.join(file)).expect("written");
+            assert!(text.contains(&format!("RMS in {unit}")) && !text.contains(si), "{file} of {axis}");
+            assert!(text.contains(quantity) && text.contains("log too short"), "{file} of {axis}");
+        }
+        let json = done(folder, &[&arguments[..], &["--json"]].concat());
+        let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let section = &report["axes"][0]["section"];
+        assert_eq!(section["unit"], si);
+        let ten_seconds = &section["comparison"]["errors"][3]["unaided"][1];
+        let found = &ten_seconds[if axis == "gx" { "heading_rad" } else { "position_m" }];
+        let [rms, low, high] = ["rms", "low", "high"].map(|name| found[name].as_f64().expect("a number"));
+        assert!(0.0 < low && low < rms && rms < high, "{ten_seconds}");
+    }
 }
 
 /// Exports fail early with the error that a device would give on loading.

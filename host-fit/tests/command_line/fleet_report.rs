@@ -180,8 +180,8 @@ fn fleet_of_three_devices_warns_about_its_limits() {
     write(folder.path(), &few);
     done(folder.path(), &["fleet", "report", "population.json"]);
     let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
-    assert!(page.contains("Caution: The scatter between units is only known to lie between"));
-    assert!(page.contains("Unit by unit") && page.contains("none named"));
+    assert!(page.contains("Caution: The scatter between devices is only known to lie between"));
+    assert!(page.contains("Device by device") && page.contains("none named"));
 }
 
 /// The page of any fleet is complete: equal values, no errors, one to three devices, one log under several names.
@@ -202,7 +202,7 @@ fn shows_degenerate_fleets_completely() {
         }
     };
     for (what, rows, message) in [
-        ("equal values", change(6, &|_, row| equal(row, true)), "No unit is unlike the others."),
+        ("equal values", change(6, &|_, row| equal(row, true)), "No device is unlike the others."),
         ("equal values without errors", change(6, &|_, row| equal(row, false)), ""),
         ("one device", change(1, &|_, _| {}), "no axis has a population"),
         ("two devices", change(2, &|_, _| {}), "no axis has a population"),

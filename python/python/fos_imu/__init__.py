@@ -19,7 +19,7 @@ In a notebook every result shows itself; `help()` of any name says shapes and un
 from __future__ import annotations
 
 from ._engine import __version__
-from .comparison import AxisComparison, Comparison, ModelErrors
+from .comparison import AxisComparison, Comparison, ModelErrors, RmsInterval, UnaidedError
 from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
 from .errors import FosError, FosWarning
 from .fleet import Fleet, UnitRow, population, unit_row
@@ -51,7 +51,9 @@ __all__ = [
     "Predictor",
     "Recording",
     "Refinement",
+    "RmsInterval",
     "Study",
+    "UnaidedError",
     "UnitRow",
     "Validity",
     "__version__",

@@ -44,6 +44,32 @@ class AllanValue:
 
 
 @dataclass(frozen=True)
+class RmsInterval:
+    """RMS over windows, with its 90 % interval."""
+
+    rms: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class UnaidedError:
+    """Heading or position error after a time without aiding, over whole windows at rest.
+
+    Attributes:
+        window_s: The time, s.
+        windows: Number of windows; below 3 the log is too short for an RMS.
+        heading_rad: Heading error, rad; only of a gyro axis.
+        position_m: Position error, m; only of an accelerometer axis.
+    """
+
+    window_s: float
+    windows: int
+    heading_rad: RmsInterval | None = None
+    position_m: RmsInterval | None = None
+
+
+@dataclass(frozen=True)
 class ModelErrors:
     """Residual with one model; squares in the square of the axis' unit.
 
@@ -56,10 +82,10 @@ class ModelErrors:
         slow_error_coast: Variance of 1-s means, coasting for at most 60 s.
         wide_error_one_step: Variance of the samples, one-step.
         wide_error_coast: Variance of the samples, coasting for at most 60 s.
-        position_error_m: Position error after an hour by a formula of the one-step prediction error, m; not navigated.
         allan: Allan deviation when coasting, at 1, 10, 100 s.
         below_noise_floor: The one-step prediction error is below the limit of causal predictors: not to be trusted.
         cautions: Rows whose prediction came with a caution.
+        unaided: Heading or position error after 1, 10, 60 and 600 s without aiding; empty in studies of earlier versions.
     """
 
     model: str
@@ -70,10 +96,10 @@ class ModelErrors:
     slow_error_coast: float | None
     wide_error_one_step: float
     wide_error_coast: float
-    position_error_m: float | None
     allan: tuple[AllanValue, ...]
     below_noise_floor: bool
     cautions: int
+    unaided: tuple[UnaidedError, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -202,7 +228,12 @@ class AxisComparison:
                 "slow_error_coast": errors.slow_error_coast,
                 "wide_error_one_step": errors.wide_error_one_step,
                 "wide_error_coast": errors.wide_error_coast,
-                "position_error_m": errors.position_error_m,
+                **{
+                    f"{name}_after_{one.window_s:.0f}_s": error.rms
+                    for one in errors.unaided
+                    for name, error in (("heading_rad", one.heading_rad), ("position_m", one.position_m))
+                    if error is not None
+                },
                 "cautions": errors.cautions,
             }
 

@@ -93,10 +93,7 @@ fn cargo_deny(form: Form, root: &Path) -> Option<PathBuf> {
             "--root",
         ];
         let mut command = Command::new("cargo");
-        command
-            .args(install)
-            .arg(&ours)
-            .env("CARGO_TARGET_DIR", ours.join("build"));
+        command.args(install).arg(&ours).env("CARGO_TARGET_DIR", ours.join("build"));
         if let Err(error) = command.status() {
             eprintln!("{error}");
         }

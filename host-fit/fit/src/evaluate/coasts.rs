@@ -7,6 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::origins::Origins;
+use super::unaided::{Integral, UNAIDED_S};
 use crate::model::{AXES, FittedAxis, FittedTerm, INPUTS, UnitModel};
 use crate::playback::{Feed, Playback};
 use fos_data::interrupt::{self, in_parallel};
@@ -20,13 +21,28 @@ const LARGEST_LANES: usize = 1 << 17;
 
 /// Coasts wait until there are so many groups of one length: work for all cores, of some megabytes. Of blocks, which leave an
 /// error in every row, fewer.
-const AT_ONCE: [usize; 4] = [16, 8, 4, 2];
+const AT_ONCE: [usize; LENGTHS] = [16, 8, 4, 2, 16, 8, 4, 2];
 
 /// The length of blocks, beside those of the horizons.
 const BLOCKS: usize = 3;
 
+/// The first length of windows without aiding.
+const WINDOWS: usize = BLOCKS + 1;
+
+/// Lengths of coasts: those of the horizons, of blocks, of windows without aiding.
+const LENGTHS: usize = WINDOWS + UNAIDED_S.len();
+
 /// What a coast leaves of the error at a horizon: the row that it began in, the axis, the error.
 type Left = (usize, usize, f64);
+
+/// The errors of one axis that are left when all coasts have run.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Finished {
+    /// Squared errors after exactly each horizon.
+    pub(super) squares: [Vec<f64>; 3],
+    /// Errors at the ends of windows without aiding of each length, rad or m.
+    pub(super) ends: [Vec<f64>; UNAIDED_S.len()],
+}
 
 /// The coasts of a model over a recording, of which some wait to be run.
 pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> {
@@ -35,10 +51,14 @@ pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: u
     ticks: [usize; 3],
     /// A coast goes on as it begins.
     is_held: bool,
-    n_axes: usize,
-    /// Those to each horizon, and blocks.
-    waiting: [Waiting<R, TERMS, HISTORY>; 4],
+    /// Of each axis, how windows without aiding are integrated.
+    integrals: Vec<Option<Integral>>,
+    period_s: f64,
+    /// Those to each horizon, blocks, and windows without aiding.
+    waiting: [Waiting<R, TERMS, HISTORY>; LENGTHS],
     left: [Vec<Left>; 3],
+    /// Of each length of windows, the integrated errors at their ends.
+    ends: [Vec<Left>; UNAIDED_S.len()],
 }
 
 /// Coasts that wait: of each what it begins from and no more. The room of those that have been run is used again.
@@ -117,9 +137,11 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
             feed: playback.feed(),
             ticks: origins.ticks,
             is_held: is_held(model),
-            n_axes: model.axes.len(),
-            waiting: [const { Waiting::new() }; 4],
+            integrals: model.axes.iter().map(|axis| Integral::of(&axis.column)).collect(),
+            period_s: model.period_s,
+            waiting: [const { Waiting::new() }; LENGTHS],
             left: [const { Vec::new() }; 3],
+            ends: [const { Vec::new() }; UNAIDED_S.len()],
         }
     }
 
@@ -153,19 +175,38 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Runs what waits still. Squared errors after exactly each horizon, of each axis, in the order of the rows that the coasts
-    /// began in; `keep` as for [`begin_block`](Self::begin_block).
-    pub(super) fn finish(mut self, keep: impl FnMut(usize, usize, &[f64])) -> Vec<[Vec<f64>; 3]> {
+    /// Takes a window without aiding, before which `predictor` has seen all rows; `length` as in [`UNAIDED_S`].
+    pub(super) fn begin_window(
+        &mut self,
+        predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        (rows, length): (Range<usize>, usize),
+    ) {
+        if self.wait(predictor, rows, WINDOWS + length) {
+            self.run_windows(length);
+        }
+    }
+
+    /// Runs the coasts that still wait. Of each axis, in the order of the rows that the coasts began in: squared errors
+    /// after exactly each horizon, and the errors at the ends of windows without aiding. `keep` as for
+    /// [`begin_block`](Self::begin_block).
+    pub(super) fn finish(mut self, keep: impl FnMut(usize, usize, &[f64])) -> Vec<Finished> {
         (0..self.ticks.len()).for_each(|length| self.run(length));
         self.run_blocks(keep);
-        let mut squares = vec![[const { Vec::new() }; 3]; self.n_axes];
+        (0..UNAIDED_S.len()).for_each(|length| self.run_windows(length));
+        let mut finished = vec![Finished::default(); self.integrals.len()];
         for (horizon, mut left) in self.left.into_iter().enumerate() {
             left.sort_by_key(|(row, ..)| *row);
             for (_, axis, left) in left.into_iter().filter(|(.., left)| left.is_finite()) {
-                squares[axis][horizon].push(left * left);
+                finished[axis].squares[horizon].push(left * left);
             }
         }
-        squares
+        for (length, mut ends) in self.ends.into_iter().enumerate() {
+            ends.sort_by_key(|(row, ..)| *row);
+            for (_, axis, end) in ends.into_iter().filter(|(.., end)| end.is_finite()) {
+                finished[axis].ends[length].push(end);
+            }
+        }
+        finished
     }
 
     /// Whether there wait as many now as are run at once.
@@ -204,7 +245,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
 
     /// Runs the blocks that wait.
     fn run_blocks(&mut self, mut keep: impl FnMut(usize, usize, &[f64])) {
-        let n_axes = self.n_axes;
+        let n_axes = self.integrals.len();
         let left = self.run_waiting(
             BLOCKS,
             |_| true,
@@ -220,6 +261,27 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         for (lanes, errors) in left {
             for (index, errors) in errors.iter().enumerate() {
                 keep(lanes[index / n_axes].start, index % n_axes, errors);
+            }
+        }
+    }
+
+    /// Runs the windows without aiding of a length that wait.
+    fn run_windows(&mut self, length: usize) {
+        let (integrals, period_s) = (self.integrals.clone(), self.period_s);
+        let n_axes = integrals.len();
+        let left = self.run_waiting(
+            WINDOWS + length,
+            |_| true,
+            |ends: &mut Vec<f64>, (rows, lane), axis, ahead, error| {
+                ends.resize(ends.len().max((lane + 1) * n_axes), 0.0);
+                let weight =
+                    integrals[axis].map_or(0.0, |integral| integral.weight(ahead, rows.len(), period_s));
+                ends[lane * n_axes + axis] += weight * error;
+            },
+        );
+        for (lanes, ends) in left {
+            for (index, end) in ends.into_iter().enumerate() {
+                self.ends[length].push((lanes[index / n_axes].start, index % n_axes, end));
             }
         }
     }

@@ -1,10 +1,10 @@
 //! The errors of one model on one axis, by their definitions (docs/MATHS.md, "Definitions of errors").
 
-use fos_data::column::{Column, Triad};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::origins::HORIZONS_S;
 use super::trace::Trace;
+use super::unaided::{Integral, UNAIDED_S, UnaidedError};
 use crate::signal;
 use crate::signal::allan::allan_deviation;
 use crate::signal::blocks::slow_error;
@@ -15,10 +15,6 @@ const TAUS_S: [f64; 3] = [1.0, 10.0, 100.0];
 
 /// Length of the blocks over whose means the slow error is taken, s.
 pub const SLOW_BLOCK_S: f64 = 1.0;
-
-/// Standard gravity as the paper rounds it, m/s², and the hour over which it extrapolates, s.
-const PAPER_GRAVITY: f64 = 9.81;
-const PAPER_TIME_S: f64 = 3600.0;
 
 /// What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
 /// absent where the data are too short for it.
@@ -45,8 +41,10 @@ pub struct ModelErrors {
     /// Variance of the samples of what is left, coasting for at most 60 s, while still.
     #[serde(deserialize_with = "or_nan")]
     pub wide_error_coast: f64,
-    /// The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro.
-    pub position_error_m: Option<f64>,
+    /// Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
+    /// and in studies of earlier versions.
+    #[serde(default)]
+    pub unaided: Vec<UnaidedError>,
     /// Allan deviation of what is left when coasting for at most 60 s.
     pub allan: Vec<AllanValue>,
     /// The one-step MSE is below the noise floor: not to be trusted.
@@ -107,7 +105,10 @@ impl ModelErrors {
             slow_error_coast: slow_error(&coast, trace.period_s, SLOW_BLOCK_S),
             wide_error_one_step: signal::variance(&one_step),
             wide_error_coast: signal::variance(&coast),
-            position_error_m: position_error_m(column, one_step_mse),
+            unaided: Integral::of(column).map_or_else(Vec::new, |integral| {
+                let ends = UNAIDED_S.into_iter().zip(&left.unaided);
+                ends.map(|(window_s, ends)| UnaidedError::of(integral.triad(), window_s, ends)).collect()
+            }),
             allan: allan_deviation(&coast, trace.period_s, &TAUS_S)
                 .into_iter()
                 .map(|point| AllanValue { tau_s: point.tau_s, deviation: point.deviation })
@@ -133,44 +134,9 @@ fn mean_square(stretches: &[&[f64]]) -> f64 {
     stretches.iter().copied().flatten().map(|value| value * value).sum::<f64>() / n as f64
 }
 
-/// The paper's position error after an hour: ½·√MSE·t² for an accelerometer (m/s²), g·√MSE·t³/6 for a gyro (rad/s).
-/// A formula of the MSE, not a navigation run.
-pub fn position_error_m(column: &str, mse: f64) -> Option<f64> {
-    let root = mse.sqrt();
-    let (triad, _) = Column::named(column).place()?;
-    Some(match triad {
-        Triad::Accelerometers => 0.5 * root * PAPER_TIME_S.powi(2),
-        Triad::Gyros => PAPER_GRAVITY * root * PAPER_TIME_S.powi(3) / 6.0,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_position_errors_are_the_papers() {
-        // Tables 1 and 2: MSE in (m/s²)² and (deg/h)², position error in m, printed digits
-        for (mse, metres) in
-            [(5e-9, 458.0), (3e-11, 35.0), (1e-11, 20.0), (2e-12, 9.0), (3e-14, 1.0), (2e-16, 0.09)]
-        {
-            let computed = position_error_m("ay_mps2", mse).unwrap();
-            assert!((computed / metres - 1.0).abs() < 0.13, "{mse}: {computed} for {metres}");
-        }
-        let degree_per_hour = std::f64::consts::PI / 180.0 / 3600.0;
-        for (mse, metres) in [
-            (7e-6, 978.0),
-            (5e-6, 826.0),
-            (1e-6, 369.0),
-            (2e-6, 523.0),
-            (2e-7, 165.0),
-            (4e-10, 7.0),
-            (3e-11, 2.0),
-        ] {
-            let computed = position_error_m("gy_rads", mse * degree_per_hour.powi(2)).unwrap();
-            assert!((computed / metres - 1.0).abs() < 0.06, "{mse}: {computed} for {metres}");
-        }
-    }
 
     /// A study was written that could not be read: its model was judged on no row.
     #[test]
@@ -184,7 +150,7 @@ mod tests {
             slow_error_coast: None,
             wide_error_one_step: f64::NAN,
             wide_error_coast: 1.5,
-            position_error_m: Some(f64::NAN),
+            unaided: Vec::new(),
             allan: Vec::new(),
             below_noise_floor: false,
             cautions: 0,
@@ -193,6 +159,6 @@ mod tests {
         assert!(
             read.one_step_mse.is_nan() && read.coast_whole_mse.is_nan() && read.wide_error_one_step.is_nan()
         );
-        assert_eq!((read.wide_error_coast, read.position_error_m), (1.5, None));
+        assert_eq!(read.wide_error_coast, 1.5);
     }
 }

@@ -1,5 +1,5 @@
-//! How well a model does on data: one-step, coast, slow and wide errors, position error, Allan deviation, beside
-//! plain rivals and the noise floor. A model is judged by running fos-core on it.
+//! Errors of a model on data: one-step, free run, slow and broadband errors, heading and position without aiding, Allan
+//! deviation, beside plain rivals and the noise floor. A model is judged by running fos-core on it.
 
 mod coasts;
 mod errors;
@@ -7,10 +7,12 @@ mod origins;
 mod rivals;
 mod stretches;
 mod trace;
+mod unaided;
 
-pub use errors::{AllanValue, CoastError, ModelErrors, SLOW_BLOCK_S, position_error_m};
+pub use errors::{AllanValue, CoastError, ModelErrors, SLOW_BLOCK_S};
 pub use origins::HORIZONS_S;
 pub use rivals::{Rival, rival};
 pub use stretches::{Stretch, worst_stretches};
 pub(crate) use trace::trace_to_horizons;
 pub use trace::{AxisTrace, Trace, trace};
+pub use unaided::{FEWEST_WINDOWS, RmsInterval, UNAIDED_S, UnaidedError};

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::unaided::UNAIDED_S;
 use fos_data::recording::pieces;
 
 /// Horizons of the coast error, s.
@@ -9,6 +10,9 @@ pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
 
 /// Steps spent on the coasts of one horizon. 2·10⁶ at 200 Hz are 10,000 coasts of 1 s or 166 of 60 s.
 const STEPS_PER_HORIZON: usize = 2_000_000;
+
+/// Windows without aiding of one length that are run if a log has more: a long log costs no more than it must.
+const MOST_WINDOWS: usize = 200;
 
 /// A coast begins so long after a stretch does, s, at most a quarter of it: it is to start from measured history, not
 /// from the coast through the motion before.
@@ -25,6 +29,8 @@ pub(super) struct Origins {
     pub(super) reaches: Vec<(usize, usize)>,
     /// Consecutive coasts that cover the stretches.
     pub(super) blocks: Vec<Range<usize>>,
+    /// Whole windows without aiding, sorted by begin, and the index of their length in [`UNAIDED_S`].
+    pub(super) windows: Vec<(Range<usize>, usize)>,
 }
 
 impl Origins {
@@ -56,6 +62,22 @@ impl Origins {
         });
         let block = ((BLOCK_S / period_s).round() as usize).max(1);
         let blocks = pieces(&stretches, block);
-        Self { ticks, reaches, blocks }
+        let windows = windows(&stretches, period_s);
+        Self { ticks, reaches, blocks, windows }
     }
+}
+
+/// Windows without aiding that follow one another in every stretch, evenly thinned where there are many.
+fn windows(stretches: &[Range<usize>], period_s: f64) -> Vec<(Range<usize>, usize)> {
+    let mut windows = Vec::new();
+    for (length, window_s) in UNAIDED_S.into_iter().enumerate() {
+        let ticks = ((window_s / period_s).round() as usize).max(1);
+        let mut whole = pieces(stretches, ticks);
+        whole.retain(|window| window.len() == ticks);
+        let wanted = (STEPS_PER_HORIZON / ticks).max(MOST_WINDOWS);
+        let spacing = whole.len().div_ceil(wanted).max(1);
+        windows.extend(whole.into_iter().step_by(spacing).map(|window| (window, length)));
+    }
+    windows.sort_by_key(|(window, _)| window.start);
+    windows
 }

@@ -6,6 +6,7 @@ use fos_core::{Correction, ModelError, Predictor, Real};
 
 use super::coasts::Coasting;
 use super::origins::Origins;
+use super::unaided::UNAIDED_S;
 use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::{Feed, Playback};
 use fos_data::interrupt;
@@ -36,6 +37,9 @@ pub struct AxisTrace {
     pub coast_whole: Vec<f64>,
     /// Squared errors after exactly the horizon, one per origin, for each of [`HORIZONS_S`](super::HORIZONS_S).
     pub horizons: [Vec<f64>; 3],
+    /// Heading errors, rad, or position errors, m, at the ends of windows without aiding, for each length of
+    /// [`UNAIDED_S`]; of all windows in which the axis was measured.
+    pub unaided: [Vec<f64>; UNAIDED_S.len()],
     /// Rows whose prediction was given with a caution other than warming up or coasting.
     pub cautions: usize,
 }
@@ -112,6 +116,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         let mut origins = Origins::new(&stretches, model.period_s);
         if coasted == Coasted::Horizons {
             origins.blocks.clear();
+            origins.windows.clear();
         }
         let axes = model.axes.iter().map(|_| AxisTrace::with_rows(rows.len(), coasted)).collect();
         let trace = Trace { rows, period_s: model.period_s, stretches, axes };
@@ -126,9 +131,10 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         }
         let mut whole =
             Whole { predictor: self.predictor.clone(), is_held: self.coasting.is_held(), begun: false };
-        let (mut reaches, mut blocks) = (
+        let (mut reaches, mut blocks, mut windows) = (
             std::mem::take(&mut self.origins.reaches).into_iter().peekable(),
             std::mem::take(&mut self.origins.blocks).into_iter().peekable(),
+            std::mem::take(&mut self.origins.windows).into_iter().peekable(),
         );
         let start = rows.start;
         let keep_block = |axes: &mut Vec<AxisTrace>, row: usize, axis: usize, errors: &[f64]| {
@@ -151,6 +157,9 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
                     keep_block(axes, row, axis, errors);
                 });
             }
+            while let Some(window) = windows.next_if(|(window, _)| window.start == row) {
+                self.coasting.begin_window(&self.predictor, window);
+            }
             if self.coasted == Coasted::AllRows {
                 let corrections = whole.coast(&mut self.feed, self.playback, row);
                 if self.playback.is_still(row) {
@@ -160,8 +169,11 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
             self.step(row);
         }
         let axes = &mut self.trace.axes;
-        let squares = self.coasting.finish(|row, axis, errors| keep_block(axes, row, axis, errors));
-        axes.iter_mut().zip(squares).for_each(|(axis, squares)| axis.horizons = squares);
+        let finished = self.coasting.finish(|row, axis, errors| keep_block(axes, row, axis, errors));
+        for (axis, finished) in axes.iter_mut().zip(finished) {
+            axis.horizons = finished.squares;
+            axis.unaided = finished.ends;
+        }
         self.trace
     }
 

@@ -55,7 +55,7 @@ struct Line<'a> {
 }
 
 impl Export {
-    /// Corrected values if the logs of the part's units or the user say so; raw otherwise.
+    /// Corrected values if the logs of the part's devices or the user say so; raw otherwise.
     fn values(&self, part: &PartSummary, rows: &[UnitRow]) -> Result<FittedOn, Failure> {
         let of_part = rows.iter().filter(|row| row.part == part.part);
         let stated =
@@ -63,7 +63,7 @@ impl Export {
         let (corrected, others): (Vec<_>, Vec<_>) = stated.partition(|(_, by)| by.is_some());
         match (corrected.first(), others.first()) {
             (Some((unit, Some(by))), Some((other, _))) if !self.factory_corrected => Err(format!(
-                "the log of {unit} holds values that were corrected by {by}, that of {other} does not say so: one image cannot be for both\nhelp: log all units alike; if all logs are corrected, --factory-corrected"
+                "the log of {unit} holds values that were corrected by {by}, that of {other} does not say so: one image cannot be for both\nhelp: log all devices alike; if all logs are corrected, --factory-corrected"
             )
             .into()),
             (Some(_), _) => Ok(FittedOn::FactoryCorrected),
@@ -90,7 +90,7 @@ impl Export {
         let values = self.values(part, &rows)?;
         let sensor = self.sensor.as_deref().unwrap_or(&part.part);
         let digest = fleet.rows_sha256.get(..16).unwrap_or_default();
-        let provenance = format!("means of {} units, rows {digest}; {}", fleet.units, fleet.program);
+        let provenance = format!("means of {} devices, rows {digest}; {}", fleet.units, fleet.program);
         let shipment = Shipment::of(part, &rows, values, sensor, &provenance)?;
 
         let folder: &Path = &self.output;
@@ -118,11 +118,11 @@ impl Export {
             })?;
         }
         let table = table.into_inner().map_err(|error| error.to_string())?;
-        write(folder.join(UNITS), &table, format!("{} units and their records", names.len()))?;
+        write(folder.join(UNITS), &table, format!("{} devices and their records", names.len()))?;
         print_written(&written, self.json)?;
         if !shipment.without.is_empty() {
             print_warning(&format!(
-                "nothing is known of {} units, which run on the image of their part: {}",
+                "nothing is known of {} devices, which run on the image of their part: {}",
                 shipment.without.len(),
                 some(&shipment.without)
             ));
@@ -160,7 +160,7 @@ fn some(names: &[String]) -> String {
     format!("{}{more}", names[..names.len().min(FEW)].join(", "))
 }
 
-/// File names of the units, after their names: characters that separate folders or act in a shell become `_`.
+/// File names of the devices, after their names: characters that separate folders or act in a shell become `_`.
 fn file_names(units: &[ShippedUnit]) -> Vec<String> {
     let mut taken = BTreeSet::new();
     let mut name = |unit: &ShippedUnit| {

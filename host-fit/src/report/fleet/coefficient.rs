@@ -191,13 +191,13 @@ impl CoefficientReport {
             ));
         } else if high > WIDE * low {
             found.push(format!(
-                "The scatter between units is only known to lie between {} and {} {unit}. More units, or longer logs, tell it better.",
+                "The scatter between devices is only known to lie between {} and {} {unit}. More devices, or longer logs, tell it better.",
                 number(low),
                 number(high)
             ));
         }
         if low > 0.0 && self.error_of_log > self.between_units {
-            found.push("A log errs by more than units differ: a unit's own estimate says less of it than the mean of its part.".to_owned());
+            found.push("A log errs by more than devices differ: a device's own estimate says less of it than the mean of its part.".to_owned());
         }
         if self.between_lots.is_some() && self.lots < FEW_LOTS {
             found.push(format!(

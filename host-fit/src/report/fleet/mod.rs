@@ -148,7 +148,7 @@ fn variance(axes: &[AxisReport]) -> Option<Figure> {
     }
     coefficients.sort_by_key(|(name, _)| name != BIAS);
     (!coefficients.is_empty())
-        .then(|| of_variance("Of what the differences of units are made", &coefficients))
+        .then(|| of_variance("Of what the differences of devices are made", &coefficients))
 }
 
 /// When the numbers of a part are not to be trusted.
@@ -164,7 +164,7 @@ fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
     }
     if share(odd) > MANY {
         found.push(format!(
-            "{odd} of {} units are odd: so many are no exceptions, but a second population that one mean and one scatter do not describe.",
+            "{odd} of {} devices are odd: so many are no exceptions, but a second population that one mean and one scatter do not describe.",
             read.units
         ));
     }

@@ -1,5 +1,5 @@
 // @ts-check
-// A population: how units differ, which do not belong, and one unit beside the others.
+// A population: how devices differ, which do not belong, and one device beside the others.
 
 import { get, messageOf, post } from "./api.js";
 import { el, radioGroup, replace, uniqueId } from "./dom.js";
@@ -118,7 +118,7 @@ export class PopulationPage {
               ),
         ),
       ),
-      titled(title("how devices differ"), el("div", { class: "card" }, differences(part, title("scatter of units and lots"))), ...figures(part)),
+      titled(title("how devices differ"), el("div", { class: "card" }, differences(part, title("scatter of devices and lots"))), ...figures(part)),
       ...shipped(part, title("effects by axis")).map((shares) => titled(title("effects of the part"), el("div", { class: "card" }, shares))),
     ];
   }
@@ -205,7 +205,7 @@ function differences({ axes }, label) {
   const rows = axes.flatMap((axis) => axis.coefficients.map((one) => row(axis.label, one)));
   const without = axes.filter((axis) => axis.without).map((axis) => el("p", {}, `${capitalised(axis.label)}: ${axis.without}`));
   return [
-    table(label, ["axis", "coefficient", "unit", "units", "mean", "between units", "between lots", "error of a log", "lots alike, p"], rows, 3),
+    table(label, ["axis", "coefficient", "unit", "devices", "mean", "between devices", "between lots", "error of a log", "lots alike, p"], rows, 3),
     el("p", { class: "note" }, "Standard deviations, with their 90 % intervals. Lots alike: how often lots that do not differ would look so different."),
     ...without,
   ];
@@ -233,5 +233,5 @@ function figures({ part, axes, variance }) {
 /** @param {Part} part @param {string} label @returns {HTMLElement[]} */
 function shipped({ axes }, label) {
   const rows = axes.flatMap((axis) => axis.effects.map((one) => [axis.label, one.effect, one.device, `${count(one.units[0])} of ${count(one.units[1])}`, `${percent(one.share_interval[0])} to ${percent(one.share_interval[1])}`, percent(one.mean_reduction)]));
-  return rows.length === 0 ? [] : [table(label, ["axis", "effect", "costs on the device", "units that have it", "share of the part, 90 %", "fall of the error if all models had it"], rows, 3)];
+  return rows.length === 0 ? [] : [table(label, ["axis", "effect", "costs on the device", "devices that have it", "share of the part, 90 %", "fall of the error if all models had it"], rows, 3)];
 }

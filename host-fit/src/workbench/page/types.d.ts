@@ -141,6 +141,8 @@ export type AxisUnits = {
 measured: UnitChoice,
 /** Errors and residuals. */
 errors: UnitChoice,
+/** Heading or position without aiding. */
+unaided: UnitChoice,
 /** N, B and K. */
 noise: [UnitChoice, UnitChoice, UnitChoice],
 /** Coefficients of findings, by the unit they are stored in. */
@@ -688,8 +690,9 @@ slow_error_coast: number | null,
 wide_error_one_step: number,
 /** Variance of the samples of what is left, coasting for at most 60 s, while still. */
 wide_error_coast: number,
-/** The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro. */
-position_error_m: number | null,
+/** Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
+ * and in studies of earlier versions. */
+unaided: Array<UnaidedError>,
 /** Allan deviation of what is left when coasting for at most 60 s. */
 allan: Array<AllanValue>,
 /** The one-step MSE is below the noise floor: not to be trusted. */
@@ -904,6 +907,15 @@ command: string,
 /** Size of the image. */
 bytes: number, };
 
+/** An RMS with its 90 % interval. */
+export type RmsInterval = {
+/** RMS over the windows. */
+rms: number,
+/** Lower bound. */
+low: number,
+/** Upper bound. */
+high: number, };
+
 /** Spacing of the values along an axis. */
 export type Scale = "Linear" | "Log";
 
@@ -1073,6 +1085,17 @@ export type Tone = "Apart" | "LeftOut";
 export type Tool = {
 /** Name of the program on the command line. */
 name: string, version: string, };
+
+/** Error of one axis after a time without aiding, over all windows of that length. */
+export type UnaidedError = {
+/** Length of the windows, s. */
+window_s: number,
+/** Whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
+windows: number,
+/** Heading error at the end of a window, rad; only of a gyro axis. */
+heading_rad?: RmsInterval,
+/** Position error at the end of a window, m; only of an accelerometer axis. */
+position_m?: RmsInterval, };
 
 /** An axis of a unit. */
 export type UnitAxis = {

@@ -10,6 +10,7 @@ import { TimeChart } from "../timechart.js";
 import { chosen as unitOf, figureIn, system } from "../units.js";
 import { section, waitingFor } from "./section.js";
 import { drawStretches, movedOf, shadesOf, wordsFor } from "./stretches.js";
+import { drawUnaided } from "./unaided.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
@@ -36,9 +37,10 @@ export function failsPart({ study, time, source, choose, announce }) {
   const empty = el("p", { class: "empty" });
   const list = el("ol", { class: "stretches" });
   const listTitle = el("h3", {}, "The worst stretches");
+  const unaided = el("div");
   const note = el("div", { class: "chosen", role: "status" });
   const panels = el("div", { class: "panels" });
-  const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list), note, panels);
+  const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list, unaided), note, panels);
 
   source.onData((drawn) => chart.setData(drawn?.shown.left ? drawn.shown : null));
 
@@ -104,10 +106,11 @@ export function failsPart({ study, time, source, choose, announce }) {
       listTitle.hidden = !isCompared;
       chart.setShades(shadesOf(scene));
       chart.setMoved(movedOf(scene));
-      const now = JSON.stringify([axis?.column, axis?.comparison?.worst, chosen, system()]);
+      const now = JSON.stringify([axis?.column, axis?.comparison?.worst, axis?.comparison?.errors, chosen, system()]);
       if (now !== marked) {
         marked = now;
         drawStretches(list, scene, choose);
+        drawUnaided(unaided, axis);
         replace(note, chosen ? chosenNote(chosen, choose) : null);
         if (chosen) announce(`Every panel shows ${wordsFor(chosen)}.`);
       }

@@ -1,0 +1,133 @@
+//! Heading and position errors without aiding as people read them: before the model and after it.
+
+use serde::Serialize;
+
+use crate::units::{ShownUnit, Units, three};
+use fos_data::column::Column;
+use fos_diagnose::compare::AxisComparison;
+use fos_fit::evaluate::{FEWEST_WINDOWS, RmsInterval, UnaidedError};
+
+/// What `before` and `after` are.
+pub(crate) const LEGEND: &str = "before: raw error minus the constant bias learnt in training; after: free run of the model, which sees \
+                                 nothing of the error inside a window";
+
+/// Errors of one axis after one time without aiding, as text.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct UnaidedRow {
+    /// `60 s`, `10 min`.
+    pub(crate) window: String,
+    /// `heading error`, `position error`.
+    pub(crate) quantity: &'static str,
+    /// `°`, `m`.
+    pub(crate) unit: String,
+    /// Number of windows.
+    pub(crate) windows: usize,
+    /// RMS before and after, in the unit; none where the log is too short.
+    pub(crate) rms: Option<[Bounded; 2]>,
+}
+
+/// An RMS with its 90 % interval, without the unit.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct Bounded {
+    pub(crate) rms: String,
+    pub(crate) low: String,
+    pub(crate) high: String,
+}
+
+impl UnaidedRow {
+    /// One row for each length of windows; none for an axis that is neither gyro nor accelerometer.
+    pub(crate) fn all(axis: &AxisComparison, units: Units) -> Vec<Self> {
+        axis.unaided().into_iter().map(|errors| Self::of(&axis.column, errors, units)).collect()
+    }
+
+    fn of(column: &str, errors: [UnaidedError; 2], units: Units) -> Self {
+        let unit = ShownUnit::of_unaided(column, units);
+        let shown = |value: f64| three(value / unit.divisor);
+        let bounded =
+            |RmsInterval { rms, low, high }| Bounded { rms: shown(rms), low: shown(low), high: shown(high) };
+        let [before, after] = errors.map(|error| error.rms().map(bounded));
+        let UnaidedError { window_s, windows, .. } = errors[1];
+        let is_gyro = Column::named(column).is_angular_rate();
+        Self {
+            window: if window_s > 60.0 {
+                format!("{} min", window_s / 60.0)
+            } else {
+                format!("{window_s} s")
+            },
+            quantity: if is_gyro { "heading error" } else { "position error" },
+            unit: unit.label,
+            windows,
+            rms: before.zip(after).map(|(before, after)| [before, after]),
+        }
+    }
+
+    /// `Heading error after 60 s without aiding: 0.91° → 0.12° (RMS of 14 windows; 90 %: 0.70° … 1.30° → 0.09° … 0.16°)`.
+    pub(crate) fn sentence(&self) -> String {
+        let Self { window, quantity, windows, .. } = self;
+        let (first, rest) = quantity.split_at(1);
+        let begin = format!("{}{rest} after {window} without aiding", first.to_uppercase());
+        let Some([before, after]) = &self.rms else {
+            return format!("{begin}: log too short ({windows} of {FEWEST_WINDOWS} windows at rest)");
+        };
+        let unit = if self.unit == "°" { "°".to_owned() } else { format!(" {}", self.unit) };
+        let range = |Bounded { low, high, .. }: &Bounded| format!("{low} … {high}{unit}");
+        format!(
+            "{begin}: {}{unit} → {}{unit} (RMS of {windows} windows; 90 %: {} → {})",
+            before.rms,
+            after.rms,
+            range(before),
+            range(after)
+        )
+    }
+
+    /// `0.91 → 0.12`, `too short`.
+    pub(crate) fn cell(&self) -> String {
+        match &self.rms {
+            Some([before, after]) => format!("{} → {}", before.rms, after.rms),
+            None => "too short".to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(
+        windows: usize,
+        heading_rad: Option<RmsInterval>,
+        position_m: Option<RmsInterval>,
+    ) -> UnaidedError {
+        UnaidedError { window_s: if windows < 3 { 600.0 } else { 60.0 }, windows, heading_rad, position_m }
+    }
+
+    #[test]
+    fn sentences_state_both_errors_with_unit_windows_and_intervals() {
+        let of = |rms: f64| Some(RmsInterval { rms, low: 0.8 * rms, high: 1.6 * rms });
+        let heading = [0.91_f64, 0.12].map(|degrees| error(14, of(degrees.to_radians()), None));
+        let row = UnaidedRow::of("gx_rads", heading, Units::Field);
+        assert_eq!(
+            row.sentence(),
+            "Heading error after 60 s without aiding: 0.910° → 0.120° (RMS of 14 windows; 90 %: 0.728 … 1.46° → 0.0960 … 0.192°)"
+        );
+        assert_eq!(row.cell(), "0.910 → 0.120");
+        let row = UnaidedRow::of("gx_rads", heading, Units::Si);
+        assert!(row.sentence().contains(": 0.0159 rad → 0.00209 rad ("), "{}", row.sentence());
+        let position = [12.0, 3.0].map(|metres| error(14, None, of(metres)));
+        let sentence = UnaidedRow::of("ax_mps2", position, Units::Field).sentence();
+        assert!(
+            sentence.starts_with("Position error after 60 s without aiding: 12.0 m → 3.00 m ("),
+            "{sentence}"
+        );
+    }
+
+    #[test]
+    fn too_few_windows_give_no_number() {
+        let row = UnaidedRow::of("gx_rads", [error(2, None, None); 2], Units::Field);
+        assert_eq!(
+            row.sentence(),
+            "Heading error after 10 min without aiding: log too short (2 of 3 windows at rest)"
+        );
+        assert_eq!(row.cell(), "too short");
+    }
+}
