@@ -1,7 +1,7 @@
 // @ts-check
 // One study: its five parts in the order of thought, and what they share.
 
-import { addressOf, placeOf } from "./address.js";
+import { addressOf, columnsAddress, placeOf } from "./address.js";
 import { messageOf, post } from "./api.js";
 import { axesTable } from "./axestable.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
@@ -38,7 +38,7 @@ import { OUTCOMES } from "./verdict.js";
  * @property {(part: number, focus?: boolean) => void} goTo
  * @property {(part: number) => void} stayAt goes to a part, and keeps it in view while others change
  */
-/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void, columns: (() => void) | null}} Surroundings columns: the way back to the mapping of the log */
+/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Surroundings */
 
 /** How often the address follows what is shown, ms: a browser refuses more than a few changes a second. */
 const ADDRESS_REST = 300;
@@ -225,15 +225,13 @@ export class StudyPage {
     const state = this.#state;
     if (!state) return;
     const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
-    this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
+    this.#once("head", [state.name, state.logs, state.files], () => replace(this.#head, studyHead(state)));
     // what was cancelled, failed or never begun is asked for by looking at the axis again
     const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
     const error = state.error ?? axis?.failure ?? null;
-    this.#once("error", [error, canGoOn, axis?.column, state.logs === null], () => {
+    this.#once("error", [error, canGoOn, axis?.column], () => {
       const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
-      const { columns } = this.#around;
-      const back = !state.logs && state.error && columns ? el("button", { type: "button", class: "primary", "data-key": "columns", onclick: columns }, "Back to the columns of the log") : null;
-      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null, back);
+      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null);
     });
     const isWorking = state.job !== null;
     this.#once("axes", [state.axes.map((one) => [one.column, one.standing, one.slow_error, one.failure, one.units, one.diagnosis?.findings.length]), this.#axis, isWorking, system()], () => {
@@ -292,8 +290,10 @@ function waiting(what) {
 }
 
 /** @param {State} state */
-function studyHead({ name, logs }) {
-  if (!logs) return el("h1", {}, name);
+function studyHead({ id, name, logs, files }) {
+  const columns = files && el("a", { class: "button", "data-key": "columns", href: columnsAddress(id), title: "Change columns, units, scale, offset and roles of the logs" }, "Columns…");
+  const title = el("div", { class: "study-title" }, el("h1", {}, name), columns);
+  if (!logs) return title;
   const { field, quiet, judged } = logs;
   const facts = [
     `${duration(field.seconds)} at ${Number(field.rate_hz.toFixed(2))} Hz`,
@@ -304,7 +304,7 @@ function studyHead({ name, logs }) {
   const other = (/** @type {string} */ role, /** @type {import("./types.js").LogSummary | null} */ log) =>
     log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
   return [
-    el("h1", {}, name),
+    title,
     el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Reference log", quiet), other("Evaluated on", judged)),
     field.quality.length > 0
       ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${field.quality.length === 1 ? "One remark" : `${field.quality.length} remarks`} on the data`), el("ul", {}, field.quality.map((text) => el("li", {}, text))))

@@ -285,12 +285,16 @@ quoted: string, values: Array<string>,
 target: string | null,
 /** The unit that it seems to be in. */
 unit: string | null,
+/** Scale and offset in front of the unit, as in `-32768*0.061`. */
+arithmetic: string | null,
 /** The column map entry for that; none where the name says all. */
 spec: string | null,
 /** What the guess rests on. */
 why: string,
 /** Whether its name alone settles it. */
-sure: boolean, };
+sure: boolean,
+/** Reason why its values cannot be in this unit. */
+caution: string | null, };
 
 /** A channel of a log. */
 export type ColumnSummary = {
@@ -613,6 +617,28 @@ path: string,
 /** Size. */
 bytes: number, };
 
+/** How a log is read. The default suits a log with the columns of the log format. */
+export type LoadOptions = {
+/** Which column is which channel, in what unit. */
+columns: Array<string>,
+/** Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate. */
+rate_hz?: number,
+/** The format, where it is not to be found by the content. */
+format?: string,
+/** Which of several sensors, where a log has more than one: the number of an instance, the name of a topic. */
+topic?: string,
+/** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
+keep_moved?: boolean, };
+
+/** Paths of the logs of a study, and how they are read. */
+export type LogFiles = {
+/** The log to explain. */
+field: string,
+/** The reference log. */
+quiet: string | null,
+/** The evaluation log. */
+judged: string | null, read: LoadOptions, };
+
 /** The logs that effects were estimated from and judged on. */
 export type LogSources = {
 /** The log with the hidden effect. */
@@ -790,7 +816,9 @@ evidence: Figure | null, };
 export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
 
 /** All that a page shows of a study, but for what is drawn sample by sample. */
-export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null,
+export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null,
+/** The logs that were asked for last; absent of an example that is not written yet. */
+files: LogFiles | null, logs: Summaries | null,
 /** Rows in which the unit was moved count as any others. */
 keeps_moved: boolean,
 /** The worst of its axes; an all-clear only once all are diagnosed. */
