@@ -1,5 +1,5 @@
 // @ts-check
-// The address of a study: which axis, view, stretch and time window it shows, so that a link shows the same.
+// The address of a study with its axis, view, stretch and time window, so that a link restores them.
 
 /** @typedef {{axis: string | null, view: string | null, window: [number, number] | null, stretch: [number, number] | null}} Place */
 

@@ -1,5 +1,5 @@
 // @ts-check
-// The workbench: a top bar, and below it one study, one population, or the panel that opens them. The address says which.
+// The workbench: a top bar, and below it the study, population or opening panel of the address.
 
 import { addressedStudy, isOfColumns } from "./address.js";
 import { get, messageOf, remove } from "./api.js";
@@ -39,11 +39,11 @@ let population = null;
 
 /** @param {Event} event */
 function skip(event) {
-  event.preventDefault(); // the address names the study
+  event.preventDefault(); // the address is of the study
   main.focus();
 }
 
-/** The study that the address names. */
+/** The study of the address. */
 const addressed = () => addressedStudy(location.hash);
 
 async function listStudies() {
@@ -158,7 +158,7 @@ function opened(id) {
   void listStudies();
 }
 
-// a file dropped anywhere opens the panel with it
+// A file dropped anywhere on the page opens the panel.
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();

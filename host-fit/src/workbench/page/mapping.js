@@ -1,5 +1,5 @@
 // @ts-check
-// Which column is what: the guesses of the server, to be confirmed or corrected.
+// The meaning of each column: guesses of the server, to be confirmed or corrected.
 
 import { el, icon, replace, uniqueId } from "./dom.js";
 
@@ -8,9 +8,9 @@ import { el, icon, replace, uniqueId } from "./dom.js";
 /** The meaning of a column; target null: kept under its own name; unit null: the unit of its target. @typedef {{column: PreviewColumn, target: string | null, unit: string | null, arithmetic: string}} Choice */
 
 const TIME = "t_s";
-/** Channels that a model can be of. */
+/** Channels that can have a model. */
 const SENSOR = /^[ag][xyz]_/;
-/** In place of a target. */
+/** Target of a column that is excluded. */
 const LEFT_OUT = "!";
 /** Scale and offset of a column map: a chain of operations from left to right. */
 const ARITHMETIC = /^([+\-*/]\s*\d+(\.\d*)?(e[+-]?\d+)?\s*)*$/i;
@@ -28,9 +28,9 @@ export class MappingTable {
   #impossible = el("p", { class: "values-caution", role: "status" });
   /** Cautions by column. @type {Map<string, HTMLElement>} */
   #cautions = new Map();
-  #rateRow = el("p", { class: "rate" }, el("label", { for: this.#rate.id }, "There is no column of time. Sample rate, Hz "), this.#rate);
+  #rateRow = el("p", { class: "rate" }, el("label", { for: this.#rate.id }, "There is no column of time. Sampling rate, Hz "), this.#rate);
 
-  /** Shows the columns of these files, each name once; nothing where all are as the log format has them and one is a sensor. @param {Preview[]} previews */
+  /** Shows the columns of these files, each name once; nothing if all have names of the log format and one is a sensor. @param {Preview[]} previews */
   show(previews) {
     const before = this.#choices;
     /** @type {Map<string, Choice>} */
@@ -49,18 +49,18 @@ export class MappingTable {
     const head = ["Column", "First values", "Is", "Scale and offset", "In", "Why"].map((text) => el("th", { scope: "col" }, text));
     replace(
       this.element,
-      el("h2", {}, "What the columns are"),
+      el("h2", {}, "Columns"),
       el("p", { class: "note" }, unsure > 0 ? `Guessed from names and values. ${unsure === 1 ? "One guess is" : `${unsure} guesses are`} unsure: look at ${unsure === 1 ? "it" : "them"} before reading.` : "Guessed from names and values.", " For raw counts enter scale and offset as in the data sheet, applied from left to right: ", el("code", {}, "-32768*0.061"), " with the unit mdps subtracts 32768 and multiplies by 0.061."),
       this.#clash,
       this.#impossible,
-      el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "What the columns are" }, el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, this.#choices.map((choice) => this.#row(choice, first))))),
+      el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Columns" }, el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, this.#choices.map((choice) => this.#row(choice, first))))),
       this.#rateRow,
     );
     this.#sayImpossible();
     this.#check();
   }
 
-  /** The column map, as fos takes it. */
+  /** The column map, as on the command line. */
   specs() {
     return this.#choices.flatMap(({ column, target, unit, arithmetic }) => {
       if (target === LEFT_OUT) return `!${column.name}`;
@@ -100,12 +100,12 @@ export class MappingTable {
     this.#clash.hidden = false;
   }
 
-  /** Sample rate, where no column says when, Hz. */
+  /** Sampling rate of a log without a column of time, Hz. */
   rate() {
     return !this.#hasTime() && this.#rate.valueAsNumber > 0 ? this.#rate.valueAsNumber : null;
   }
 
-  /** A column is a gyro or an accelerometer. */
+  /** True if a column is a gyro or an accelerometer. */
   hasSensor() {
     return this.#choices.some(({ target, column }) => SENSOR.test(target ?? "") || (target === null && SENSOR.test(column.name)));
   }

@@ -1,5 +1,5 @@
 // @ts-check
-// Opens logs: dropped, chosen, by path, or the built-in example; and populations, by path.
+// Opens logs (dropped, chosen, by path, or the built-in example) and populations (by path).
 
 import { get, messageOf, post, upload } from "./api.js";
 import { el, replace, uniqueId } from "./dom.js";
@@ -18,7 +18,7 @@ import { populationAddress } from "./populationpage.js";
 const ROLES = [
   { role: "field", text: "the log to explain" },
   { role: "quiet", text: "reference log (optional)" },
-  { role: "judged", text: "later evaluation log (optional)" },
+  { role: "judged", text: "evaluation log (optional)" },
   { role: "none", text: "not used" },
 ];
 const MOST = 3;
@@ -37,7 +37,7 @@ export class OpenPanel {
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
-  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose above which columns are, and in which unit.");
+  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose the columns and their units above.");
   /** @type {Picked[]} */
   #picked = [];
   #isBusy = false;
@@ -66,7 +66,7 @@ export class OpenPanel {
       { class: "intro" },
       el("h1", { id: "opening-title" }, "Why does your sensor drift?"),
       el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where the model fails, and identifies the missing physical effect."),
-      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts for a reason that its model lacks."), this.#example, this.#paths, this.#populations)),
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts because of an effect that the model does not contain."), this.#example, this.#paths, this.#populations)),
     );
     this.element = el(
       "section",
@@ -125,11 +125,11 @@ export class OpenPanel {
       return (await upload(file)).path;
     });
     const left = files.slice(most).map((file) => file.name);
-    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
+    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study has at most ${MOST} logs; open the others as another study`);
   }
 
   /**
-   * Looks into logs, one after the other; a file that is no log is reported and skipped.
+   * Reads the columns of logs, one after the other; a file that is not a log is reported and skipped.
    * @template Given
    * @param {Given[]} all
    * @param {(given: Given) => Promise<string>} pathOf
@@ -141,7 +141,7 @@ export class OpenPanel {
     for (const one of all) {
       try {
         const path = await pathOf(one);
-        this.#say(`Looking into ${fileName(path)} …`);
+        this.#say(`Reading the columns of ${fileName(path)} …`);
         const preview = /** @type {Preview} */ (await post("/api/preview", { path }));
         const free = ROLES.find(({ role }) => !this.#picked.some((picked) => picked.role === role));
         this.#picked = [...this.#picked.filter((picked) => picked.path !== path), { path, preview, role: free?.role ?? "none" }];
@@ -191,7 +191,7 @@ export class OpenPanel {
         el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Remove ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Remove"),
       );
     };
-    replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
+    replace(this.#files, picked.length > 0 ? [el("h2", {}, "Roles of the files"), el("ul", {}, picked.map(entry))] : null);
     this.#mapping.show(picked.map(({ preview }) => preview));
     this.#reading.hidden = !picked.some(({ role }) => role === "field");
     this.#sayReadable();
@@ -216,7 +216,7 @@ export class OpenPanel {
     }
   }
 
-  /** A log without a gyro or accelerometer cannot be read: the columns are to be chosen first. */
+  /** A log without a gyro or accelerometer cannot be read; its columns have to be chosen first. */
   #sayReadable() {
     const isReadable = this.#mapping.hasSensor();
     this.#read.setAttribute("aria-disabled", String(!isReadable));

@@ -1,5 +1,5 @@
 // @ts-check
-// One study: its five parts in the order of thought, and what they share.
+// One study: its five parts and their shared state.
 
 import { addressOf, columnsAddress, placeOf } from "./address.js";
 import { messageOf, post } from "./api.js";
@@ -22,10 +22,10 @@ import { OUTCOMES } from "./verdict.js";
 /** @typedef {import("./types.js").AxisPage} AxisState */
 /** @typedef {import("./types.js").ViewKind} ViewName */
 /** A stretch that every panel shows; mark: its number among the worst. @typedef {{from: number, to: number, mark: string | null}} Chosen */
-/** What the parts draw; mean: length of means, s, null follows the zoom. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName, mean: number | null, units: import("./units.js").System}} Scene */
+/** State drawn by the parts; mean: averaging time, s, null follows the zoom. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName, mean: number | null, units: import("./units.js").System}} Scene */
 /** @typedef {{element: HTMLElement, update: (scene: Scene) => void}} Part */
 /**
- * What the parts share.
+ * Shared by the parts.
  * @typedef {object} Context
  * @property {number} study
  * @property {TimeWindow} time
@@ -33,14 +33,14 @@ import { OUTCOMES } from "./verdict.js";
  * @property {(chosen: Chosen | null) => void} choose
  * @property {(view: ViewName) => void} setView
  * @property {(mean: number | null) => void} setMean
- * @property {(path: string, body?: unknown) => Promise<boolean>} change asks the server for it; says what went wrong
+ * @property {(path: string, body?: unknown) => Promise<boolean>} change posts to the server and shows an error
  * @property {(text: string) => void} announce
  * @property {(part: number, focus?: boolean) => void} goTo
- * @property {(part: number) => void} stayAt goes to a part, and keeps it in view while others change
+ * @property {(part: number) => void} stayAt scrolls to a part and keeps it in view while others change
  */
 /** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Surroundings */
 
-/** How often the address follows what is shown, ms: a browser refuses more than a few changes a second. */
+/** Pause between changes of the address, ms: a browser refuses more than a few per second. */
 const ADDRESS_REST = 300;
 /** @type {ViewName[]} */
 const VIEWS = ["slow", "coast", "one_step"];
@@ -74,10 +74,10 @@ export class StudyPage {
   #view = "slow";
   /** @type {number | null} */
   #mean = null;
-  /** What the address asks for and is not shown yet. @type {import("./address.js").Place | null} */
+  /** Place of the address that is not shown yet. @type {import("./address.js").Place | null} */
   #wanted;
   #addressTimer = 0;
-  /** The part that stays in view until the work that it waits for is done, or the reader scrolls. @type {number | null} */
+  /** The part that stays in view until its computation ends or the user scrolls. @type {number | null} */
   #anchored = null;
   #log = "";
   /** @type {Map<string, string>} */
@@ -153,7 +153,7 @@ export class StudyPage {
     this.#draw();
   }
 
-  /** Shows what the address asks for, once the log is there. @param {State} state */
+  /** Shows axis, stretch and window of the address once the log is read. @param {State} state */
   #goToWanted(state) {
     const wanted = this.#wanted;
     if (!wanted || !state.logs) return;
@@ -226,7 +226,7 @@ export class StudyPage {
     if (!state) return;
     const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
     this.#once("head", [state.name, state.logs, state.files], () => replace(this.#head, studyHead(state)));
-    // what was cancelled, failed or never begun is asked for by looking at the axis again
+    // viewing the axis again starts computations that were cancelled or failed
     const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
     const error = state.error ?? axis?.failure ?? null;
     this.#once("error", [error, canGoOn, axis?.column], () => {
@@ -250,7 +250,7 @@ export class StudyPage {
     this.#writeAddress();
   }
 
-  /** Draws only what changed, so that nothing under the reader's hands is taken away. @param {string} name @param {unknown} data @param {() => void} draw */
+  /** Draws a place only if its data changed, so that focus and selection stay. @param {string} name @param {unknown} data @param {() => void} draw */
   #once(name, data, draw) {
     const now = JSON.stringify(data);
     if (this.#drawn.get(name) === now) return;
@@ -279,7 +279,7 @@ export class StudyPage {
   }
 }
 
-/** Tells one state of an axis' model from the next. @param {AxisState} axis */
+/** Key that differs between two states of an axis' model. @param {AxisState} axis */
 export function modelKey(axis) {
   return JSON.stringify([axis.model, axis.growth?.stairs.length ?? 0, axis.comparison?.errors ?? null]);
 }
