@@ -161,8 +161,9 @@ pub fn compare(
     let Judged { floors, errors, mut trace } =
         judge(model, lag_1, recording, stillness, rows.clone(), progress)?;
     for axis in &mut trace.axes {
-        // its error is in the comparison; nothing shows it row by row
+        // their errors are in the comparison; nothing shows them row by row
         axis.coast_whole = Vec::new();
+        axis.horizons = Default::default();
     }
     let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
     let worst = in_parallel(0..model.axes.len(), |axis| worst_stretches(&trace, axis, recording));
