@@ -38,7 +38,7 @@ pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
             Err(error) => refused(name, &error.to_string()),
         }
     }
-    if let Err(error) = preview(&path) {
+    if let Err(error) = preview(&path, &ColumnMap::default()) {
         refused(name, &error.to_string());
     }
 }

@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { SLOW, assertAccessible, assertNoOverflow, atRest, bench, closePage, csvFile, openExample, unusualCsv } from "./workbench.js";
+import { SLOW, assertAccessible, assertNoOverflow, atRest, bench, closePage, csvFile, openExample, stateOf, unusualCsv } from "./workbench.js";
 
 const workbench = bench();
 
@@ -83,11 +83,62 @@ test("a log that cannot be read leads back to its columns", { timeout: SLOW }, a
   const read = page.getByRole("button", { name: "Read the log" });
   await read.waitFor();
   await read.click();
-  const back = page.locator('[data-key="columns"]');
-  await back.waitFor({ timeout: SLOW });
-  await back.click();
+  await page.locator(".study-error .alert").waitFor({ timeout: SLOW });
+  await page.locator('[data-key="columns"]').click();
   await page.waitForSelector(".picked li");
   assert.match(await page.locator(".picked").innerText(), /timeless\.csv/);
+  await closePage(page);
+});
+
+/** A log of raw 16-bit counts with names of the log format: 32768 is zero. */
+function countsCsv() {
+  const [, ...rows] = unusualCsv().split("\n");
+  const counts = rows.map((row) => {
+    const [time = 0, ...values] = row.split(",").map(Number);
+    return [time / 1000, ...values.map((value, at) => 32768 + Math.round(at < 3 ? value / 4.375 : value * 2048))].join(",");
+  });
+  return ["t_s,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2", ...counts].join("\n");
+}
+
+test("raw counts get a caution, and columns are corrected after reading", { timeout: 2 * SLOW }, async () => {
+  const page = await workbench.open();
+  const server = await workbench.server;
+  await drop(page, [csvFile("counts.csv", countsCsv())]);
+  await page.waitForSelector(".mapping table");
+  assert.match(await page.locator('[data-column="az_mps2"] .values-caution').innerText(), /gravity is 9\.81 m\/s².*scale and offset/s);
+  assert.match(await page.locator('[data-column="gx_rads"] .values-caution').innerText(), /faster than a gyro measures/);
+  await assertAccessible(page, "a mapping with cautions");
+  await page.getByRole("button", { name: "Read the log" }).click();
+  await page.waitForSelector(".time-chart canvas", { timeout: SLOW });
+
+  const study = page.url();
+  await page.getByRole("link", { name: "Columns…" }).click();
+  await page.waitForURL(/\/columns$/);
+  await page.waitForSelector(".mapping table");
+  assert.equal(await page.locator(".drop").count(), 0, "no other log is opened here");
+  await page.locator('[data-column="gx_rads"] .arithmetic').fill("-32768 x 2");
+  await page.getByText(/is not scale and offset/).waitFor();
+  for (const [column, arithmetic, unit] of [["gx_rads", "-32768*4.375", "mdps"], ["gy_rads", "-32768*4.375", "mdps"], ["gz_rads", "-32768*4.375", "mdps"], ["ax_mps2", "-32768/2048", "g"], ["ay_mps2", "-32768/2048", "g"], ["az_mps2", "-32768/2048", "g"]]) {
+    const row = page.locator(`[data-column="${column}"]`);
+    await row.locator(".arithmetic").fill(arithmetic ?? "");
+    await row.locator("select").nth(1).selectOption(unit ?? "");
+  }
+  await page.waitForFunction(() => [...document.querySelectorAll(".mapping .values-caution")].every((caution) => caution.textContent === ""));
+  await page.getByRole("button", { name: "Read the log again" }).click();
+  await page.waitForURL((url) => url.href.split("?")[0] === study.split("?")[0]);
+  await atRest(page);
+  const state = await stateOf(page, server);
+  assert.ok(state.files?.read.columns.includes("az_mps2=az_mps2:-32768/2048:g"), JSON.stringify(state.files));
+  const gravity = state.axes.find(({ column }) => column === "az_mps2");
+  assert.ok(gravity?.diagnosis, "the study is computed again");
+
+  // the columns are those that were chosen, also after a reload
+  await page.getByRole("link", { name: "Columns…" }).click();
+  await page.waitForSelector(".mapping table");
+  await page.reload();
+  await page.waitForSelector(".mapping table");
+  assert.equal(await page.locator('[data-column="az_mps2"] .arithmetic').inputValue(), "-32768/2048");
+  assert.equal(await page.locator('[data-column="az_mps2"] select').nth(1).inputValue(), "g");
   await closePage(page);
 });
 

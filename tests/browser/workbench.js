@@ -31,12 +31,22 @@ const FLAGS = ["--no-sandbox", "--headless", "--disable-gpu", "--disable-quic", 
 /** @typedef {{width?: number, height?: number, theme?: "light" | "dark"}} Looks */
 /** @typedef {{url: string, folder: string, pid: number | undefined, stop: () => Promise<void>}} Server */
 
-/** Starts the workbench on a free port, in a folder of its own. @returns {Promise<Server>} */
+/** Starts the workbench in a folder of its own, on a free port. @returns {Promise<Server>} */
 export async function startServer() {
   const folder = await mkdtemp(join(tmpdir(), "fos-workbench-"));
-  // paths are shown as they are given: relative to where the program was started, as people do
   if (RUNNING) return { url: RUNNING.replace(/\/?$/, "/"), folder, pid: undefined, stop: () => rm(folder, { recursive: true }) };
-  const process_ = spawn(HOST_FIT, ["serve", "--port", "0"], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
+  const server = await startIn(folder);
+  const stop = async () => {
+    await server.stop();
+    await rm(folder, { recursive: true, force: true });
+  };
+  return { ...server, stop };
+}
+
+/** Starts the program in a folder that stays, on a port; 0: a free one. @param {string} folder @returns {Promise<Server>} */
+export async function startIn(folder, port = "0") {
+  // paths are shown as they are given: relative to where the program was started, as people do
+  const process_ = spawn(HOST_FIT, ["serve", "--port", port], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
   const url = await new Promise((found, failed) => {
     process_.once("error", failed);
     process_.once("exit", (code) => failed(new Error(`${HOST_FIT} serve ended with ${code} and no address`)));
@@ -50,7 +60,6 @@ export async function startServer() {
     const ended = new Promise((done) => process_.once("exit", done));
     process_.kill();
     await ended;
-    await rm(folder, { recursive: true, force: true });
   };
   return { url, folder, pid: process_.pid, stop };
 }

@@ -162,8 +162,9 @@ pub fn compare(
     let Evaluated { floors, errors, mut trace } =
         evaluate(model, lag_1, recording, stillness, rows.clone(), progress)?;
     for axis in &mut trace.axes {
-        // its error is in the comparison; no figure needs it row by row
+        // its errors are in the comparison; no figure needs them row by row
         axis.coast_whole = Vec::new();
+        axis.horizons = Default::default();
     }
     let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
     let worst = in_parallel(0..model.axes.len(), |axis| worst_stretches(&trace, axis, recording));

@@ -83,7 +83,9 @@ impl Serve {
             let server = Server::bind(self.listen, self.port, folders, library).await?;
             if let Some(field) = field {
                 let (quiet, judged) = (self.quiet.as_ref().map(text), self.judge.as_ref().map(text));
-                server.open(text(field), quiet, judged, read)?;
+                if let Err(reason) = server.open(text(field), quiet, judged, read) {
+                    print_warning(&reason);
+                }
             }
             print_line!("workbench at http://{}/", server.address());
             if !self.listen.is_loopback() {
@@ -92,7 +94,10 @@ impl Serve {
                     self.listen
                 ));
             }
-            print_note!("Ctrl-C ends it; what is not taken along by then is gone");
+            print_note!(
+                "Ctrl-C stops the server; `fos serve` in the same folder opens its studies again ({})",
+                self.folder.join("studies").display()
+            );
             let end = async {
                 if tokio::signal::ctrl_c().await.is_err() {
                     // An ordinary process end: there is nothing to wait for.

@@ -20,7 +20,7 @@ use super::desk::Desk;
 use super::folders::Listed;
 use super::series::{Joined, Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
-use super::task::Open;
+use super::task::{LogFiles, Open};
 use super::told::{Entry, Page};
 use crate::curves::{AgainstChannel, AxisCurves};
 use crate::export::{Refusal, c_source, image, rust_source};
@@ -99,18 +99,36 @@ pub(super) struct Wanted {
 }
 
 pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wanted>) -> Answer<Value> {
-    let id = if wanted.example {
-        desk.open(Open::Example(desk.folders.own().join("example")))
-    } else {
-        let field = wanted.field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
-        for path in [Some(&field), wanted.quiet.as_ref(), wanted.judged.as_ref()].into_iter().flatten() {
+    let open = match wanted.example {
+        true => Open::Example(desk.folders.example()),
+        false => Open::Logs(wanted.files(&desk, LoadOptions::default())?),
+    };
+    Ok(Json(json!({ "id": desk.open(open).map_err(not_now)? })))
+}
+
+impl Wanted {
+    /// The logs, if they may be read; their columns and rate replace those of `read`.
+    fn files(self, desk: &Desk, read: LoadOptions) -> Result<LogFiles, Refused> {
+        let Self { field, quiet, judged, columns, rate_hz, .. } = self;
+        let field = field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
+        for path in [Some(&field), quiet.as_ref(), judged.as_ref()].into_iter().flatten() {
             desk.folders.permitted(path).map_err(forbidden)?;
         }
-        let columns = ColumnMap::from_specs(wanted.columns).map_err(|why| wrong(why.to_string()))?;
-        let read = LoadOptions { columns, rate_hz: wanted.rate_hz, ..LoadOptions::default() };
-        desk.open(Open::Logs { field, quiet: wanted.quiet, judged: wanted.judged, read })
-    };
-    Ok(Json(json!({ "id": id.map_err(not_now)? })))
+        let columns = ColumnMap::from_specs(columns).map_err(wrong)?;
+        Ok(LogFiles { field, quiet, judged, read: LoadOptions { columns, rate_hz, ..read } })
+    }
+}
+
+/// Reads a study's logs again, with other columns or in other roles.
+pub(super) async fn read_again(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+    Json(wanted): Json<Wanted>,
+) -> Answer<Value> {
+    let study = desk.study(id).map_err(not_found)?;
+    let before = study.files().map_or_else(LoadOptions::default, |files| files.read);
+    study.read_again(wanted.files(&desk, before)?);
+    Ok(Json(json!({ "id": id })))
 }
 
 pub(super) async fn close(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
@@ -454,11 +472,15 @@ pub(super) async fn logs(State(desk): State<Arc<Desk>>) -> Answer<Vec<Listed>> {
 #[serde(deny_unknown_fields)]
 pub(super) struct Previewed {
     path: String,
+    /// Entries of a column map that the user chose.
+    #[serde(default)]
+    columns: Vec<String>,
 }
 
 pub(super) async fn preview(State(desk): State<Arc<Desk>>, Json(wanted): Json<Previewed>) -> Answer<Preview> {
     let path = desk.folders.permitted(&wanted.path).map_err(forbidden)?;
-    Ok(Json(beside(move || preview_of(&path).map_err(wrong)).await?))
+    let map = ColumnMap::from_specs(wanted.columns).map_err(wrong)?;
+    Ok(Json(beside(move || preview_of(&path, &map).map_err(wrong)).await?))
 }
 
 pub(super) async fn effects(State(desk): State<Arc<Desk>>) -> Json<Vec<Card>> {

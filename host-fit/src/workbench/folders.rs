@@ -12,6 +12,9 @@ use fos_fleet::rows_beside;
 /// Folders are listed so deep.
 const DEEPEST: usize = 3;
 
+/// Folder of stored studies within the own one.
+const STUDIES: &str = "studies";
+
 /// So many logs are listed at most.
 const LISTED: usize = 500;
 
@@ -128,9 +131,34 @@ impl Folders {
         Ok(names.map(move |name| folder.join(name)))
     }
 
-    /// The own folder.
-    pub(super) fn own(&self) -> &Path {
-        &self.own
+    /// Files of the stored studies with their numbers, and the number that a next study may have.
+    ///
+    /// # Errors
+    ///
+    /// Their folder cannot be made or read.
+    pub(super) fn stored_studies(&self) -> Result<(Vec<(u64, PathBuf)>, u64), FileError> {
+        let folder = self.own.join(STUDIES);
+        make_folder(&folder)?;
+        let number = |path: &Path| -> Option<u64> {
+            let is_study = path.extension().is_some_and(|ending| ending == "json") && path.is_file();
+            path.file_stem().filter(|_| is_study)?.to_str()?.parse().ok()
+        };
+        let entries = fs::read_dir(&folder).map_err(FileError::reading(&folder))?;
+        let mut found: Vec<(u64, PathBuf)> =
+            entries.flatten().filter_map(|entry| Some((number(&entry.path())?, entry.path()))).collect();
+        found.sort_unstable();
+        let next = found.last().map_or(1, |(last, _)| last.saturating_add(1));
+        Ok((found, next))
+    }
+
+    /// File in which the study of this number is stored.
+    pub(super) fn file_of_study(&self, id: u64) -> PathBuf {
+        self.own.join(STUDIES).join(format!("{id}.json"))
+    }
+
+    /// Folder of the built-in example.
+    pub(super) fn example(&self) -> PathBuf {
+        self.own.join("example")
     }
 }
 

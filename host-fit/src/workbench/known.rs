@@ -13,8 +13,10 @@ use fos_diagnose::study::{Refinement, Study};
 pub(super) struct Read {
     pub(super) logs: Logs,
     pub(super) summaries: Summaries,
-    /// The axes that the field log has.
+    /// The axes that the log to explain has.
     pub(super) axes: Vec<String>,
+    /// The study that the logs were stored with.
+    pub(super) stored: Option<Arc<Study>>,
 }
 
 /// An axis as far as it is known.

@@ -20,8 +20,9 @@ use tokio_stream::StreamExt;
 use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, guard};
-use super::task::Open;
+use super::task::LogFiles;
 use super::{api, assets, populations};
+use fos_data::file::FileError;
 use fos_data::recording::LoadOptions;
 use fos_diagnose::effects::Library;
 
@@ -45,6 +46,9 @@ pub enum ServeError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The folder of stored studies cannot be used.
+    #[error(transparent)]
+    Stored(#[from] FileError),
     /// The system does not say where it listens.
     #[error("the server ended: {0}")]
     Serve(#[from] std::io::Error),
@@ -68,7 +72,7 @@ impl Server {
         let failed = |source| ServeError::Listen { address, source };
         let listener = TcpListener::bind(address).await.map_err(failed)?;
         let address = listener.local_addr()?;
-        Ok(Self { listener, address, desk: Arc::new(Desk::new(folders, library)) })
+        Ok(Self { listener, address, desk: Arc::new(Desk::new(folders, library)?) })
     }
 
     /// Where it listens.
@@ -76,7 +80,7 @@ impl Server {
         self.address
     }
 
-    /// Opens a study of these logs, as the page would.
+    /// Opens a study of these logs, as the page would; one that was stored resumes.
     ///
     /// # Errors
     ///
@@ -88,7 +92,7 @@ impl Server {
         judged: Option<String>,
         read: LoadOptions,
     ) -> Result<u64, String> {
-        self.desk.open(Open::Logs { field, quiet, judged, read })
+        self.desk.open_or_resume(LogFiles { field, quiet, judged, read })
     }
 
     /// Answers until `end` comes.
@@ -153,6 +157,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/cancel", post(api::cancel))
         .route("/api/studies/{id}/add", post(api::add))
         .route("/api/studies/{id}/undo", post(api::undo))
+        .route("/api/studies/{id}/logs", post(api::read_again))
         .route("/api/studies/{id}/moved", post(api::keep_moved))
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use super::known::{Change, KnownAxis, Read};
 use super::queue::Queue;
 use super::standing::{Outcome, Standing, worst};
-use super::task::Task;
+use super::task::{LogFiles, Task};
 
 /// What is under the lock of a study.
 #[derive(Default)]
 pub(super) struct State {
     pub(super) name: String,
     pub(super) revision: u64,
+    /// The logs that were asked for last, read or not; none of an example that is not written yet.
+    pub(super) files: Option<LogFiles>,
     pub(super) read: Option<Arc<Read>>,
     pub(super) axes: Vec<KnownAxis>,
     pub(super) looked_at: Option<String>,
@@ -110,6 +112,7 @@ impl State {
                 // read anew, the same axis is looked at
                 let before = self.looked_at.take().filter(|column| read.axes.contains(column));
                 self.looked_at = before.or(first);
+                self.files = Some(LogFiles::of(&read.logs));
                 self.read = Some(Arc::from(read));
                 let tasks = self.looked_at.clone().map_or_else(Vec::new, |first| self.missing_of(&first));
                 self.ask(tasks);

@@ -2,6 +2,9 @@
 //!
 //! What a task computes is published whole, under a new revision; one that fails or is stopped changes nothing.
 
+use std::fs;
+use std::io::ErrorKind;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -9,12 +12,14 @@ use fos_core::Image;
 use tokio::sync::watch;
 
 use super::job::Job;
-use super::known::{KnownAxis, Read, Snapshot};
+use super::known::{Change, KnownAxis, Read, Snapshot};
 use super::state::State;
-use super::task::{Open, Task};
+use super::task::{LogFiles, Open, Task};
 use super::tasks;
 use super::told::{Beat, Entry, Page};
 use crate::replay::{self, Summary};
+use fos_data::file::compare_and_swap::FileVersion;
+use fos_data::file::{FileError, name_of};
 use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
 use fos_data::recording::LoadOptions;
 use fos_data::stillness;
@@ -28,6 +33,10 @@ pub(super) struct Study {
     state: Mutex<State>,
     wake: Condvar,
     beat: watch::Sender<Beat>,
+    begun: AtomicBool,
+    library: Arc<Library>,
+    /// The file that the study is stored in, as it was written last.
+    file: Mutex<FileVersion>,
     /// What was run last: windows on one study ask for the same.
     replayed: Mutex<Option<Replayed>>,
     noise: Mutex<Vec<NoiseOfAxis>>,
@@ -51,22 +60,40 @@ struct Replayed {
 }
 
 impl Study {
-    /// Begins to read the logs of a new study.
-    pub(super) fn open(id: u64, open: Open, library: Arc<Library>) -> Arc<Self> {
-        let mut state = State { name: open.name(), ..State::default() };
+    /// A study that will be stored in `file`. Its logs are read once it begins; without any it shows the reason.
+    pub(super) fn new(
+        id: u64,
+        name: String,
+        open: Result<Open, String>,
+        file: FileVersion,
+        library: Arc<Library>,
+    ) -> Arc<Self> {
+        let files = open.as_ref().ok().and_then(Open::files);
+        let mut state = State { name, files, ..State::default() };
         let (beat, _) = watch::channel(Beat::of(&state));
-        state.queue.ask([Task::Read(open)]);
-        let study = Arc::new(Self {
+        match open {
+            Ok(open) => state.queue.ask([Task::Read(open)]),
+            Err(reason) => state.error = Some(reason),
+        }
+        Arc::new(Self {
             id,
             state: Mutex::new(state),
             wake: Condvar::new(),
             beat,
+            begun: AtomicBool::new(false),
+            library,
+            file: Mutex::new(file),
             replayed: Mutex::default(),
             noise: Mutex::default(),
-        });
-        let worker = Arc::clone(&study);
-        thread::spawn(move || worker.work(&library));
-        study
+        })
+    }
+
+    /// Begins to work, unless it did before.
+    pub(super) fn begin(self: &Arc<Self>) {
+        if !self.begun.swap(true, Ordering::Relaxed) {
+            let worker = Arc::clone(self);
+            thread::spawn(move || worker.work());
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -75,12 +102,13 @@ impl Study {
     }
 
     /// Takes one task after the other until the study is closed.
-    fn work(&self, library: &Library) {
+    fn work(&self) {
         while let Some((task, stop)) = self.next() {
             let outcome = interruptible(&stop, || {
                 let progress = |job| self.progress(job);
-                tasks::run(&task, &self.snapshot(), library, &progress)
+                tasks::run(&task, &self.snapshot(), &self.library, &progress)
             });
+            let is_new_model = matches!(outcome, Ok(Ok(Change::Axis { .. }))) && task.changes_model();
             let mut state = self.lock();
             state.queue.end();
             match outcome {
@@ -95,7 +123,39 @@ impl Study {
                 ),
             }
             self.publish(state);
+            if is_new_model && let Err(reason) = self.store() {
+                let mut state = self.lock();
+                state.error = Some(format!("the study could not be stored: {reason}"));
+                self.publish(state);
+            }
         }
+    }
+
+    /// Writes the study to its file, so that the next server shows it again.
+    fn store(&self) -> Result<(), String> {
+        let mut stored = match self.file() {
+            // a restored study replaces its file once it is as complete as that
+            Ok(stored) if self.is_complete() => stored,
+            _ => return Ok(()),
+        };
+        // those without an effect name the logs
+        let refinements = self.lock().axes.iter().filter_map(|axis| axis.refinement.clone()).collect();
+        stored.refinements = refinements;
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        // closing deletes it
+        if self.lock().closed {
+            return Ok(());
+        }
+        stored.write(&file).map_err(|error| error.to_string())?;
+        *file = FileVersion::of(file.path(), &stored.to_bytes());
+        Ok(())
+    }
+
+    /// False while axes of a restored study are still to be restored.
+    fn is_complete(&self) -> bool {
+        let state = self.lock();
+        let is_restored = state.read.as_ref().is_some_and(|read| read.stored.is_some());
+        !is_restored || state.unfitted().next().is_none()
     }
 
     /// The next task, when there is one; none when the study is closed.
@@ -187,22 +247,35 @@ impl Study {
         Ok(())
     }
 
-    /// Reads the logs anew, with the rows in which the unit was moved as any others or left out, and computes all that is
-    /// said of the axis that is looked at.
+    /// Reads the logs again with their rows of detected motion kept or excluded, and repeats all computations.
     ///
     /// # Errors
     ///
     /// The logs are not read yet.
     pub(super) fn keep_moved(&self, keep: bool) -> Result<(), String> {
-        let read = self.read()?;
-        let options = LoadOptions { keep_moved: keep, ..read.logs.read.clone() };
+        let files = LogFiles::of(&self.read()?.logs);
+        self.read_again(LogFiles { read: LoadOptions { keep_moved: keep, ..files.read }, ..files });
+        Ok(())
+    }
+
+    /// Reads these logs in place of the present ones, and repeats all computations. The present ones stay if the new
+    /// ones cannot be read.
+    pub(super) fn read_again(&self, files: LogFiles) {
         let mut state = self.lock();
-        // what is being computed is of the logs as they were read
+        // The running task works on the present logs.
         state.queue.stop();
-        state.queue.ask([Task::Read(Open::again(&read.logs, options))]);
+        if state.files.as_ref().is_some_and(|before| before.field != files.field) {
+            state.name = name_of(&files.field);
+        }
+        state.files = Some(files.clone());
+        state.queue.ask([Task::Read(Open::Logs(files))]);
         self.publish(state);
         self.wake.notify_one();
-        Ok(())
+    }
+
+    /// The logs that were asked for last.
+    pub(super) fn files(&self) -> Option<LogFiles> {
+        self.lock().files.clone()
     }
 
     /// Ends what is being done, and what should come after it.
@@ -212,11 +285,22 @@ impl Study {
         self.publish(state);
     }
 
-    /// Ends the study.
-    pub(super) fn close(&self) {
+    /// Ends the study and deletes its file.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be deleted.
+    pub(super) fn close(&self) -> Result<(), String> {
         self.lock().closed = true;
         self.stop();
         self.wake.notify_one();
+        let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        match fs::remove_file(file.path()) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(FileError::writing(file.path())(error).to_string())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The beats from now on.
@@ -226,7 +310,7 @@ impl Study {
 
     /// As it stands in the list of all studies.
     pub(super) fn entry(&self) -> Entry {
-        Entry::of(self.id, &self.lock())
+        Entry::of(self.id, &self.lock(), self.begun.load(Ordering::Relaxed))
     }
 
     /// All that a page shows of it.

@@ -1,9 +1,13 @@
 //! A piece of work on one study, as it waits to be done.
 
+use std::sync::Arc;
+
 use fos_data::column::Column;
 use fos_data::file::name_of;
-use fos_data::recording::{LoadOptions, Recording};
+use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::refine::Logs;
+use fos_diagnose::study::{LogSources, Study};
+use serde::Serialize;
 
 use super::job::Job;
 
@@ -41,34 +45,65 @@ pub(super) enum Task {
 pub(super) enum Open {
     /// The built-in example, written to this folder.
     Example(std::path::PathBuf),
-    /// Logs of the user's.
-    Logs {
-        /// Where the model fails.
-        field: String,
-        /// A quiet log.
-        quiet: Option<String>,
-        /// A log to judge on.
-        judged: Option<String>,
-        /// How they are read.
-        read: LoadOptions,
-    },
+    /// Logs of the user.
+    Logs(LogFiles),
+    /// The logs of a study that was stored.
+    Stored(Arc<Study>),
 }
 
-impl Open {
-    /// The same logs, read in another way.
-    pub(super) fn again(logs: &Logs, read: LoadOptions) -> Self {
-        Self::Logs {
+/// Paths of the logs of a study, and how they are read.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub(super) struct LogFiles {
+    /// The log to explain.
+    pub(super) field: String,
+    /// The reference log.
+    pub(super) quiet: Option<String>,
+    /// The evaluation log.
+    pub(super) judged: Option<String>,
+    pub(super) read: LoadOptions,
+}
+
+impl LogFiles {
+    /// Files of the logs that a study names.
+    fn of_stored(logs: &LogSources) -> Self {
+        let path = |source: &Source| source.path.clone();
+        Self {
+            field: path(&logs.field),
+            quiet: logs.quiet.as_ref().map(path),
+            judged: logs.judged.as_ref().map(path),
+            read: logs.read.clone(),
+        }
+    }
+
+    /// Files of logs that were read.
+    pub(super) fn of(logs: &Logs) -> Self {
+        Self {
             field: logs.field.paths(),
             quiet: logs.quiet.as_ref().map(Recording::paths),
             judged: logs.judged.as_ref().map(Recording::paths),
-            read,
+            read: logs.read.clone(),
+        }
+    }
+}
+
+impl Open {
+    /// The logs; none of an example that is not written yet.
+    pub(super) fn files(&self) -> Option<LogFiles> {
+        match self {
+            Self::Example(_) => None,
+            Self::Logs(files) => Some(files.clone()),
+            Self::Stored(study) => {
+                study.refinements.first().map(|refinement| LogFiles::of_stored(&refinement.logs))
+            }
         }
     }
 
     pub(super) fn name(&self) -> String {
         match self {
             Self::Example(_) => "Example".to_owned(),
-            Self::Logs { field, .. } => name_of(field),
+            Self::Logs(LogFiles { field, .. }) => name_of(field),
+            Self::Stored(_) => self.files().map_or_else(String::new, |files| name_of(&files.field)),
         }
     }
 }
@@ -89,6 +124,11 @@ impl Task {
             Self::Undo { column, .. } => format!("taking effects of {} back", Column::named(column).label()),
         };
         Job::new(words, asked_for)
+    }
+
+    /// True of a task that gives an axis another model.
+    pub(super) fn changes_model(&self) -> bool {
+        matches!(self, Self::Fit(_) | Self::Add { .. } | Self::Undo { .. })
     }
 
     /// The axis that it is of; none if it is of all.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::example;
 use super::job::Job;
 use super::known::{Change, KnownAxis, Read, Snapshot};
-use super::task::{Open, Task};
+use super::task::{LogFiles, Open, Task};
 use crate::examine::examine;
 use crate::report::{AxisSection, Summaries};
 use fos_data::file::name_of;
@@ -46,9 +46,15 @@ fn in_text(error: impl std::fmt::Display) -> String {
 }
 
 fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
-    let (logs, first) = match open {
-        Open::Example(folder) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
-        Open::Logs { field, quiet, judged, read: options } => {
+    let stored = match open {
+        Open::Stored(study) => Some(Arc::clone(study)),
+        _ => None,
+    };
+    let (logs, first) = match (open, open.files()) {
+        (Open::Example(folder), _) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
+        (_, None) => return Err("the study names no log".to_owned()),
+        (_, Some(LogFiles { field, quiet, judged, read: options })) => {
+            let (field, quiet, judged, options) = (&field, &quiet, &judged, &options);
             let wanted = [Some(field), quiet.as_ref(), judged.as_ref()].into_iter().flatten().count();
             let mut done = 0;
             let mut read = |path: &String| -> Result<Recording, String> {
@@ -65,24 +71,65 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
             (logs, None)
         }
     };
+    if let Some(study) = &stored {
+        refuse_other_logs(study, &logs)?;
+    }
     let axes = logs.field.axes().map_err(in_text)?;
     // the gyros first: their error integrates twice as fast
     let first = first
         .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
     let summaries = Summaries::of(&logs);
-    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes }), first })
+    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes, stored }), first })
+}
+
+/// # Errors
+///
+/// A log is another one than the study was made of.
+fn refuse_other_logs(study: &Study, logs: &Logs) -> Result<(), String> {
+    let Some(refinement) = study.refinements.first() else { return Ok(()) };
+    let then = &refinement.logs;
+    let pairs = [
+        (Some(&then.field), Some(&logs.field)),
+        (then.quiet.as_ref(), logs.quiet.as_ref()),
+        (then.judged.as_ref(), logs.judged.as_ref()),
+    ];
+    let changed = pairs.into_iter().find(|(then, now)| *then != now.and_then(|log| log.sources.first()));
+    match changed.and_then(|(then, _)| then) {
+        Some(source) => Err(format!(
+            "{}: changed since the study was stored\nhelp: put the log back as it was, or read it again under Columns",
+            source.path
+        )),
+        None => Ok(()),
+    }
 }
 
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
-    let logs = &known.read()?.logs;
+    let read = known.read()?;
+    let logs = &read.logs;
     let own = logs.quiet.as_ref().unwrap_or(&logs.field);
-    let options = FitOptions::default();
-    let stillness = rest(own, options.train);
-    let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
-    let study =
-        study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?;
+    let stored = read.stored.as_ref().and_then(|study| Some((study, study.refinement_of(column)?)));
+    let study = match stored {
+        // the stored model of a refined axis is the refined one
+        Some((study, refinement)) if refinement.added().next().is_none() => {
+            let mut study = study.only(column).map_err(in_text)?;
+            // the same logs, with the paths under which they were found now
+            study.data.sources.clone_from(&own.sources);
+            study
+        }
+        _ => {
+            let options = FitOptions::default();
+            let stillness = rest(own, options.train);
+            let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
+            study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?
+        }
+    };
     let refiner = logs.refiner(library);
-    let refinement = refiner.begin(&study, column, logs.named(refiner.fitted_rows())).map_err(in_text)?;
+    let named = logs.named(refiner.fitted_rows());
+    let refinement = match stored {
+        Some((stored, _)) => refiner.go_on(stored, column, named.clone()),
+        None => refiner.begin(&study, column, named.clone()),
+    };
+    let refinement = Refinement { logs: named, ..refinement.map_err(in_text)? };
     let section = AxisSection::of(&study, &refinement);
     Ok(change(column, move |axis| {
         (axis.fitted, axis.refinement, axis.section) = (Some(Arc::new(study)), Some(refinement), section);

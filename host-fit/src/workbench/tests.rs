@@ -16,8 +16,9 @@ use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, OWN_HEADER};
 use super::server::{Server, router};
+use super::task::LogFiles;
 use crate::export::Refusal;
-use fos_data::recording::write_columns;
+use fos_data::recording::{LoadOptions, write_columns};
 use fos_diagnose::effects::Library;
 use fos_simulate::{Simulation, simulate};
 
@@ -35,7 +36,18 @@ impl Bench {
         let readable = folder.path().join("logs");
         std::fs::create_dir_all(&readable).unwrap();
         let folders = Folders::new(&[readable], &folder.path().join("own")).unwrap();
-        Self { folder, desk: Arc::new(Desk::new(folders, Library::built_in())) }
+        Self { folder, desk: Arc::new(Desk::new(folders, Library::built_in()).unwrap()) }
+    }
+
+    /// The same folders served by another server, as after a restart.
+    fn restarted(self) -> Self {
+        let readable = self.logs();
+        let folders = Folders::new(&[readable], &self.folder.path().join("own")).unwrap();
+        Self { folder: self.folder, desk: Arc::new(Desk::new(folders, Library::built_in()).unwrap()) }
+    }
+
+    fn stored(&self, id: u64) -> std::path::PathBuf {
+        self.folder.path().join(format!("own/studies/{id}.json"))
     }
 
     fn logs(&self) -> std::path::PathBuf {
@@ -572,4 +584,150 @@ async fn a_population_is_read_from_where_it_may_be_with_the_rows_that_lie_there(
         let (status, said) = bench.get(&format!("/api/population?path={path}")).await;
         assert_eq!(status, StatusCode::FORBIDDEN, "{said}");
     }
+}
+
+/// A state without its revision and what follows from the clock.
+fn without_revision(mut state: Value) -> Value {
+    state["revision"] = Value::Null;
+    state
+}
+
+#[tokio::test]
+async fn a_study_survives_a_restart_of_the_server() {
+    let bench = Bench::new();
+    let log = bench.logs().join("device.csv");
+    write_log(&log, 2.0);
+    let asked = json!({ "field": log.display().to_string(), "columns": ["!temp_c"] });
+    let (status, opened) = bench.post("/api/studies", asked).await;
+    assert_eq!(status, StatusCode::OK, "{opened}");
+    let id = opened["id"].as_u64().unwrap();
+    let before = bench.settled(id).await;
+    assert_eq!(before["error"], Value::Null, "{}", before["error"]);
+    let at = format!("/api/studies/{id}/export/study");
+    let (_, exported) = read(bench.ask(page("GET", &at).body(Body::empty()).unwrap()).await).await;
+
+    let bench = bench.restarted();
+    let (_, listed) = bench.get("/api/studies").await;
+    assert_eq!((&listed[0]["id"], &listed[0]["name"]), (&json!(id), &json!("device.csv")));
+    assert_eq!(listed[0]["working"], false, "its logs are read once it is shown");
+    let after = bench.settled(id).await;
+    assert_eq!(after["files"]["read"]["columns"], json!(["!temp_c"]));
+    assert_eq!(without_revision(after), without_revision(before), "to the last digit");
+    let (_, again) = read(bench.ask(page("GET", &at).body(Body::empty()).unwrap()).await).await;
+    assert_eq!(again, exported);
+
+    let (status, answer) =
+        read(bench.ask(page("DELETE", &format!("/api/studies/{id}")).body(Body::empty()).unwrap()).await)
+            .await;
+    assert_eq!(status, StatusCode::OK, "{answer}");
+    assert!(!bench.stored(id).exists(), "a closed study does not come back");
+    assert_eq!(bench.restarted().get("/api/studies").await.1, json!([]));
+}
+
+#[tokio::test]
+async fn a_stored_study_that_cannot_be_used_shows_the_reason() {
+    let bench = Bench::new();
+    let log = bench.logs().join("device.csv");
+    write_log(&log, 2.0);
+    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let id = opened["id"].as_u64().unwrap();
+    bench.settled(id).await;
+    let whole = std::fs::read_to_string(bench.stored(id)).unwrap();
+    let mut elsewhere: Value = serde_json::from_str(&whole).unwrap();
+    for refinement in elsewhere["growth"].as_array_mut().unwrap() {
+        refinement["logs"]["field"]["path"] = json!("/etc/passwd");
+    }
+    let unusable = [
+        (2, whole[..whole.len() / 2].to_owned(), "not a study"),
+        (3, "\u{0}".repeat(100), "not a study"),
+        (4, elsewhere.to_string(), "may be read"),
+    ];
+    for (id, content, _) in &unusable {
+        std::fs::write(bench.stored(*id), content).unwrap();
+    }
+    std::fs::write(bench.stored(5).with_extension("txt"), "not a study").unwrap();
+
+    let bench = bench.restarted();
+    for (id, _, reason) in unusable {
+        let (status, state) = bench.get(&format!("/api/studies/{id}")).await;
+        assert_eq!((status, &state["job"]), (StatusCode::OK, &Value::Null), "{state}");
+        let error = state["error"].as_str().unwrap();
+        assert!(error.contains(reason) && error.contains("\nhelp: "), "{error}");
+    }
+    assert_eq!(bench.get("/api/studies/5").await.0, StatusCode::NOT_FOUND);
+    assert_eq!(bench.settled(id).await["error"], Value::Null, "the whole one opens");
+    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    assert_eq!(opened["id"], 5, "no file is overwritten");
+
+    // another log in the place of the one that the study names
+    write_log(&log, 3.0);
+    let bench = bench.restarted();
+    let error = bench.settled(id).await["error"].as_str().unwrap().to_owned();
+    assert!(error.contains("device.csv: changed since the study was stored\nhelp: "), "{error}");
+}
+
+#[tokio::test]
+async fn a_log_that_is_named_again_resumes_its_study() {
+    let bench = Bench::new();
+    let log = bench.logs().join("device.csv");
+    write_log(&log, 2.0);
+    let field = log.display().to_string();
+    let (_, opened) = bench.post("/api/studies", json!({ "field": field })).await;
+    bench.settled(opened["id"].as_u64().unwrap()).await;
+    let bench = bench.restarted();
+    let files = |keep_moved| LogFiles {
+        field: field.clone(),
+        quiet: None,
+        judged: None,
+        read: LoadOptions { keep_moved, ..LoadOptions::default() },
+    };
+    assert_eq!(bench.desk.open_or_resume(files(true)), Ok(2), "read in another way");
+    assert_eq!(bench.desk.open_or_resume(files(false)), Ok(3));
+    let (_, listed) = bench.get("/api/studies").await;
+    let ids: Vec<&Value> = listed.as_array().unwrap().iter().map(|study| &study["id"]).collect();
+    assert_eq!(ids, [2, 3], "the study moved to the end of the list");
+    assert!(bench.stored(3).exists() && !bench.stored(1).exists());
+}
+
+#[tokio::test]
+async fn columns_are_corrected_after_reading() {
+    let bench = Bench::new();
+    let log = bench.logs().join("counts.csv");
+    let rows: String = (0..24_000)
+        .map(|row| {
+            format!("{},{},{}\n", 0.005 * f64::from(row), 32_786 + (row * row) % 7, 32_768 + (row * 31) % 11)
+        })
+        .collect();
+    std::fs::write(&log, format!("t_s,ax_mps2,gx_rads\n{rows}")).unwrap();
+    let path = log.display().to_string();
+    let (_, opened) = bench.post("/api/studies", json!({ "field": path })).await;
+    let id = opened["id"].as_u64().unwrap();
+    let counts = bench.settled(id).await;
+    assert_eq!(counts["files"]["read"]["columns"], json!([]));
+    let columns = ["ax_mps2=ax_mps2:-32768/2048:g", "gx_rads=gx_rads:-32768*0.061:mdps"];
+    let (status, preview) = bench.post("/api/preview", json!({ "path": path, "columns": columns })).await;
+    assert_eq!(status, StatusCode::OK, "{preview}");
+    let (status, answer) =
+        bench.post(&format!("/api/studies/{id}/logs"), json!({ "field": path, "columns": columns })).await;
+    assert_eq!((status, &answer["id"]), (StatusCode::OK, &json!(id)), "{answer}");
+    let corrected = bench.settled(id).await;
+    assert_eq!(corrected["error"], Value::Null, "{}", corrected["error"]);
+    assert_eq!(corrected["files"]["read"]["columns"], json!(columns));
+    assert!(corrected["commands"].to_string().contains("-32768/2048:g"), "{}", corrected["commands"]);
+    let slow = |state: &Value| {
+        let axes = state["axes"].as_array().unwrap();
+        axes.iter().find(|axis| axis["column"] == "gx_rads").unwrap()["slow_error"][0].as_f64().unwrap()
+    };
+    let ratio = slow(&corrected) / slow(&counts);
+    let mdps = 0.061e-3 * std::f64::consts::PI / 180.0;
+    assert!((ratio / mdps - 1.0).abs() < 1e-6, "{ratio}");
+
+    let wrong = json!({ "field": path, "columns": ["gx_rads=none"] });
+    let (status, _) = bench.post(&format!("/api/studies/{id}/logs"), wrong).await;
+    assert_eq!(status, StatusCode::OK);
+    let kept = bench.settled(id).await;
+    assert!(kept["error"].as_str().unwrap().contains("none"), "{}", kept["error"]);
+    assert_eq!(slow(&kept), slow(&corrected), "the present study stays");
+    let (status, _) = bench.post(&format!("/api/studies/{id}/logs"), json!({ "field": "/etc/passwd" })).await;
+    assert_eq!(status, StatusCode::FORBIDDEN);
 }

@@ -6,6 +6,7 @@ use super::job::Job;
 use super::known::KnownAxis;
 use super::standing::{Outcome, Standing, pays};
 use super::state::State;
+use super::task::LogFiles;
 use crate::command_lines::command_lines;
 use crate::report::{AxisSection, AxisUnits, Summaries, UnitChoice};
 use fos_diagnose::compare::AxisComparison;
@@ -80,6 +81,8 @@ pub(super) struct Page {
     revision: u64,
     job: Option<Job>,
     error: Option<String>,
+    /// The logs that were asked for last; absent of an example that is not written yet.
+    files: Option<LogFiles>,
     logs: Option<Summaries>,
     /// Rows in which the unit was moved count as any others.
     keeps_moved: bool,
@@ -136,13 +139,13 @@ impl Beat {
 }
 
 impl Entry {
-    pub(super) fn of(id: u64, state: &State) -> Self {
+    pub(super) fn of(id: u64, state: &State, has_begun: bool) -> Self {
         let looked_at = state.looked_at.as_ref().and_then(|column| state.known(column).ok());
         Self {
             id,
             name: state.name.clone(),
             outcome: state.outcome(),
-            working: state.queue.job().is_some(),
+            working: has_begun && state.queue.job().is_some(),
             axis: looked_at.map(AxisEntry::of),
         }
     }
@@ -163,6 +166,7 @@ impl Page {
             revision: state.revision,
             job: state.queue.job(),
             error: state.error.clone(),
+            files: state.files.clone(),
             logs: state.read.as_ref().map(|read| read.summaries.clone()),
             keeps_moved: state.read.as_ref().is_some_and(|read| read.logs.read.keep_moved),
             outcome: state.outcome(),

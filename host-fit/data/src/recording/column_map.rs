@@ -62,6 +62,13 @@ pub(super) struct Mapping {
     spec: String,
 }
 
+impl Mapping {
+    /// The entry as it was written.
+    pub(super) fn spec(&self) -> &str {
+        &self.spec
+    }
+}
+
 /// Reason why a column map is invalid.
 #[derive(Debug, Error)]
 pub enum MapError {
@@ -354,7 +361,7 @@ pub(super) fn quoted(column: &str) -> String {
 }
 
 /// Parses `-32768*0.061` to a straight line; `None` if it is not a chain of operators with finite numbers.
-fn parse_arithmetic(chain: &str) -> Option<Affine> {
+pub(super) fn parse_arithmetic(chain: &str) -> Option<Affine> {
     let bytes = Some(chain.as_bytes()).filter(|bytes| !bytes.is_empty())?;
     let mut line = Affine::IDENTITY;
     let mut at = 0;

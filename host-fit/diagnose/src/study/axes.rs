@@ -2,8 +2,8 @@
 
 use fos_fit::model::UnitModel;
 
-use super::Study;
 use super::refinement::Refinement;
+use super::{Study, StudyStep};
 
 /// Error of a request for an axis of a study.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +30,30 @@ impl Study {
         index.map(|index| self.model.only(index)).ok_or_else(|| StudyAxisError::NoAxis {
             column: column.to_owned(),
             axes: self.model.axes.iter().map(|axis| axis.column.clone()).collect(),
+        })
+    }
+
+    /// The part of the study that is of one axis without its refinement: the inverse of [`Study::joined`].
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis.
+    pub fn only(&self, column: &str) -> Result<Self, StudyAxisError> {
+        let model = self.axis_alone(column)?;
+        let index = self.axes.iter().position(|report| report.column == column);
+        let of_axis = |step: &StudyStep| StudyStep {
+            name: step.name.clone(),
+            errors: index.and_then(|index| step.errors.get(index)).cloned().into_iter().collect(),
+        };
+        Ok(Self {
+            schema: self.schema.clone(),
+            tool: self.tool.clone(),
+            data: self.data.clone(),
+            settings: self.settings.clone(),
+            model,
+            axes: self.axes.iter().filter(|report| report.column == column).cloned().collect(),
+            steps: self.steps.iter().map(of_axis).collect(),
+            refinements: Vec::new(),
         })
     }
 

@@ -1,13 +1,19 @@
 // @ts-check
-// The address of a study: which axis, view, stretch and time window it shows, so that a link shows the same.
+// The address of a study with its axis, view, stretch and time window, so that a link restores them.
 
 /** @typedef {{axis: string | null, view: string | null, window: [number, number] | null, stretch: [number, number] | null}} Place */
 
 /** The study that an address names. @param {string} hash */
 export function addressedStudy(hash) {
-  const id = /^#\/study\/(\d+)(?:\?|$)/.exec(hash)?.[1];
+  const id = /^#\/study\/(\d+)(?:\/columns)?(?:\?|$)/.exec(hash)?.[1];
   return id === undefined ? null : Number(id);
 }
+
+/** The address of the columns of a study. @param {number} id */
+export const columnsAddress = (id) => `#/study/${id}/columns`;
+
+/** @param {string} hash */
+export const isOfColumns = (hash) => /^#\/study\/\d+\/columns$/.test(hash);
 
 /** @param {string} hash @returns {Place} */
 export function placeOf(hash) {

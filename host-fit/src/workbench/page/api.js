@@ -1,7 +1,7 @@
 // @ts-check
-// Requests to the server, and their errors as it words them.
+// Requests to the server. Errors keep the text of the server.
 
-/** An answer that is an error: its text is the server's, whole. */
+/** Error answer with the complete text of the server. */
 export class ApiError extends Error {
   /** @param {string} message @param {number} status */
   constructor(message, status) {
@@ -10,8 +10,8 @@ export class ApiError extends Error {
   }
 }
 
-/** What is said where no answer comes at all. */
-const SILENT = "The server does not answer.\nhelp: is `fos serve` still running? The page goes on by itself when it is.";
+/** Message if there is no answer. */
+const SILENT = "The server does not answer.\nhelp: start `fos serve` again; the page reconnects without a reload.";
 
 /**
  * @param {string} path
@@ -40,7 +40,7 @@ function errorText(text) {
   }
 }
 
-/** The server refuses changes without it: no other page can send it. */
+/** Header that the server requires for changes, because no other page can send it. */
 const OURS = { "x-fos-workbench": "1" };
 
 /** @param {string} path @param {AbortSignal} [signal] */

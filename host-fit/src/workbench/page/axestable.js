@@ -1,5 +1,5 @@
 // @ts-check
-// All axes of a study at a glance: outcome, slow error, suggested effect; a click shows the axis.
+// Table of all axes of a study: outcome, slow error, suggested effect. A click shows the axis.
 
 import { el, icon } from "./dom.js";
 import { capitalised, number, percent } from "./format.js";

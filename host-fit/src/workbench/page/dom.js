@@ -1,11 +1,11 @@
 // @ts-check
-// Elements, without a framework: made in one expression, replaced without losing the reader's place.
+// Elements without a framework: created in one expression, replaced without losing focus.
 
 /** @typedef {Node | string | number | null | undefined | false} Child */
 /** @typedef {Record<string, string | number | boolean | null | undefined | EventListener>} Attributes */
 
 /**
- * An element. Attributes that are functions listen (`onclick`), those that are true or false are there or not.
+ * Creates an element. Functions become event listeners (`onclick`); `false` and `null` attributes are omitted.
  * @template {keyof HTMLElementTagNameMap} Tag
  * @param {Tag} tag
  * @param {Attributes} [attributes]
@@ -35,8 +35,8 @@ function nodes(children) {
 }
 
 /**
- * Puts new children in place of the old ones. What has a `data-key` keeps its focus and stays unfolded; where the
- * focused element is gone, its section's heading takes the focus, so that a keyboard is never sent back to the top.
+ * Replaces all children. Elements with the same `data-key` keep focus and stay unfolded. If the focused element is gone,
+ * the heading of its section gets the focus, so that keyboard users are not sent back to the top.
  * @param {Element} parent
  * @param {...(Child | Child[])} children
  */
@@ -77,7 +77,7 @@ const ICONS = {
 /** @typedef {keyof typeof ICONS} IconName */
 
 /**
- * A drawing beside a word; never the only thing that says something.
+ * An icon next to a word, never in its place.
  * @param {IconName} name
  */
 export function icon(name) {
@@ -94,7 +94,7 @@ export function icon(name) {
 let unique = 0;
 
 /**
- * An id that no other element has.
+ * A unique element id.
  * @param {string} stem
  */
 export function uniqueId(stem) {
@@ -103,7 +103,7 @@ export function uniqueId(stem) {
 }
 
 /**
- * A group of which one is chosen, from plain radio buttons.
+ * A group of radio buttons.
  * @param {{legend: string, name: string, options: {value: string, text: string, hint?: string, extra?: Child}[], chosen: string | null, choose: (value: string) => void, class?: string}} options
  */
 export function radioGroup({ legend, name, options, chosen, choose, class: kind = "" }) {

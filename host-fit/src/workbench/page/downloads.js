@@ -8,7 +8,7 @@ import { el } from "./dom.js";
 /** @typedef {import("./types.js").Shape} Shape */
 /** @typedef {number | null} Num */
 
-/** Buttons that save what is drawn. @param {() => Figure | null} figure */
+/** Buttons that save the figure. @param {() => Figure | null} figure */
 export function downloads(figure) {
   const button = (/** @type {string} */ text, /** @type {(figure: Figure) => Promise<Blob> | Blob} */ write) => {
     const act = async () => {
@@ -55,7 +55,7 @@ function cells(shape) {
   return points.map(([x, y]) => [x, y, null, null]);
 }
 
-/** Drawn by the program, as `--figures` draws. @param {Figure} figure */
+/** Drawn by the server, as `--figures` does on the command line. @param {Figure} figure */
 async function svgOf(figure) {
   const response = await fetch("/api/draw", {
     method: "POST",
@@ -66,7 +66,7 @@ async function svgOf(figure) {
   return response.blob();
 }
 
-/** The pieces of a series without the values that are unknown. @param {import("./types.js").Series} series @returns {import("./types.js").Series[]} */
+/** The pieces of a series between unknown values. @param {import("./types.js").Series} series @returns {import("./types.js").Series[]} */
 function known(series) {
   const { shape } = series;
   if ("Level" in shape) return [series];

@@ -1,5 +1,5 @@
 // @ts-check
-// Draws a Figure of the server as it is: headline, panels, legends, and the numbers as a table.
+// Draws a figure of the server: headline, panels, legends, and a table of its numbers.
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";

@@ -1,5 +1,5 @@
 // @ts-check
-// What a panel spans, and what it shows in a sentence.
+// Range of a panel, and its description in a sentence.
 
 import { isNumber, number } from "./format.js";
 
@@ -58,7 +58,7 @@ function quantityOf(label) {
   return label.replace(/\s*\([^()]*\)(?=[^()]*$)/, "");
 }
 
-/** What a panel shows, for those who do not see it. @param {Panel} panel */
+/** Description of a panel for screen readers. @param {Panel} panel */
 export function describe(panel) {
   /** @type {Map<string, [Num, Num][]>} */
   const named = new Map();

@@ -8,7 +8,7 @@ import { corners } from "./figuredata.js";
 /** @typedef {import("./types.js").Panel} Panel */
 /** @typedef {import("./types.js").Series} Series */
 
-/** Farthest from the pointer that a value is read out, pixels. */
+/** Largest distance between the pointer and a value that is shown, pixels. */
 const REACH = 40;
 
 /** @param {uPlot} u @param {Panel} panel @param {(series: Series) => boolean} isShown @param {number} left @param {number} top pixels into the plot */

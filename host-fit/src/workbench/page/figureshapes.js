@@ -1,5 +1,5 @@
 // @ts-check
-// The eight ways in which numbers are drawn.
+// The eight shapes of a series.
 
 import uPlot from "./vendor/uplot.esm.js";
 import { isNumber } from "./format.js";
@@ -57,7 +57,7 @@ export function drawShape(u, shape, colours) {
   }
 }
 
-/** Where a value lies on the canvas; nowhere, if it is unknown or has no logarithm. @param {uPlot} u */
+/** Position of a value on the canvas; null if it is unknown or has no logarithm. @param {uPlot} u */
 function placer(u) {
   const isLogX = u.scales.x?.distr === 3;
   const isLogY = u.scales.y?.distr === 3;

@@ -1,5 +1,5 @@
 // @ts-check
-// The numbers of a panel as a table, for those who read rather than see them.
+// The numbers of a panel as a table, for screen readers and for copying.
 
 import { el } from "./dom.js";
 import { number } from "./format.js";
@@ -14,7 +14,7 @@ const ROWS = 24;
 /** @param {Panel} panel @param {string} title */
 export function panelTable(panel, title) {
   const details = el("details", { class: "as-table" }, el("summary", {}, "Data as table", el("span", { class: "unseen" }, `: ${panel.title || title}`)));
-  // made when it is opened: most never are
+  // created when opened, because most never are
   details.addEventListener("toggle", () => {
     if (details.open && details.childElementCount === 1) details.append(table(panel));
   });

@@ -1,5 +1,5 @@
 // @ts-check
-// Follows one study: its state, again whenever the server says that it changed.
+// Follows one study: reads its state after each event of the server.
 
 import { ApiError, get } from "./api.js";
 
@@ -45,7 +45,7 @@ export function follow(id, follower) {
     }
   }
 
-  /** One request at a time; what changes meanwhile is asked for afterwards. */
+  /** One request at a time. A change during a request leads to one more request after it. */
   function refresh() {
     if (reading) {
       again = true;
@@ -61,13 +61,13 @@ export function follow(id, follower) {
   }
 
   function listen() {
-    // a browser has six connections to a server in all: windows that nobody sees leave theirs to the others
+    // A browser has six connections to a server in all: hidden windows free theirs.
     if (closed || document.hidden || events) return;
     events = new EventSource(`/api/studies/${id}/events`);
     events.onopen = () => {
       wait = FIRST_WAIT;
       follower.connected(true);
-      void refresh(); // what happened while nobody listened
+      void refresh(); // events may have been missed
     };
     events.onmessage = (event) => {
       const { revision, job } = JSON.parse(event.data);
@@ -79,11 +79,11 @@ export function follow(id, follower) {
     };
     events.onerror = () => {
       follower.connected(false);
-      if (events?.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
+      if (events?.readyState !== EventSource.CLOSED) return; // the browser reconnects
       events = null;
       setTimeout(listen, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT);
-      void refresh(); // a study that is gone has no events either
+      void refresh(); // the study may have been closed
     };
   }
 

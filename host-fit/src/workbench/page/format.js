@@ -1,11 +1,11 @@
 // @ts-check
-// Numbers as people read them: three or four digits, a real minus, plain notation where a person can read it.
+// Numbers for people: three or four digits, a real minus, plain notation where it is readable.
 
 const NARROW = "\u202f"; // narrow space that does not break
 const MINUS = "\u2212";
 const SUPERSCRIPT = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
-/** What stands where there is no number. */
+/** Text in place of an absent number. */
 export const UNKNOWN = "–";
 
 /** @param {number | null | undefined} value @returns {value is number} */
@@ -34,7 +34,7 @@ function grouped(text) {
 }
 
 /**
- * A number of so many significant digits.
+ * A number with this many significant digits.
  * @param {number | null | undefined} value
  */
 export function number(value, digits = 3) {
@@ -76,20 +76,20 @@ export function interval(interval, write) {
   return interval ? `${write(interval[0])} … ${write(interval[1])}` : UNKNOWN;
 }
 
-/** Seconds of a log, with a decimal only where it is short. @param {number} value */
+/** Seconds, with a decimal only if the log is short. @param {number} value */
 export function seconds(value, span = 100) {
   const decimals = span >= 100 ? 0 : span >= 10 ? 1 : span >= 1 ? 2 : 3;
   return `${typeset(value.toFixed(decimals))}${NARROW}s`;
 }
 
-/** How long a log is. @param {number} value */
+/** Duration of a log. @param {number} value */
 export function duration(value) {
   if (value < 120) return seconds(value);
   if (value < 7200) return `${brief(value / 60)}${NARROW}min`;
   return `${brief(value / 3600)}${NARROW}h`;
 }
 
-/** Three digits, without zeros at the end. @param {number} value */
+/** Three digits without trailing zeros. @param {number} value */
 const brief = (value) => String(Number(value.toPrecision(3)));
 
 /** @param {number} value */
@@ -103,7 +103,7 @@ export function fileName(path) {
   return path.split(/[\\/]/).pop() ?? path;
 }
 
-/** With its first letter large. @param {string} text */
+/** Text with a capital first letter. @param {string} text */
 export function capitalised(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

@@ -1,16 +1,16 @@
 // @ts-check
-// What hands do on a chart over time: drag to zoom, shift-drag to pan, wheel and pinch, keys.
+// Gestures on a chart over time: drag to zoom, shift-drag to pan, wheel, pinch, keys.
 
 import { el } from "./dom.js";
 
-/** Least movement that is a drag and no click, pixels. */
+/** Smallest movement of a drag; less is a click, pixels. */
 const DRAG = 4;
 /** Zoom of one key press or button, and of one notch of a wheel (a notch is 100 pixels). */
 export const KEY_ZOOM = 0.6;
 const WHEEL_ZOOM = 1.0022;
-/** Share of the window that an arrow key moves. */
+/** Share of the window by which an arrow key pans. */
 const KEY_PAN = 0.2;
-/** A page that is being scrolled goes on scrolling over a chart for so long, ms. */
+/** Time after a scroll event in which the wheel still scrolls the page over a chart, ms. */
 const SCROLLING = 300;
 
 let lastScroll = -Infinity;
@@ -82,7 +82,7 @@ export function listenToHands(plot, time, click) {
       if (event.timeStamp - lastScroll < SCROLLING && !event.ctrlKey) return;
       const sideways = Math.abs(event.deltaX) > Math.abs(event.deltaY);
       const pixels = (sideways ? event.deltaX : event.deltaY) * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
-      // where there is nothing more to see, the page scrolls
+      // the whole log is shown: the page scrolls
       if (!sideways && pixels > 0 && time.isWhole && !event.ctrlKey) return;
       event.preventDefault();
       if (sideways) time.pan(pixels / plot.clientWidth);
@@ -91,7 +91,7 @@ export function listenToHands(plot, time, click) {
     { passive: false },
   );
 
-  /** Two fingers: what is under each stays under it. @param {number} moved @param {PointerEvent} event */
+  /** Two fingers: each time stays under its finger. @param {number} moved @param {PointerEvent} event */
   function pinch(moved, event) {
     const other = [...pointers].find(([id]) => id !== moved)?.[1];
     const before = pointers.get(moved);

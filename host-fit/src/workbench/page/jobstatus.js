@@ -1,5 +1,5 @@
 // @ts-check
-// What is being computed, how far it is, and the way to end it.
+// The running computation, its progress, and the button that cancels it.
 
 import { post } from "./api.js";
 import { el } from "./dom.js";
@@ -40,7 +40,7 @@ export class JobStatus {
   #draw() {
     const job = this.#job;
     const text = !this.#isConnected ? "Connection lost, trying again" : job ? job.what : this.#study ? "Ready" : "";
-    // unchanged text is not said again
+    // a screen reader repeats text that is set again
     if (this.#what.textContent !== text) this.#what.textContent = text;
     this.element.dataset.state = !this.#isConnected ? "lost" : job ? "works" : "rests";
     if (!job && this.#work.contains(document.activeElement)) document.getElementById("main")?.focus({ preventScroll: true });

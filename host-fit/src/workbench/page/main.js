@@ -1,7 +1,7 @@
 // @ts-check
-// The workbench: a top bar, and below it one study, one population, or the panel that opens them. The address says which.
+// The workbench: a top bar, and below it the study, population or opening panel of the address.
 
-import { addressedStudy } from "./address.js";
+import { addressedStudy, isOfColumns } from "./address.js";
 import { get, messageOf, remove } from "./api.js";
 import { el, icon, replace } from "./dom.js";
 import { JobStatus } from "./jobstatus.js";
@@ -39,11 +39,11 @@ let population = null;
 
 /** @param {Event} event */
 function skip(event) {
-  event.preventDefault(); // the address names the study
+  event.preventDefault(); // the address is of the study
   main.focus();
 }
 
-/** The study that the address names. */
+/** The study of the address. */
 const addressed = () => addressedStudy(location.hash);
 
 async function listStudies() {
@@ -90,11 +90,12 @@ async function close(id) {
   else drawTabs();
 }
 
-/** Shows what the address names. */
+/** Shows the study, population or panel of the address. */
 function route() {
   const id = addressed();
+  const isColumns = isOfColumns(location.hash);
   job.follow(null, null);
-  if (page?.id !== id) {
+  if (page?.id !== id || isColumns) {
     page?.close();
     page = null;
   }
@@ -115,6 +116,13 @@ function route() {
     main.replaceChildren(opening.element, beside);
     void listStudies();
     document.title = "fos workbench";
+  } else if (isColumns) {
+    notices.clear();
+    const columns = new OpenPanel(opened);
+    void columns.edit(id);
+    main.replaceChildren(columns.element);
+    document.title = "Columns – fos workbench";
+    scrollTo(0, 0);
   } else if (!page) {
     page = new StudyPage(id, {
       notices,
@@ -130,11 +138,9 @@ function route() {
         Object.assign(entry, { outcome, working, name });
         drawTabs();
       },
-      // the panel that opened it keeps its columns until the log is read
-      columns: opening?.hasLogs ? () => void backToColumns(id) : null,
       connected: (connected) => job.connected(connected),
       gone() {
-        notices.show("This study is no longer open.\nhelp: the server may have been started anew; open the logs again.");
+        notices.show("This study is no longer open.\nhelp: it was closed; open its logs again");
         location.hash = "#/open";
         void listStudies();
       },
@@ -145,12 +151,6 @@ function route() {
   drawTabs();
 }
 
-/** Closes a study whose log could not be read, and shows its columns again. @param {number} id */
-async function backToColumns(id) {
-  await close(id);
-  location.hash = "#/open";
-}
-
 /** @param {number} id */
 function opened(id) {
   notices.clear();
@@ -158,7 +158,7 @@ function opened(id) {
   void listStudies();
 }
 
-// a file dropped anywhere opens the panel with it
+// A file dropped anywhere on the page opens the panel.
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();

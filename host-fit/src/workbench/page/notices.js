@@ -1,5 +1,5 @@
 // @ts-check
-// Messages of the server, whole, until they are put away.
+// Messages of the server, until they are dismissed.
 
 import { el, icon } from "./dom.js";
 
@@ -22,7 +22,7 @@ export class Notices {
 }
 
 /**
- * A message of what is wrong and, behind `help:`, what to do.
+ * A message with the problem and, after `help:`, the remedy.
  * @param {string} message
  * @param {() => void} [dismiss]
  */

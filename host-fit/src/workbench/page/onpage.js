@@ -1,8 +1,8 @@
 // @ts-check
-// Follows an element from its first width to its end, so that what was drawn in it is let go.
+// Follows an element from its first width to its removal, so that its charts are freed.
 
 /**
- * @param {HTMLElement} element is put on the page once, and taken off once
+ * @param {HTMLElement} element is added to the page once and removed once
  * @param {(width: number) => void} resized
  * @param {() => void} gone
  */

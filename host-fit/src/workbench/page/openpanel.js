@@ -1,5 +1,5 @@
 // @ts-check
-// Opens logs: dropped, chosen, by path, or the built-in example; and populations, by path.
+// Opens logs (dropped, chosen, by path, or the built-in example) and populations (by path).
 
 import { get, messageOf, post, upload } from "./api.js";
 import { el, replace, uniqueId } from "./dom.js";
@@ -12,15 +12,18 @@ import { populationAddress } from "./populationpage.js";
 /** @typedef {import("./types.js").Listed} LogEntry */
 /** @typedef {"field" | "quiet" | "judged" | "none"} Role */
 /** A log that was picked. @typedef {{path: string, preview: Preview, role: Role}} Picked */
+/** @typedef {import("./types.js").Page} Study */
 
 /** @type {{role: Role, text: string}[]} */
 const ROLES = [
   { role: "field", text: "the log to explain" },
   { role: "quiet", text: "reference log (optional)" },
-  { role: "judged", text: "later evaluation log (optional)" },
+  { role: "judged", text: "evaluation log (optional)" },
   { role: "none", text: "not used" },
 ];
 const MOST = 3;
+/** Pause after a change before its cautions are requested, ms. */
+const CAUTIONS_REST = 250;
 
 export class OpenPanel {
   #opened;
@@ -34,10 +37,14 @@ export class OpenPanel {
   #example = el("button", { type: "button", class: "primary large", onclick: () => void this.#open({ example: true }) }, "Open the example with a hidden effect");
   #read = el("button", { type: "button", class: "primary", onclick: () => void this.#readLogs() }, "Read the log");
   #reading = el("div", { class: "read", hidden: true });
-  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose above which columns are, and in which unit.");
+  #unreadable = el("p", { class: "clash", role: "status", hidden: true }, "No column is a gyro or an accelerometer yet. Choose the columns and their units above.");
   /** @type {Picked[]} */
   #picked = [];
   #isBusy = false;
+  #timer = 0;
+  /** The study whose logs are read again; none while a new one is opened. @type {number | null} */
+  #study = null;
+  #intro;
   element;
 
   /** @param {(id: number) => void} opened */
@@ -53,14 +60,19 @@ export class OpenPanel {
     for (const kind of ["dragenter", "dragover"]) drop.addEventListener(kind, () => (drop.dataset.over = ""));
     for (const kind of ["dragleave", "drop"]) drop.addEventListener(kind, () => delete drop.dataset.over);
     this.#reading.append(this.#unreadable, this.#read);
-    this.#mapping.changed = () => this.#sayReadable();
+    this.#mapping.changed = () => this.#mapped();
+    this.#intro = el(
+      "div",
+      { class: "intro" },
+      el("h1", { id: "opening-title" }, "Why does your sensor drift?"),
+      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where the model fails, and identifies the missing physical effect."),
+      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts because of an effect that the model does not contain."), this.#example, this.#paths, this.#populations)),
+    );
     this.element = el(
       "section",
       { class: "opening", "aria-labelledby": "opening-title" },
-      el("h1", { id: "opening-title" }, "Why does your sensor drift?"),
-      el("p", { class: "lead" }, "Open a log of an accelerometer or gyro. fos fits a model of its error, shows where the model fails, and identifies the missing physical effect."),
+      this.#intro,
       this.#problems,
-      el("div", { class: "ways" }, drop, el("div", { class: "card example" }, el("h2", {}, "No log at hand?"), el("p", {}, "A simulated phone on a desk: the processor works, the phone warms up, and gyro x drifts for a reason that its model lacks."), this.#example, this.#paths, this.#populations)),
       this.#progress,
       this.#files,
       this.#mapping.element,
@@ -68,12 +80,31 @@ export class OpenPanel {
     );
   }
 
-  /** Logs are picked, and their columns known. */
-  get hasLogs() {
-    return this.#picked.length > 0;
+  /** Shows the columns of a study, so that its logs can be read again. @param {number} id */
+  async edit(id) {
+    this.#study = id;
+    const back = el("a", { href: `#/study/${id}` }, "Back to the study");
+    replace(this.#intro, el("h1", { id: "opening-title" }, "Columns"), el("p", { class: "lead" }, back));
+    this.#read.textContent = "Read the log again";
+    this.#reading.prepend(el("p", { class: "note again" }, "All axes are fitted again. Added effects are removed."));
+    this.#mapping.isAlwaysShown = true;
+    try {
+      const { name, files } = /** @type {Study} */ (await get(`/api/studies/${id}`));
+      replace(this.#intro, el("h1", { id: "opening-title" }, `Columns of ${name}`), el("p", { class: "lead" }, back));
+      if (!files) return this.#problem("The example is still being simulated.\nhelp: wait until the study shows its chart, then open its columns again");
+      const { columns, rate_hz } = files.read;
+      this.#mapping.setRate(rate_hz ?? null);
+      for (const role of /** @type {const} */ (["field", "quiet", "judged"])) {
+        const path = files[role];
+        if (path) this.#picked.push({ path, role, preview: await post("/api/preview", { path, columns }) });
+      }
+    } catch (error) {
+      this.#problem(messageOf(error));
+    }
+    this.#draw();
   }
 
-  /** What lies on the server may have changed. */
+  /** Reads the lists of logs and populations again. */
   refresh() {
     get("/api/logs").then(
       (logs) => this.#drawPaths(logs),
@@ -94,11 +125,11 @@ export class OpenPanel {
       return (await upload(file)).path;
     });
     const left = files.slice(most).map((file) => file.name);
-    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study is of at most ${MOST} logs; drop the others by themselves`);
+    if (left.length > 0) this.#problem(`Not opened: ${left.join(", ")}.\nhelp: a study has at most ${MOST} logs; open the others as another study`);
   }
 
   /**
-   * Looks into logs, one after the other; a file that is no log is reported and skipped.
+   * Reads the columns of logs, one after the other; a file that is not a log is reported and skipped.
    * @template Given
    * @param {Given[]} all
    * @param {(given: Given) => Promise<string>} pathOf
@@ -110,7 +141,7 @@ export class OpenPanel {
     for (const one of all) {
       try {
         const path = await pathOf(one);
-        this.#say(`Looking into ${fileName(path)} …`);
+        this.#say(`Reading the columns of ${fileName(path)} …`);
         const preview = /** @type {Preview} */ (await post("/api/preview", { path }));
         const free = ROLES.find(({ role }) => !this.#picked.some((picked) => picked.role === role));
         this.#picked = [...this.#picked.filter((picked) => picked.path !== path), { path, preview, role: free?.role ?? "none" }];
@@ -160,13 +191,32 @@ export class OpenPanel {
         el("button", { type: "button", class: "quiet", "data-key": `drop:${one.path}`, "aria-label": `Remove ${fileName(one.path)}`, onclick: () => this.#leaveOut(one) }, "Remove"),
       );
     };
-    replace(this.#files, picked.length > 0 ? [el("h2", {}, "What these files are"), el("ul", {}, picked.map(entry))] : null);
+    replace(this.#files, picked.length > 0 ? [el("h2", {}, "Roles of the files"), el("ul", {}, picked.map(entry))] : null);
     this.#mapping.show(picked.map(({ preview }) => preview));
     this.#reading.hidden = !picked.some(({ role }) => role === "field");
     this.#sayReadable();
   }
 
-  /** A log without a gyro or accelerometer cannot be read: the columns are to be chosen first. */
+  /** Takes a change of the columns; the server knows which values are impossible in the chosen units. */
+  #mapped() {
+    this.#sayReadable();
+    clearTimeout(this.#timer);
+    if (!this.#mapping.hasProblem) this.#timer = window.setTimeout(() => void this.#readCautions(), CAUTIONS_REST);
+  }
+
+  async #readCautions() {
+    const columns = this.#mapping.specs();
+    try {
+      /** @type {Preview[]} */
+      const previews = [];
+      for (const { path } of this.#picked) previews.push(await post("/api/preview", { path, columns }));
+      if (columns.join() === this.#mapping.specs().join()) this.#mapping.setCautions(previews);
+    } catch (error) {
+      this.#mapping.setProblem(messageOf(error));
+    }
+  }
+
+  /** A log without a gyro or accelerometer cannot be read; its columns have to be chosen first. */
   #sayReadable() {
     const isReadable = this.#mapping.hasSensor();
     this.#read.setAttribute("aria-disabled", String(!isReadable));
@@ -195,7 +245,7 @@ export class OpenPanel {
     replace(this.#problems);
     this.#say("Opening …");
     try {
-      const { id } = await post("/api/studies", study);
+      const { id } = await post(this.#study === null ? "/api/studies" : `/api/studies/${this.#study}/logs`, study);
       this.#opened(id);
     } catch (error) {
       this.#problem(messageOf(error));

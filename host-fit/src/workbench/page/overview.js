@@ -1,5 +1,5 @@
 // @ts-check
-// The whole log on a narrow strip, with a frame around what the charts show: drag it, or drag its edges.
+// The whole log on a narrow strip. A frame marks the range of the charts: drag it or its edges.
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
@@ -11,7 +11,7 @@ import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 /** @typedef {import("./types.js").AxisSeries} Series */
 
 const HEIGHT = 48;
-/** Pixels beside an edge that still take hold of it. */
+/** Distance from an edge at which it can be dragged, pixels. */
 const EDGE = 7;
 
 export class Overview {
@@ -69,7 +69,7 @@ export class Overview {
     this.#place();
   }
 
-  /** Where the unit was moved. @param {import("./types.js").Shading | null} moved */
+  /** Shades detected motion. @param {import("./types.js").Shading | null} moved */
   setMoved(moved) {
     if (this.#moved === moved) return;
     this.#moved = moved;

@@ -1,5 +1,5 @@
 // @ts-check
-// A population: how devices differ, which do not belong, and one device beside the others.
+// A population: scatter of the devices, odd devices, and one device compared with the others.
 
 import { get, messageOf, post } from "./api.js";
 import { el, radioGroup, replace, uniqueId } from "./dom.js";
@@ -17,7 +17,7 @@ import { figureElement } from "./figure.js";
 
 const START = "#/population?";
 
-/** The population that the address names. @param {string} hash @returns {Address | null} */
+/** The population of the address. @param {string} hash @returns {Address | null} */
 export function addressedPopulation(hash) {
   if (!hash.startsWith(START)) return null;
   const named = new URLSearchParams(hash.slice(START.length));
@@ -48,7 +48,7 @@ export class PopulationPage {
     this.#ask(`/api/population?${new URLSearchParams({ path })}`, (/** @type {Population} */ found) => this.#draw(found));
   }
 
-  /** Shows the unit that the address names, or none. @param {Address} address */
+  /** Shows the unit of the address, or none. @param {Address} address */
   show({ part, unit }) {
     const wanted = unit === null ? "" : String(new URLSearchParams({ path: this.path, part: part ?? "", unit }));
     if (wanted === this.#shown) return;
@@ -89,7 +89,7 @@ export class PopulationPage {
   /** @param {Part} part @returns {HTMLElement[]} */
   #part(part) {
     const { read } = part;
-    // a part is called as it is: bmi270
+    // names of parts keep their lower case: bmi270
     const title = (/** @type {string} */ text) => (part.part ? `${part.part}: ${text}` : capitalised(text));
     return [
       titled(
@@ -206,12 +206,12 @@ function differences({ axes }, label) {
   const without = axes.filter((axis) => axis.without).map((axis) => el("p", {}, `${capitalised(axis.label)}: ${axis.without}`));
   return [
     table(label, ["axis", "coefficient", "unit", "devices", "mean", "between devices", "between lots", "error of a log", "lots alike, p"], rows, 3),
-    el("p", { class: "note" }, "Standard deviations, with their 90 % intervals. Lots alike: how often lots that do not differ would look so different."),
+    el("p", { class: "note" }, "Standard deviations, with their 90 % intervals. Lots alike: probability of such a difference between lots that do not differ."),
     ...without,
   ];
 }
 
-/** The figures of the axis that is chosen. @param {Part} part */
+/** The figures of the chosen axis. @param {Part} part */
 function figures({ part, axes, variance }) {
   const drawn = axes.filter((axis) => axis.coefficients.length > 0);
   if (drawn.length === 0) return [];

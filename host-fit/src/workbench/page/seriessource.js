@@ -1,6 +1,6 @@
 // @ts-check
-// The samples behind the charts over time: three windows' worth are kept around what is visible, so that panning
-// has something to draw while finer data are on their way.
+// The samples of the charts over time. Three times the visible window is loaded, so that panning has something to draw until
+// finer data arrive.
 
 import { get, isAbort } from "./api.js";
 
@@ -8,21 +8,21 @@ import { get, isAbort } from "./api.js";
 /** @typedef {import("./types.js").LowAndHigh} Trace */
 /** @typedef {import("./types.js").ViewKind} ViewName */
 /** @typedef {{study: number, axis: string, view: ViewName, mean: number | null, model: string}} Subject `mean`: length of means, s, null follows the zoom; `model` tells one state of the model from the next */
-/** What is drawn: detail where it is known, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */
+/** Drawn samples: detail where it is loaded, the whole log at low resolution around it. @typedef {{shown: Series, whole: Series}} Drawn */
 
-/** Quiet time before finer data are asked for, ms. */
+/** Pause after a change of the window before finer data are requested, ms. */
 const DEBOUNCE = 70;
-/** Rest after a request that failed, ms. */
+/** Pause after a failed request, ms. */
 const RETRY = 2000;
 /** Buckets of the whole log. */
 const WHOLE_WIDTH = 1600;
-/** Buckets a pixel at least, before finer ones are asked for. */
+/** Buckets per pixel below which finer ones are requested. */
 const COARSEST = 0.7;
 
-/** Means of the slow view over a window, at most about. */
+/** Approximate largest number of means over a window. */
 const MEANS = 1000;
 
-/** Length of the means that suits a window of so many seconds: 1, 2, 5, 10, … s. @param {number} span */
+/** Averaging time for a window of this many seconds: 1, 2, 5, 10, … s. @param {number} span */
 export function meanFor(span) {
   const decade = 10 ** Math.floor(Math.log10(Math.max(span / MEANS, 1)));
   const digit = [5, 2, 1].find((of) => of * decade <= span / MEANS) ?? 1;
@@ -39,7 +39,7 @@ export class SeriesSource {
   #whole = null;
   /** @type {Series | null} */
   #detail = null;
-  /** Of the whole log, and of the detail. */
+  /** Requests of the whole log and of the detail. */
   #request = new AbortController();
   #detailRequest = new AbortController();
   /** What the whole log was read of. @type {Subject | null} */
@@ -67,7 +67,7 @@ export class SeriesSource {
     this.#ask();
   }
 
-  /** Looks at another axis, view or model; the same again changes nothing. @param {Subject | null} subject */
+  /** Changes axis, view or model; no effect if nothing changed. @param {Subject | null} subject */
   look(subject) {
     if (JSON.stringify(subject) === JSON.stringify(this.#subject)) return;
     const before = this.#subject;
@@ -76,7 +76,7 @@ export class SeriesSource {
     this.#detailRequest.abort();
     clearTimeout(this.#timer);
     this.#detail = null;
-    // a refined model redraws in place; another axis must not show the numbers of the one before
+    // A refined model is redrawn in place; another axis must not show the numbers of the previous one.
     if (before?.axis !== subject?.axis || before?.study !== subject?.study) {
       this.#whole = null;
       this.#tell();
@@ -90,7 +90,7 @@ export class SeriesSource {
     const [from, to] = this.#time.whole;
     const whole = await this.#read(subject, from, to, WHOLE_WIDTH, to - from, this.#request.signal);
     if (!whole) {
-      // the next change of the study tries again
+      // the next change of the study repeats the request
       setTimeout(() => this.#subject === subject && (this.#subject = null), RETRY);
       return;
     }
@@ -123,10 +123,10 @@ export class SeriesSource {
     }
   }
 
-  /** Asks for detail, once the window rests and what is known does not do. */
+  /** Requests detail once the window rests and the loaded samples are too coarse. */
   #ask() {
     clearTimeout(this.#timer);
-    // no detail of one thing within the whole of another
+    // detail and whole log must be of one subject
     if (!this.#whole || this.#wholeOf !== this.#subject || this.#isEnough()) return;
     this.#timer = window.setTimeout(() => void this.#readDetail(), DEBOUNCE);
   }
@@ -135,7 +135,7 @@ export class SeriesSource {
     const { shown, span, whole } = this.#time;
     const known = this.#detail ?? this.#whole;
     if (!known) return false;
-    // half a window is kept ready on either side
+    // half a window more on either side
     const from = Math.max(shown[0] - 0.5 * span, whole[0]);
     const to = Math.min(shown[1] + 0.5 * span, whole[1]);
     const covered = known.from_s <= from + 1e-9 && known.to_s >= to - 1e-9;
@@ -158,7 +158,7 @@ export class SeriesSource {
     const to = Math.min(shown[1] + span, whole[1]);
     const detail = await this.#read(subject, from, to, Math.ceil((this.#width * (to - from)) / span), span, this.#detailRequest.signal);
     if (!detail) return;
-    // what was asked for is known, even where the log has nothing
+    // the requested range counts as loaded even if the log has no samples there
     this.#detail = { ...detail, from_s: Math.min(detail.from_s, from), to_s: Math.max(detail.to_s, to) };
     this.#tell();
     this.#ask();

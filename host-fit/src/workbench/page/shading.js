@@ -1,5 +1,5 @@
 // @ts-check
-// Stretches that are set apart by their background: painted, named in the legend, told where somebody points at them.
+// Shaded stretches: painted, with an entry in the legend and a description under the pointer.
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
@@ -8,22 +8,22 @@ import { faint } from "./theme.js";
 /** @typedef {import("./types.js").Shading} Shading */
 /** @typedef {import("./types.js").ShadedRange} Range */
 
-/** Colours by why a stretch is set apart: the custom property, and its opacity. */
+/** Colour and opacity by the reason for the shading: the custom property, and its opacity. */
 const TONES = { Apart: { ink: "shade", opacity: 0.25 }, LeftOut: { ink: "left-out", opacity: 0.3 } };
-/** Pixels beside a stretch that still point at it. */
+/** Distance from a stretch at which it is described, pixels. */
 const REACH = 4;
 
-/** Where a stretch lies on the canvas; one too short to see is widened about its middle. @param {uPlot} u @param {{from: number, to: number}} range */
+/** Position of a stretch on the canvas; one too short to see is widened about its middle. @param {uPlot} u @param {{from: number, to: number}} range */
 export function placeOf(u, range) {
   const [from, to] = [u.valToPos(range.from, "x", true), u.valToPos(range.to, "x", true)];
   const half = Math.max(0.5 * (to - from), 1.5 * uPlot.pxRatio);
   return { left: 0.5 * (from + to) - half, width: 2 * half, middle: 0.5 * (from + to) };
 }
 
-/** The stretches that reach between two values of x. @param {Shading} shading @param {number} low @param {number} high */
+/** The stretches between two values of x. @param {Shading} shading @param {number} low @param {number} high */
 export const within = (shading, low, high) => shading.ranges.filter(({ from, to }) => to >= low && from <= high);
 
-/** Paints the stretches that are in view. @param {uPlot} u @param {Shading} shading */
+/** Paints the visible stretches. @param {uPlot} u @param {Shading} shading */
 export function paint(u, shading) {
   const { ctx, bbox } = u;
   const { min, max } = u.scales.x ?? {};
@@ -40,7 +40,7 @@ export function paint(u, shading) {
   ctx.restore();
 }
 
-/** What is said of the stretch that is `left` pixels into the plot; nothing where there is none. @param {uPlot} u @param {Shading} shading @param {number} left */
+/** Description of the stretch at `left` pixels into the plot; empty if there is none. @param {uPlot} u @param {Shading} shading @param {number} left */
 export function saidAt(u, shading, left) {
   const [low, high] = [u.posToVal(left - REACH, "x"), u.posToVal(left + REACH, "x")];
   const at = 0.5 * (low + high);
@@ -48,6 +48,6 @@ export function saidAt(u, shading, left) {
   return within(shading, low, high).sort((a, b) => distance(a) - distance(b))[0]?.says ?? "";
 }
 
-/** An entry of a legend. @param {"li" | "span"} tag @param {Shading} shading @param {string} said of the stretch that is pointed at */
+/** An entry of a legend. @param {"li" | "span"} tag @param {Shading} shading @param {string} said description of the stretch under the pointer */
 export const legendEntry = (tag, { label, tone }, said = "") =>
   el(tag, { class: `entry ink-${TONES[tone].ink}` }, el("i", { class: "swatch cells shade" }), label, el("span", { class: "value" }, said));

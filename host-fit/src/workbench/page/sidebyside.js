@@ -1,5 +1,5 @@
 // @ts-check
-// Several studies in one table: the axis that each looks at, what is missing from it, and how far its error fell.
+// Several studies in one table: viewed axis, missing effect, and reduction of the error.
 
 import { el, icon } from "./dom.js";
 import { percent } from "./format.js";
@@ -8,7 +8,7 @@ import { OUTCOMES } from "./verdict.js";
 
 /** @typedef {import("./types.js").Entry} StudyEntry */
 
-/** Nothing for fewer than two. @param {StudyEntry[]} studies */
+/** Empty for fewer than two studies. @param {StudyEntry[]} studies */
 export function sideBySide(studies) {
   if (studies.length < 2) return [];
   const head = ["Study", "Axis", "Result", "Added", "Slow error before", "now", "Reduction of the RMS"];

@@ -1,7 +1,7 @@
 // @ts-check
-// One study: its five parts in the order of thought, and what they share.
+// One study: its five parts and their shared state.
 
-import { addressOf, placeOf } from "./address.js";
+import { addressOf, columnsAddress, placeOf } from "./address.js";
 import { messageOf, post } from "./api.js";
 import { axesTable } from "./axestable.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
@@ -22,10 +22,10 @@ import { OUTCOMES } from "./verdict.js";
 /** @typedef {import("./types.js").AxisPage} AxisState */
 /** @typedef {import("./types.js").ViewKind} ViewName */
 /** A stretch that every panel shows; mark: its number among the worst. @typedef {{from: number, to: number, mark: string | null}} Chosen */
-/** What the parts draw; mean: length of means, s, null follows the zoom. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName, mean: number | null, units: import("./units.js").System}} Scene */
+/** State drawn by the parts; mean: averaging time, s, null follows the zoom. @typedef {{state: State, axis: AxisState | null, chosen: Chosen | null, view: ViewName, mean: number | null, units: import("./units.js").System}} Scene */
 /** @typedef {{element: HTMLElement, update: (scene: Scene) => void}} Part */
 /**
- * What the parts share.
+ * Shared by the parts.
  * @typedef {object} Context
  * @property {number} study
  * @property {TimeWindow} time
@@ -33,14 +33,14 @@ import { OUTCOMES } from "./verdict.js";
  * @property {(chosen: Chosen | null) => void} choose
  * @property {(view: ViewName) => void} setView
  * @property {(mean: number | null) => void} setMean
- * @property {(path: string, body?: unknown) => Promise<boolean>} change asks the server for it; says what went wrong
+ * @property {(path: string, body?: unknown) => Promise<boolean>} change posts to the server and shows an error
  * @property {(text: string) => void} announce
  * @property {(part: number, focus?: boolean) => void} goTo
- * @property {(part: number) => void} stayAt goes to a part, and keeps it in view while others change
+ * @property {(part: number) => void} stayAt scrolls to a part and keeps it in view while others change
  */
-/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void, columns: (() => void) | null}} Surroundings columns: the way back to the mapping of the log */
+/** @typedef {{notices: import("./notices.js").Notices, changed: (state: State) => void, connected: (connected: boolean) => void, gone: () => void}} Surroundings */
 
-/** How often the address follows what is shown, ms: a browser refuses more than a few changes a second. */
+/** Pause between changes of the address, ms: a browser refuses more than a few per second. */
 const ADDRESS_REST = 300;
 /** @type {ViewName[]} */
 const VIEWS = ["slow", "coast", "one_step"];
@@ -74,10 +74,10 @@ export class StudyPage {
   #view = "slow";
   /** @type {number | null} */
   #mean = null;
-  /** What the address asks for and is not shown yet. @type {import("./address.js").Place | null} */
+  /** Place of the address that is not shown yet. @type {import("./address.js").Place | null} */
   #wanted;
   #addressTimer = 0;
-  /** The part that stays in view until the work that it waits for is done, or the reader scrolls. @type {number | null} */
+  /** The part that stays in view until its computation ends or the user scrolls. @type {number | null} */
   #anchored = null;
   #log = "";
   /** @type {Map<string, string>} */
@@ -153,7 +153,7 @@ export class StudyPage {
     this.#draw();
   }
 
-  /** Shows what the address asks for, once the log is there. @param {State} state */
+  /** Shows axis, stretch and window of the address once the log is read. @param {State} state */
   #goToWanted(state) {
     const wanted = this.#wanted;
     if (!wanted || !state.logs) return;
@@ -225,15 +225,13 @@ export class StudyPage {
     const state = this.#state;
     if (!state) return;
     const axis = state.axes.find(({ column }) => column === this.#axis) ?? null;
-    this.#once("head", [state.name, state.logs], () => replace(this.#head, studyHead(state)));
-    // what was cancelled, failed or never begun is asked for by looking at the axis again
+    this.#once("head", [state.name, state.logs, state.files], () => replace(this.#head, studyHead(state)));
+    // viewing the axis again starts computations that were cancelled or failed
     const canGoOn = state.job === null && axis !== null && !axis.diagnosis;
     const error = state.error ?? axis?.failure ?? null;
-    this.#once("error", [error, canGoOn, axis?.column, state.logs === null], () => {
+    this.#once("error", [error, canGoOn, axis?.column], () => {
       const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
-      const { columns } = this.#around;
-      const back = !state.logs && state.error && columns ? el("button", { type: "button", class: "primary", "data-key": "columns", onclick: columns }, "Back to the columns of the log") : null;
-      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null, back);
+      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null);
     });
     const isWorking = state.job !== null;
     this.#once("axes", [state.axes.map((one) => [one.column, one.standing, one.slow_error, one.failure, one.units, one.diagnosis?.findings.length]), this.#axis, isWorking, system()], () => {
@@ -252,7 +250,7 @@ export class StudyPage {
     this.#writeAddress();
   }
 
-  /** Draws only what changed, so that nothing under the reader's hands is taken away. @param {string} name @param {unknown} data @param {() => void} draw */
+  /** Draws a place only if its data changed, so that focus and selection stay. @param {string} name @param {unknown} data @param {() => void} draw */
   #once(name, data, draw) {
     const now = JSON.stringify(data);
     if (this.#drawn.get(name) === now) return;
@@ -281,7 +279,7 @@ export class StudyPage {
   }
 }
 
-/** Tells one state of an axis' model from the next. @param {AxisState} axis */
+/** Key that differs between two states of an axis' model. @param {AxisState} axis */
 export function modelKey(axis) {
   return JSON.stringify([axis.model, axis.growth?.stairs.length ?? 0, axis.comparison?.errors ?? null]);
 }
@@ -292,8 +290,10 @@ function waiting(what) {
 }
 
 /** @param {State} state */
-function studyHead({ name, logs }) {
-  if (!logs) return el("h1", {}, name);
+function studyHead({ id, name, logs, files }) {
+  const columns = files && el("a", { class: "button", "data-key": "columns", href: columnsAddress(id), title: "Change columns, units, scale, offset and roles of the logs" }, "Columns…");
+  const title = el("div", { class: "study-title" }, el("h1", {}, name), columns);
+  if (!logs) return title;
   const { field, quiet, judged } = logs;
   const facts = [
     `${duration(field.seconds)} at ${Number(field.rate_hz.toFixed(2))} Hz`,
@@ -304,7 +304,7 @@ function studyHead({ name, logs }) {
   const other = (/** @type {string} */ role, /** @type {import("./types.js").LogSummary | null} */ log) =>
     log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
   return [
-    el("h1", {}, name),
+    title,
     el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Reference log", quiet), other("Evaluated on", judged)),
     field.quality.length > 0
       ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${field.quality.length === 1 ? "One remark" : `${field.quality.length} remarks`} on the data`), el("ul", {}, field.quality.map((text) => el("li", {}, text))))

@@ -1,5 +1,5 @@
 // @ts-check
-// Light or dark, and the colours that a canvas takes from the style sheet.
+// Light or dark theme, and the colours of the style sheet for canvases.
 
 import { radioGroup } from "./dom.js";
 
@@ -11,7 +11,7 @@ const listeners = new Set();
 /** @type {Map<string, string>} */
 const known = new Map();
 
-/** What canvases do when the theme changes. @param {() => void} redraw @returns {() => void} forgets it */
+/** Redraws a canvas when the theme changes. @param {() => void} redraw @returns {() => void} stops that */
 export function onTheme(redraw) {
   listeners.add(redraw);
   return () => listeners.delete(redraw);
@@ -25,7 +25,7 @@ function changed() {
 dark.addEventListener("change", changed);
 
 /**
- * The colour that a custom property stands for at present.
+ * Present colour of a custom property.
  * @param {string} property
  */
 export function colour(property) {
@@ -40,7 +40,7 @@ export function colour(property) {
   return value;
 }
 
-/** The same colour, let through. @param {string} property @param {number} alpha */
+/** The same colour with transparency. @param {string} property @param {number} alpha */
 export function faint(property, alpha) {
   return colour(property).replace(/^rgb\(([^)]+)\)$/, (_, channels) => `rgba(${channels}, ${alpha})`);
 }

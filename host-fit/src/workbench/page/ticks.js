@@ -1,12 +1,12 @@
 // @ts-check
-// Where an axis is marked, and with which texts: the same marks as in a picture of the program (host-fit/src/figures/scale.rs), which
-// cannot know how wide a panel is here, nor what a chart is zoomed to. Both are held to host-fit/src/figures/ticks.json.
+// Ticks and labels of an axis: the same as in a figure file (host-fit/src/figures/scale.rs), which cannot know the width of a
+// panel or the zoom of a chart. Both are tested against host-fit/src/figures/ticks.json.
 
 import { raised } from "./format.js";
 
 /** @typedef {{value: number, label: string}} Tick */
 
-/** An axis with fewer labels says little; so many are never asked for to get them. */
+/** Fewest labels of an axis. */
 const FEWEST = 3;
 const MOST = 24;
 

@@ -1,5 +1,5 @@
 // @ts-check
-// A chart over time: bands from the lowest to the highest sample, lines and dots where every sample is known.
+// A chart over time: bands from the lowest to the highest sample; lines and dots where every sample is loaded.
 
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
@@ -14,14 +14,14 @@ import { inUnit } from "./units.js";
 
 /** @typedef {import("./types.js").AxisSeries} Series */
 /** @typedef {import("./types.js").LowAndHigh} LowAndHigh */
-/** @typedef {"measured" | "predicted" | "left" | "predicted_before" | "left_before" | number} TraceName a number: of the channels beside */
-/** @typedef {{of: TraceName, label: string, ink: string, off?: boolean}} Drawn a trace, its name, its colour's custom property; off: until it is switched on */
+/** @typedef {"measured" | "predicted" | "left" | "predicted_before" | "left_before" | number} TraceName a number: index of an additional channel */
+/** @typedef {{of: TraceName, label: string, ink: string, off?: boolean}} Drawn a trace, its name, its colour's custom property; off: hidden until switched on */
 /** @typedef {{from: number, to: number, mark: string, chosen: boolean}} Shade */
 /** @typedef {{label: string, traces: Drawn[], height: number, time: import("./timewindow.js").TimeWindow, click?: (shade: Shade | null) => void}} Options */
 
-/** Dots show from this many pixels a sample on. */
+/** Pixels per sample from which dots are drawn. */
 const DOT_SPACE = 5;
-/** Room for the labels of the y axis, and on the right, pixels; the overview lines up with it. */
+/** Room for the labels of the y axis, and on the right, pixels; the overview uses the same. */
 export const Y_AXIS = 64;
 export const RIGHT = 12;
 const Y_LABELS = 45; // pixels between labels
@@ -89,7 +89,7 @@ export class TimeChart {
     whileOnPage(this.#host, (width) => this.#resize(width), gone);
   }
 
-  /** Draws these samples; null: none yet. @param {Series | null} series */
+  /** Draws these samples; null clears the chart. @param {Series | null} series */
   setData(series) {
     this.#series = series;
     if (!series) return this.#clear();
@@ -109,7 +109,7 @@ export class TimeChart {
     this.#describe();
   }
 
-  /** What the chart is of, as the axis is called. @param {string} label */
+  /** Name of the axis in the chart. @param {string} label */
   setLabel(label) {
     this.#label = label;
     this.#focus.setAttribute("aria-label", keysOf(label));
@@ -117,7 +117,7 @@ export class TimeChart {
     this.#describe();
   }
 
-  /** The unit that values are shown in. @param {import("./types.js").ShownUnit} unit */
+  /** Unit of the shown values. @param {import("./types.js").ShownUnit} unit */
   setUnit(unit) {
     if (unit.label === this.#unit.label) return;
     this.#unit = unit;
@@ -131,7 +131,7 @@ export class TimeChart {
     this.#plot?.redraw(false);
   }
 
-  /** Where the unit was moved. @param {import("./types.js").Shading | null} moved */
+  /** Shades detected motion. @param {import("./types.js").Shading | null} moved */
   setMoved(moved) {
     if (this.#moved === moved) return;
     this.#moved = moved;
@@ -146,12 +146,12 @@ export class TimeChart {
     this.#legend.replaceChildren();
   }
 
-  /** Those traces that there are. @param {Series} series */
+  /** Traces with data. @param {Series} series */
   #drawn(series) {
     return this.#options.traces.filter((trace) => traceOf(series, trace));
   }
 
-  /** Entries switch their traces off and on; made once for a set of traces, so that the focus stays. @param {Drawn[]} drawn */
+  /** Legend whose entries hide and show traces; created once per set of traces, so that focus stays. @param {Drawn[]} drawn */
   #drawLegend(drawn) {
     const isExact = this.#series?.exact ?? false;
     for (const swatch of this.#legend.querySelectorAll(".toggle .swatch, .single .swatch")) swatch.className = `swatch ${isExact ? "line" : "band"}`;
@@ -177,7 +177,7 @@ export class TimeChart {
     for (const side of [2 * at + 1, 2 * at + 2]) this.#plot?.setSeries(side, { show });
   }
 
-  /** What is in view, as a figure of the program. @returns {import("./types.js").Figure | null} */
+  /** The visible range as a figure. @returns {import("./types.js").Figure | null} */
   #figure() {
     const series = this.#series;
     if (!series) return null;
@@ -277,7 +277,7 @@ export class TimeChart {
     return plotWidth(plot) / (time.span / this.#series.period_s) >= DOT_SPACE;
   }
 
-  /** Marks of the y axis, in the unit that is shown. @param {number} low @param {number} high @param {number} height */
+  /** Ticks of the y axis in the shown unit. @param {number} low @param {number} high @param {number} height */
   #yTicks(low, high, height) {
     const { divisor } = this.#unit;
     return linearTicks(low / divisor, high / divisor, height / Y_LABELS).map((tick) => ({ ...tick, value: tick.value * divisor }));
@@ -313,7 +313,7 @@ export class TimeChart {
     ctx.restore();
   }
 
-  /** Numbers at the top of the stretches; those that would touch go one row down. @param {uPlot} u */
+  /** Numbers at the top of the stretches; those that would overlap move one row down. @param {uPlot} u */
   #marks(u) {
     const { ctx, bbox } = u;
     const unit = uPlot.pxRatio;
@@ -400,7 +400,7 @@ export function padded(low, high) {
   return [low - room, high + room];
 }
 
-/** What all axes look like. @returns {uPlot.Axis} */
+/** Style of all axes. @returns {uPlot.Axis} */
 export function axisStyle() {
   return {
     font: FONT,

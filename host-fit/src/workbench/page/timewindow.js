@@ -1,5 +1,5 @@
 // @ts-check
-// The stretch of time that all charts over time show, in one place, so that they stay linked.
+// The visible time window, shared by all charts over time.
 
 /** @typedef {[number, number]} Span */
 
@@ -9,9 +9,9 @@ export class TimeWindow {
   #scheduled = false;
   /** From first to last second of the log. @type {Span} */
   whole = [0, 1];
-  /** What is shown. @type {Span} */
+  /** Visible window. @type {Span} */
   shown = [0, 1];
-  /** Shortest stretch that makes sense, s: a few samples. */
+  /** Shortest window, s: a few samples. */
   shortest = 0.02;
 
   /** Calls `listener` once a frame while the window moves. @param {() => void} listener */
@@ -19,7 +19,7 @@ export class TimeWindow {
     this.#listeners.add(listener);
   }
 
-  /** A log of its own: shows all of it. @param {Span} whole @param {number} period sample period, s */
+  /** Starts with a new log, all of it visible. @param {Span} whole @param {number} period sample period, s */
   reset(whole, period) {
     this.whole = whole;
     this.shortest = 8 * period;
@@ -38,7 +38,7 @@ export class TimeWindow {
     this.show(this.whole[0], this.whole[1]);
   }
 
-  /** Shows from here to there, kept inside the log. @param {number} from @param {number} to */
+  /** Shows a window, moved inside the log if necessary. @param {number} from @param {number} to */
   show(from, to) {
     const [first, last] = this.whole;
     const span = Math.min(Math.max(to - from, this.shortest), last - first);
@@ -53,7 +53,7 @@ export class TimeWindow {
     });
   }
 
-  /** A stretch with as much again on either side. @param {number} from @param {number} to */
+  /** Shows a stretch with 1.5 times its length on either side. @param {number} from @param {number} to */
   showAround(from, to) {
     this.show(from - 1.5 * (to - from), to + 1.5 * (to - from));
   }

@@ -1,13 +1,13 @@
 // What the server answers with, from its Rust types. Written by
 // FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types
 
-/** Effect that was added. */
+/** An effect that was added. */
 export type Added = {
-/** Definition of the effect, so that the study can be read without its file. */
+/** The effect itself: the study can be read without the file it came from. */
 effect: Effect,
-/** Finding as estimated, with the predicted reduction. */
+/** What it was found to be, with the reduction that is predicted. */
 finding: FindingWithRms,
-/** Measured reduction, in the band of the effect. */
+/** The reduction that was measured, in the band of the effect. */
 realised_fall: number, };
 
 /** Allan deviation at one averaging time. */
@@ -26,23 +26,23 @@ scale: Scale,
 /** Names of the values 0, 1, …, in place of numbers. */
 names: Array<string>, };
 
-/** Comparison of one axis with the measurements. */
+/** One axis against the measurements. */
 export type AxisComparison = {
-/** Name in the log format, as `gx_rads`. */
+/** As in the log format, as `gx_rads`. */
 column: string,
-/** Unit of the column; squared errors are in its square. */
+/** Unit of the column; errors are in its square. */
 unit: string,
-/** Number of evaluation rows at rest. */
+/** Rows at rest that were judged. */
 rows: number,
-/** Lowest mean square error of any causal predictor, in the square of the unit, with its 95 % interval. */
+/** What no causal predictor can beat, in the square of the unit, and its 95 % interval. */
 noise_floor: [number, [number, number]] | null,
-/** Reasons to distrust the noise floor. */
+/** Why the floor should not be trusted. */
 floor_cautions: Array<string>,
-/** Errors of the rivals, then of the model. */
+/** The rivals, then the model. */
 errors: Array<ModelErrors>,
-/** Stretches with an outstanding slow error, worst first: at most five, possibly none. */
+/** Stretches whose slow error stands out, worst first: at most five, none where no stretch stands out. */
 worst: Array<Stretch>,
-/** Dependence of the residual on all logged columns; absent if there are too few data. */
+/** What is left against everything that is logged; absent where that is too little to tell. */
 dependence: Dependence | null, };
 
 /** An axis in a list. */
@@ -141,14 +141,12 @@ export type AxisUnits = {
 measured: UnitChoice,
 /** Errors and residuals. */
 errors: UnitChoice,
-/** Heading or position without aiding. */
-unaided: UnitChoice,
 /** N, B and K. */
 noise: [UnitChoice, UnitChoice, UnitChoice],
 /** Coefficients of findings, by the unit they are stored in. */
 sizes: { [key in string]: UnitChoice }, };
 
-/** Band in which an effect shows. */
+/** Where an effect shows. */
 export type Band = "slow" | "wide" | "data" | "stochastic";
 
 /** What a page is told without asking. */
@@ -157,25 +155,25 @@ export type Beat = { revision: number, job: Job | null, };
 /** A channel that is drawn under the same time axis. */
 export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
 
-/** Residual in one bin of a channel. */
+/** What is left in one bin of a channel. */
 export type Bin = {
-/** Mean of the channel in the bin. */
+/** Mean of the channel in it. */
 channel: number, blocks: number,
-/** Plain mean of the residual, in the axis' unit. */
+/** Plain mean of what is left, in the axis' unit. */
 mean: number,
-/** Mean of the residual by generalised least squares, which weights the blocks by their correlated noise, relative
- * to the mean over all bins. */
+/** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
+ * of it (generalised least squares). */
 level: number,
-/** Half of the 95 % interval of `level` under coloured noise. */
+/** Half of the 95 % interval of `level`, under noise as it is coloured. */
 half_width: number, };
 
-/** Residual by bins of a channel. */
+/** What is left, bin by bin. */
 export type Bins = {
 /** All blocks, by ascending value of the channel. */
 all: Array<Bin>,
-/** Blocks in which the channel rises; for temperatures only. */
+/** Blocks where the channel rises; only of a temperature. */
 rising: Array<Bin>,
-/** Blocks in which the channel falls; for temperatures only. */
+/** Blocks where it falls. */
 falling: Array<Bin>, };
 
 /** An effect in plain language: texts of the library. */
@@ -203,34 +201,34 @@ device: string, };
 
 /** One stretch of the log in one band. */
 export type Cell = {
-/** Begin as timestamp, s. */
+/** Begin, s as stamped. */
 begin_s: number,
-/** End as timestamp, s. */
+/** End, s. */
 end_s: number,
 /** Lower end of the band, Hz. */
 low_hz: number,
-/** Upper end of the band, Hz. */
+/** Upper end, Hz. */
 high_hz: number,
-/** Power divided by the usual power in this band. */
+/** Power over the usual in this band. */
 times: number,
-/** Degrees of freedom of the power of noise. */
+/** Degrees of freedom of that power where it is noise. */
 freedom: number,
-/** Probability of such power in any cell under noise alone (Bonferroni over all cells). */
+/** Chance of so much power somewhere where nothing is wrong anywhere: allowing for all cells (Bonferroni). */
 p: number, };
 
-/** Dependence of the residual of an axis on one channel. */
+/** What is left of an axis, against one channel. */
 export type ChannelDependence = {
-/** Column of the channel, as `temp_c`. */
+/** Its column, as `temp_c`. */
 channel: string,
-/** Unit of the channel. */
+/** Unit that the channel's values are in. */
 unit: string,
-/** Test of a curve of the channel against a constant. */
+/** A curve of the channel against a constant. */
 curve: Test,
-/** p of the curve, corrected for the number of channels (Bonferroni). */
+/** p of the curve after allowing for all channels (Bonferroni). */
 p_of_all: number,
-/** Residual by value of the channel. */
+/** What is left by value of the channel. */
 bins: Bins,
-/** Residual by delay of the channel. */
+/** What is left by delay of the channel. */
 lag: LagProfile, };
 
 /** Coast error at one horizon. */
@@ -287,12 +285,16 @@ quoted: string, values: Array<string>,
 target: string | null,
 /** The unit that it seems to be in. */
 unit: string | null,
+/** Scale and offset in front of the unit, as in `-32768*0.061`. */
+arithmetic: string | null,
 /** The column map entry for that; none where the name says all. */
 spec: string | null,
 /** What the guess rests on. */
 why: string,
 /** Whether its name alone settles it. */
-sure: boolean, };
+sure: boolean,
+/** Reason why its values cannot be in this unit. */
+caution: string | null, };
 
 /** A channel of a log. */
 export type ColumnSummary = {
@@ -301,122 +303,122 @@ name: string,
 /** Unit that its values are in, as `rad/s`. */
 unit: string, };
 
-/** Another effect that an effect is confused with. */
+/** An effect that another is confused with. */
 export type ConfusedWith = {
-/** Identifier of the other effect, as `thermal_lag`. */
+/** Identifier of the rival, as `thermal_lag`. */
 effect: string,
-/** Experiment that separates the two. */
+/** The experiment that separates the two. */
 separate: string, };
 
-/** Term of a correction: coefficient times regressor, in the unit of the axis. */
+/** One term of a correction: coefficient times regressor, in the axis' unit. */
 export type CorrectionTerm = {
-/** Products of inputs, their sum, or `clock:step(t)`, which is 1 from t seconds after the first sample on and in
- * every later log. */
+/** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every
+ * later log. */
 regressor: string,
-/** Coefficient, in the unit of the axis per unit of the regressor. */
+/** Coefficient, unit of the axis per unit of the product. */
 coefficient: number, standard_error: number, };
 
-/** Cost of the terms and inputs of an axis; the axis itself and the part shared by all axes are not included. */
+/** What the terms and inputs of an axis cost; the axis itself and what all axes share come on top. */
 export type Cost = {
-/** Number of terms, physical and stochastic. */
+/** Physical and stochastic together. */
 terms: number,
-/** Number of factors in all terms. */
+/** Factors of all terms. */
 factors: number, inputs: number,
 /** RAM of terms and inputs, bytes. */
 ram_bytes: number,
-/** Approximate number of instructions per sample. */
+/** Instructions a sample, about. */
 instructions: number, };
 
 export type Delay = {
-/** Delay, s. */
+/** The delay, s. */
 delay_s: number,
-/** Increase of 2 ln L with the delayed channel as a linear term, at the same noise levels for all delays. */
+/** By how much 2 ln L rises with the delayed channel as a linear term; the same noise levels for all delays. */
 gain: number,
-/** Coefficient of the channel, in the axis' unit per unit of the channel. */
+/** Its coefficient, the axis' unit per unit of the channel. */
 slope: number,
 /** Standard error of the coefficient. */
 slope_error: number, };
 
-/** Dependence of the residual of an axis on all logged columns. */
+/** What is left of an axis, against everything that is logged. */
 export type Dependence = {
-/** Length of the blocks, s. */
+/** Length of the blocks that means were taken over, s. */
 block_s: number,
-/** Number of blocks with enough data. */
+/** Blocks with enough data. */
 blocks: number,
-/** Noise levels without any channel. */
+/** The noise, with no channel taken into account. */
 noise: NoiseLevels,
-/** True if the noise prior is from the rows that the model was fitted to; else it is from the evaluation rows,
- * which is less certain. */
+/** The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is
+ * less sure. */
 learnt: boolean,
-/** Every channel that varies, lowest p first. */
+/** Every channel that changes, least likely first. */
 channels: Array<ChannelDependence>,
 /** Power by time and frequency. */
 power: PowerMap, };
 
-/** Search method of an effect: `search` in its file. */
+/** What looks for an effect: `search` in its file. */
 export type Detector = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk" | "telegraph" | "noise_level" | "dead_zone";
 
-/** Diagnosis of one axis: the effects that are missing from its model. */
+/** What is missing from a model on a log. */
 export type Diagnosis = {
-/** Column that was explained. */
+/** The column that was explained. */
 target: string,
-/** Unit of the column, of the noise and of the corrections. */
+/** Unit of the column, which noise and corrections are in. */
 unit: string, verdict: Verdict,
-/** Outcome in a sentence. */
+/** The outcome in a sentence. */
 sentence: string,
 /** Missing effects, best first, then faults of the data. */
 findings: Array<FindingWithRms>,
-/** Further quantities that the residual follows. They are leads, not findings. */
+/** What else the log follows; leads and no findings. */
 leads: Array<Lead>,
-/** Effects that were tried and rejected, with their scores, the highest first. */
+/** Effects that were tried and rejected, with their score; the nearest first. */
 rejected: Array<Rejected>,
 /** Slow effects that were tested. Empty if the log allows no such test; the verdict is then never
  * [`Verdict::NothingMissing`]. */
 tested: Array<string>,
-/** Effects that could not be tested, with the data that they need. */
+/** Effects that could not be tested, with the data that would be needed. */
 untested: Array<Untested>,
-/** Noise levels that the scores are based on. */
+/** The noise levels that the evidence rests on. */
 noise: NoiseReport,
-/** Reasons to read the result with care. */
+/** Why the answer should be taken with care. */
 cautions: Array<string>,
-/** Properties of the log that are neither faults nor reasons for doubt, such as its duty cycle. */
+/** Properties of the log that are neither faults nor reasons for doubt, as its duty cycle. */
 notes: Array<string>,
-/** Detected motion in a log at rest, in words. */
+/** When the unit was moved though it was meant to be at rest, in words. */
 moved: Array<string>,
-/** Slow signal that the axis shares with other axes of the log, if several were diagnosed. */
+/** A slow signal that the axis shares with others of the log, where several were diagnosed. */
 shared_signal?: SharedSignal | null, };
 
-/** A physical effect: its cause, its equation and how to search for it. */
+/** A physical effect: what it is, and how it is looked for. */
 export type Effect = {
-/** Unique identifier, stable across releases: `thermal_lag`. */
+/** Identifier, the same everywhere. */
 id: string,
-/** Name as it stands in a sentence. */
+/** Name, as in a sentence. */
 name: string,
-/** Band of the error: block means, single samples, the data themselves, or noise. */
+/** In block means, in single samples, in the data themselves, or as noise. */
 band: Band,
-/** Axes that the effect can act on. */
+/** Which axes it can strike. */
 targets: Targets,
-/** Search method. */
+/** How it is looked for. */
 search: Detector,
-/** True if any subset of the terms is the effect too: terms that explain nothing are excluded. */
+/** Any of its terms alone is the effect too: those that explain nothing are left out. */
 any_terms: boolean,
-/** Physical mechanism in the sensor. */
+/** What happens in the sensor. */
 mechanism: string, equation: string,
-/** Typical size on phone-class parts. */
+/** How large it is on phone-class parts. */
 typical_size: string,
-/** Reference for the typical size. */
+/** Where that comes from. */
 source: string,
-/** Experiment that shows the effect. */
+/** Which experiment shows it. */
 experiment: string,
-/** Signature in a plot. */
+/** What in a plot gives it away. */
 gives_away: string,
-/** Cost of the correction on the device. */
+/** What it costs on the device. */
 device: string,
-/** Terms whose coefficients are fitted; empty if the effect is not searched for by regression. */
+/** Terms whose coefficients are fitted; none where it is not looked for by regression. */
 terms: Array<EffectTerm>,
-/** Parameter that is searched for. */
+/** The parameter that is searched for. */
 parameter: Parameter | null,
-/** Effects that it is confused with, the most similar first. */
+/** What it is confused with, the most similar first. */
 confused_with: Array<ConfusedWith>, };
 
 /** An effect on an axis of a part. */
@@ -434,17 +436,17 @@ device: string, };
 
 /** One regressor of an effect. */
 export type EffectTerm = {
-/** Products of inputs, or a sum of products: `ref_{target} * temp_c:lowpass({tau_s})`. */
+/** Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`. */
 regressor: string,
-/** Axes that the term can act on, among those of the effect. */
+/** Axes that it can strike, among those of the effect. */
 targets: Targets,
-/** Unit of the coefficient for a gyro. */
+/** Unit of its coefficient for a gyro. */
 gyro: string | null,
-/** Unit of the coefficient for an accelerometer. */
+/** Unit of its coefficient for an accelerometer. */
 accelerometer: string | null,
-/** Largest typical coefficient of a gyro, in its unit. */
+/** The largest coefficient that is typical of a gyro, in its unit. */
 gyro_typical?: number | null,
-/** Largest typical coefficient of an accelerometer, in its unit. */
+/** The same of an accelerometer. */
 accelerometer_typical?: number | null, };
 
 /** A study in a list. */
@@ -462,40 +464,40 @@ title: string,
 panels: Array<Panel>, };
 
 export type FindingWithRms = {
-/** Identifier in the library, as `thermal_lag`. */
+/** As in the library, as `thermal_lag`. */
 effect: string, name: string,
-/** Band of the error: block means, single samples, the data themselves, or noise. */
+/** In block means, in single samples, in the data themselves, or as noise. */
 band: Band,
-/** Value of the parameter, by name. */
+/** Its parameter, by name. */
 params: { [key in string]: number },
 /** 95 % intervals of the parameters, where they are known. */
 params_interval: { [key in string]: [number | null, number | null] },
-/** Sizes in data-sheet units, one per regressor. */
+/** Its size in data-sheet units, one per regressor. */
 sizes: Array<Size>,
-/** Decrease of −2 ln L. None for faults of the data, which are counted and not weighed. */
+/** By how much −2 ln L falls with it. None for faults of the data, which are counted and not weighed. */
 gain: number | null,
-/** Gain minus a penalty for its coefficients and for every candidate tried; accepted from 9 (lines from 15). None
- * for faults of the data. */
+/** The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
+ * None for faults of the data. */
 score: number | null,
-/** Predicted reduction as a share of the error's variance: of 1-s means (slow) or of samples (wide). */
+/** Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide). */
 expected_drop: number,
-/** 90 % interval of the predicted reduction. */
+/** Its 90 % interval. */
 expected_drop_ci: [number, number],
-/** Reduction measured on the evaluation log, with the findings before it in the model; a share of the variance. */
+/** The reduction that was measured on the log that was given to judge on, those before it in the model. */
 realised_fall?: number | null,
-/** Reason why the finding is not conclusive; `None` if it is conclusive. */
+/** Why it is no claim; none where nothing speaks against it. */
 doubt?: string | null,
-/** Effects that are indistinguishable from it in this log. */
+/** Effects that this log cannot tell from it. */
 confounded_with: Array<string>,
-/** Experiments that separate them. */
+/** The experiments that separate them. */
 separate: Array<Separation>,
-/** Column against which the effect shows best, if any. */
+/** The column against which it shows best, if any. */
 shows_against: string | null,
-/** Stretch of the log in which the effect is largest: begin and end as timestamps, s. */
+/** Where in the log it is largest: begin and end, s as stamped. */
 shows_from_to_s: [number, number] | null,
-/** Regressors with their coefficients in SI, as the model uses them. */
+/** Its regressors and their coefficients in SI, as the model takes them. */
 correction: Array<CorrectionTerm>,
-/** Limits to which inputs are clamped, by the text of the input: the range in which a curve may be extrapolated. */
+/** Limits that inputs are kept inside, by their text: how far a curve may be followed. */
 limits: { [key in string]: [number, number] }, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
 /** What a population says. */
@@ -556,45 +558,45 @@ asked_for: boolean, };
 /** How it is known where the unit is still. */
 export type KnownBy = "column" | "detector" | "assumed";
 
-/** Gain by delay. */
+/** The profile over delays. */
 export type LagProfile = { delays: Array<Delay>,
-/** Delay with the largest gain, s. */
+/** The delay that explains most, s. */
 best_s: number,
-/** Shortest and longest delay that are indistinguishable from the best, s. */
+/** The shortest and longest delay that the log does not tell from it, s. */
 possible_s: [number, number],
-/** Test of a linear term with the best delay, with the noise levels fitted. */
+/** A linear term with that delay, noise levels fitted along. */
 test: Test,
-/** p of the test, corrected for the number of delays (Bonferroni). */
+/** Its p after allowing for all delays (Bonferroni). */
 p: number, };
 
-/** A quantity that the residual follows. */
+/** Something that what is left follows. */
 export type Lead = {
-/** Kind of lead. */
+/** What kind of remainder it is. */
 kind: LeadKind,
-/** Description of the quantity. */
+/** What it follows, in words. */
 follows: string,
-/** Decrease of −2 ln L. */
+/** By how much −2 ln L falls with it. */
 gain: number,
-/** Gain minus a penalty for its coefficients and for every candidate tried. */
+/** The gain after the price of its coefficients and of everything that was tried. */
 score: number,
-/** Share of the variance of the block means of the residual. */
+/** Its share of the variance of the block means of what is left. */
 share: number,
-/** Band of the lead: one in the samples does not contradict a slow effect. */
+/** In block means or in the samples: what shows in the samples alone says nothing against a slow effect. */
 band: Band,
-/** True if the lead alone decides the verdict; false if it is rare or negligibly small. */
+/** Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice. */
 decides: boolean, };
 
-/** Kind of lead. */
+/** What kind of remainder a lead is. */
 export type LeadKind = "course" | "jumps" | "level" | "intermittent" | "refuted";
 
-/** Residual of the physical part, in the square of the axis' unit. */
+/** What the physical part leaves of the error, in the square of the axis' unit. */
 export type Left = {
-/** Variance of the 1-s means. */
+/** Variance of 1-s means. */
 slow: number,
 /** Variance of the samples. */
 wide: number,
-/** Error of the model's bias: mean on the evaluation rows minus the mean on the rows that effects are estimated
- * from, in the axis' unit. Absent if the log does not show the bias, and in studies of earlier versions. */
+/** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
+ * model's bias is off by. Absent where the log does not tell, and in studies from before it was kept. */
 bias?: number | null, };
 
 /** Standard deviation of the error of a unit's coefficient, by what its model has. */
@@ -615,15 +617,37 @@ path: string,
 /** Size. */
 bytes: number, };
 
-/** Logs that effects were estimated from and evaluated on. */
+/** How a log is read. The default suits a log with the columns of the log format. */
+export type LoadOptions = {
+/** Which column is which channel, in what unit. */
+columns: Array<string>,
+/** Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate. */
+rate_hz?: number,
+/** The format, where it is not to be found by the content. */
+format?: string,
+/** Which of several sensors, where a log has more than one: the number of an instance, the name of a topic. */
+topic?: string,
+/** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
+keep_moved?: boolean, };
+
+/** Paths of the logs of a study, and how they are read. */
+export type LogFiles = {
+/** The log to explain. */
+field: string,
+/** The reference log. */
+quiet: string | null,
+/** The evaluation log. */
+judged: string | null, read: LoadOptions, };
+
+/** The logs that effects were estimated from and judged on. */
 export type LogSources = {
-/** Log to explain. */
+/** The log with the hidden effect. */
 field: Source,
-/** Reference log for the noise. */
+/** A quiet log that the noise was learnt from. */
 quiet: Source | null,
-/** Evaluation log; without one, the rows of the log to explain from `fitted_rows` on. */
+/** The log that the errors are of; none: the rows of the field log from `fitted_rows` on. */
 judged: Source | null,
-/** Number of rows of the log to explain, from the first on, that effects are estimated from. */
+/** Rows of the field log that effects are estimated from, from the first on. */
 fitted_rows: number,
 /** Which column is which channel, in what unit. */
 columns: Array<string>,
@@ -690,9 +714,8 @@ slow_error_coast: number | null,
 wide_error_one_step: number,
 /** Variance of the samples of what is left, coasting for at most 60 s, while still. */
 wide_error_coast: number,
-/** Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
- * and in studies of earlier versions. */
-unaided: Array<UnaidedError>,
+/** The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro. */
+position_error_m: number | null,
 /** Allan deviation of what is left when coasting for at most 60 s. */
 allan: Array<AllanValue>,
 /** The one-step MSE is below the noise floor: not to be trusted. */
@@ -726,18 +749,18 @@ white: number,
 flicker: number,
 /** Random walk of the bias (rate random walk coefficient K), unit/√s. */
 walk: number,
-/** A further Gauss-Markov process in addition to those of the flicker noise. */
+/** A further Gauss-Markov process beyond those that make the flicker. */
 gauss_markov: GaussMarkov | null, };
 
-/** Noise model behind a diagnosis. */
+/** The noise behind a diagnosis. */
 export type NoiseReport = {
-/** Noise levels with all findings in the model, in the unit of the axis. */
+/** Levels with everything that was found, unit of the axis. */
 levels: NoiseLevels,
-/** Source of the noise levels, in words. */
+/** Where they were learnt from. */
 learnt_from: string,
-/** Length of the blocks for slow effects, s. */
+/** Length of the blocks that slow effects were looked for in, s. */
 block_s: number,
-/** Number of blocks. */
+/** How many blocks there are. */
 blocks: number, };
 
 /** A unit of which nothing, or not everything, could be told. */
@@ -793,7 +816,9 @@ evidence: Figure | null, };
 export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
 
 /** All that a page shows of a study, but for what is drawn sample by sample. */
-export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null, logs: Summaries | null,
+export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null,
+/** The logs that were asked for last; absent of an example that is not written yet. */
+files: LogFiles | null, logs: Summaries | null,
 /** Rows in which the unit was moved count as any others. */
 keeps_moved: boolean,
 /** The worst of its axes; an all-clear only once all are diagnosed. */
@@ -814,17 +839,17 @@ series: Array<Series>,
 /** Ranges of x set apart by a shaded background; later ones on top. */
 shading: Array<Shading>, };
 
-/** Parameter of an effect, searched for on a logarithmic grid and then refined. */
+/** The parameter of an effect, searched for on a logarithmic grid and then refined. */
 export type Parameter = {
 /** Name, with the unit as its last part: `tau_s`. */
 name: string,
-/** Unit of `low` and `high`; empty for a plain number. */
+/** Unit that `low` and `high` are in; empty for a plain number. */
 unit: string,
-/** Lower end of the search range. */
+/** Least value looked for. */
 low: number,
-/** Upper end of the search range. */
+/** Largest value looked for. */
 high: number,
-/** True if values below `low` give the same error, so that an estimate at `low` is only an upper bound. */
+/** Values below `low` give the same error, so that one at `low` is as good as any other. */
 open_below?: boolean, };
 
 /** A part. */
@@ -858,7 +883,7 @@ units: Array<UnitEntry>, };
 
 /** Power over time and frequency. */
 export type PowerMap = {
-/** Cells with enough data, band by band, ascending in time. */
+/** Cells in which enough is known, band by band, ascending in time. */
 cells: Array<Cell>, };
 
 /** The columns of a file, and what they may be. */
@@ -882,20 +907,20 @@ assumed: string,
 /** Sensor, corrections and frame of the inertial values; absent in studies of earlier versions. */
 provenance?: Provenance | null, };
 
-/** Axis of a study that effects were added to. */
+/** An axis of a study that effects were added to. */
 export type Refinement = {
-/** Column of the axis. */
+/** The axis, by its column. */
 column: string, logs: LogSources,
-/** Model before any effect was added, then after each. */
+/** The model before anything was added, then after each effect. */
 stairs: Array<StepWithRms>, };
 
-/** Effect that was tried and rejected. */
+/** An effect that was tried and rejected. */
 export type Rejected = {
-/** Identifier in the library, as `thermal_lag`. */
+/** As in the library, as `thermal_lag`. */
 effect: string,
-/** Score of the effect alone on the log. */
+/** Its score alone on the log. */
 score: number,
-/** Reason for the rejection, if its score alone would have made it a finding. */
+/** Why it is no finding, if its score alone would have made it one. */
 why?: string | null, };
 
 /** What the exported image does on the log that errors are of. */
@@ -906,15 +931,6 @@ log: string, summary: Summary,
 command: string,
 /** Size of the image. */
 bytes: number, };
-
-/** An RMS with its 90 % interval. */
-export type RmsInterval = {
-/** RMS over the windows. */
-rms: number,
-/** Lower bound. */
-low: number,
-/** Upper bound. */
-high: number, };
 
 /** Spacing of the values along an axis. */
 export type Scale = "Linear" | "Log";
@@ -930,7 +946,7 @@ values: Values,
 /** Axes that the values are given in. */
 frame: Frame, };
 
-/** Experiment that separates a finding from a rival. */
+/** The experiment that tells a finding from a rival. */
 export type Separation = {
 /** Identifier of the rival. */
 effect: string, experiment: string, };
@@ -969,27 +985,27 @@ ranges: Array<ShadedRange>, };
  * out. */
 export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
 
-/** Slow signal that several axes of a log share. */
+/** A slow signal that several axes of a log share. */
 export type SharedSignal = {
-/** Columns of the axes that share it. */
+/** The axes that share it, as columns. */
 axes: Array<string>,
-/** Correlation of the changes from one mean to the next, of each of these axes with the others. */
+/** Correlation of each of these axes with the others, of changes from one mean to the next. */
 correlations: Array<number>,
 /** Length of the means, s. */
 mean_s: number,
-/** Signal at each mean: time in s after the first sample, and value in standard deviations. */
+/** Time of each mean, s after the first sample, and the signal there, in standard deviations. */
 course: Array<[number, number]>, };
 
 /** A unit as it is spelled for people: a stored value over `divisor` is in it. */
 export type ShownUnit = { label: string, divisor: number, };
 
-/** Coefficient in data-sheet units. */
+/** A coefficient in data-sheet units. */
 export type Size = { of: string,
-/** Value in `unit`. */
+/** In `unit`. */
 value: number,
-/** 95 % interval in `unit`; in JSON an end that is not finite is null. */
+/** 95 % interval; in JSON an end that is not finite is null. */
 interval: [number | null, number | null],
-/** Unit as on data sheets. */
+/** As data sheets state it; `value` and `interval` are in it. */
 unit: string, };
 
 /** The file a recording was read from. */
@@ -1011,13 +1027,13 @@ export type Standing = { outcome: Outcome, sentence: string,
 record: Array<string>, };
 
 export type StepWithRms = {
-/** Effect added in this step; none in the first state. */
+/** What was added; none in the state before. */
 added: Added | null, model: unknown,
-/** Errors on the evaluation rows. */
+/** All errors, on the judged rows. */
 errors: ModelErrors,
-/** Variances of the residual of the physical part on the evaluation rows. */
+/** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
 left: Left,
-/** Cost of the axis on the device. */
+/** What the axis costs on the device. */
 cost: Cost, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
 /** A stretch of the recording. */
@@ -1063,39 +1079,27 @@ innovations_digest: string,
 /** CRC-64 of all innovations, corrected values and validities. */
 corrections_digest: string, };
 
-/** Axes that an effect can act on. */
+/** Which axes an effect can strike. */
 export type Targets = "any" | "gyro" | "accelerometer";
 
-/** Test whether further regressors explain more than noise does. */
+/** Whether further regressors explain more than noise would let them. */
 export type Test = { terms: number,
-/** 2Δ ln L with the noise levels fitted with and without the regressors. */
+/** 2Δ ln L, the noise levels fitted with and without them. */
 gain: number,
-/** Gain minus `terms`·ln(blocks), the penalty of coefficients (Schwarz 1978). */
+/** The gain less `terms`·ln(blocks), the price of coefficients (Schwarz 1978). */
 score: number,
-/** Number of independent samples equivalent to the data and the prior, for the noise in the directions of the
- * regressors. */
+/** How many independent samples the data and the prior together are worth, for the noise where the regressors are. */
 effective_samples: number,
-/** Probability of such a gain without any dependence. */
+/** Chance of such a gain where nothing depends on anything. */
 p: number, };
 
 /** Why a range is set apart. */
 export type Tone = "Apart" | "LeftOut";
 
-/** Program that wrote a study. */
+/** The program that wrote a study. */
 export type Tool = {
-/** Name of the program on the command line. */
+/** As on the command line. */
 name: string, version: string, };
-
-/** Error of one axis after a time without aiding, over all windows of that length. */
-export type UnaidedError = {
-/** Length of the windows, s. */
-window_s: number,
-/** Whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
-windows: number,
-/** Heading error at the end of a window, rad; only of a gyro axis. */
-heading_rad?: RmsInterval,
-/** Position error at the end of a window, m; only of an accelerometer axis. */
-position_m?: RmsInterval, };
 
 /** An axis of a unit. */
 export type UnitAxis = {
@@ -1174,17 +1178,17 @@ not_read: Array<NotRead>,
 /** How many more there are. */
 more: number, };
 
-/** Effect that could not be tested. */
+/** An effect that could not be tried. */
 export type Untested = {
-/** Identifier in the library, as `thermal_lag`. */
+/** As in the library, as `thermal_lag`. */
 effect: string,
-/** Data that the log lacks: a column that is absent, begins too late or never changes, or time at rest. */
+/** The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest. */
 needs: Array<string>, };
 
 /** Corrections that logged values contain. */
 export type Values = "unstated" | "raw" | { "corrected": string };
 
-/** Outcome of a diagnosis. */
+/** The outcome in one word. */
 export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enough_data";
 
 /** What is shown beside the measurements. */

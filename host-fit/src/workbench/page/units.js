@@ -1,5 +1,5 @@
 // @ts-check
-// Field units or SI: the server states both for every number that has them, the reader chooses.
+// Data-sheet units or SI: the server sends both for each number, the user chooses.
 
 import { radioGroup } from "./dom.js";
 import { quantity } from "./format.js";
@@ -15,10 +15,10 @@ const STORED = "fos-units";
 /** @returns {System} */
 export const system = () => (localStorage.getItem(STORED) === "si" ? "si" : "field");
 
-/** The unit that a number is shown in at present. @param {UnitChoice} choice @returns {ShownUnit} */
+/** Unit of a number in the chosen system. @param {UnitChoice} choice @returns {ShownUnit} */
 export const chosen = (choice) => choice[system()];
 
-/** A value with the unit that it is shown in. @param {number | null | undefined} value @param {ShownUnit} unit */
+/** A value with its unit. @param {number | null | undefined} value @param {ShownUnit} unit */
 export const inUnit = (value, { label, divisor }, digits = 3) => quantity(typeof value === "number" ? value / divisor : value, label, digits);
 
 /** @param {() => void} changed */
@@ -39,10 +39,10 @@ export function unitSwitch(changed) {
   });
 }
 
-/** `°/s` → `(°/s)²/Hz`, as figures of the program spell it. @param {string} unit */
+/** `°/s` → `(°/s)²/Hz`, as in figure files. @param {string} unit */
 const perHertz = (unit) => (/[/ ·]/.test(unit) ? `(${unit})²/Hz` : `${unit}²/Hz`);
 
-/** A figure whose values in `from` are shown in another unit. @param {Figure} figure @param {string} from @param {ShownUnit} to @returns {Figure} */
+/** A figure with its values in `from` converted to another unit. @param {Figure} figure @param {string} from @param {ShownUnit} to @returns {Figure} */
 export function figureIn(figure, from, { label, divisor }) {
   if (from === label) return figure;
   /** @type {(axis: Axis) => {axis: Axis, scale: (value: number | null) => number | null}} */

@@ -1,5 +1,5 @@
 // @ts-check
-// The outcomes for an axis or a study, in words: they never differ by colour alone.
+// Names of the outcomes of an axis or a study, which never differ by colour alone.
 
 /** @type {Record<import("./types.js").Outcome, {word: string, title: string}>} */
 export const OUTCOMES = {

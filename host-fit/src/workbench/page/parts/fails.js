@@ -1,5 +1,5 @@
 // @ts-check
-// Part 2: what the model leaves, where it is worst, and what that looks like from every side.
+// Part 2: the residual, its worst stretches, and figures of it.
 
 import { get, isAbort, messageOf } from "../api.js";
 import { el, replace } from "../dom.js";
@@ -16,10 +16,10 @@ import { drawUnaided } from "./unaided.js";
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").NamedFigure} NamedFigure */
 
-/** Channels that are shown at once; the others unfold. */
+/** Channels shown at first; the others unfold. */
 const CHANNELS = 4;
 const AGAINST = "against:";
-/** Rest after a request that failed, ms. */
+/** Pause after a failed request, ms. */
 const RETRY = 2000;
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
@@ -47,12 +47,12 @@ export function failsPart({ study, time, source, choose, announce }) {
   let request = new AbortController();
   let asked = "";
   let marked = "";
-  /** The axis that the figures are of. */
+  /** Axis of the figures. */
   let pictured = "";
 
   /** @param {Scene} scene */
   async function readFigures({ axis, chosen, state }) {
-    // while a refined model is compared anew, the pictures of before stay in their place
+    // the previous figures stay until those of the refined model are ready
     if (axis && !axis.comparison && state.job && axis.column === pictured) return panels.setAttribute("aria-busy", "true");
     const key = axis?.comparison ? JSON.stringify([axis.column, modelKey(axis), chosen?.from, chosen?.to, system()]) : "";
     if (key === asked) return;
@@ -82,10 +82,10 @@ export function failsPart({ study, time, source, choose, announce }) {
     panels.removeAttribute("aria-busy");
   }
 
-  /** N, B and K take a while on a long log: they come after the other figures. @param {import("../types.js").AxisPage} axis @param {AbortSignal} signal */
+  /** N, B and K take a while on a long log, so they are requested after the other figures. @param {import("../types.js").AxisPage} axis @param {AbortSignal} signal */
   async function readNoise(axis, signal) {
     const query = new URLSearchParams({ axis: axis.column, units: system() });
-    // the figure is one of many: without it the others stand
+    // the other figures stay if this one fails
     const figure = /** @type {import("../types.js").Figure | null} */ (await get(`/api/studies/${study}/noise?${query}`, signal).catch(() => null));
     if (signal.aborted || !figure) return;
     panels.querySelector('[data-figure="allan"]')?.after(figureCard({ name: "noise", figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) }));

@@ -1,5 +1,5 @@
 // @ts-check
-// Part 4: predicted and measured reduction of every step, the error before and after over time, and the way back.
+// Part 4: predicted and measured reduction of every step, the error before and after over time, and undo.
 
 import { el, icon, replace } from "../dom.js";
 import { capitalised, count, fileName, interval, isNumber, number, percent, seconds } from "../format.js";
@@ -14,7 +14,7 @@ import { section, waitingFor } from "./section.js";
 /** @typedef {import("../types.js").StepWithRms} Stair */
 /** @typedef {import("../types.js").AxisPage} AxisPage */
 
-/** Coast horizons that the table shows, s. */
+/** Free-run horizons in the table, s. */
 const HORIZONS = [1, 10, 60];
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
@@ -34,7 +34,7 @@ export function fallsPart(context) {
   });
   const overlay = el("div", { class: "card", hidden: true, "data-figure": "before-after" }, el("h3", {}, "Before and after, on the log to explain"), chart.element);
   const picture = el("div", {});
-  const element = section(4, "The improvement", "Did the error fall as predicted, on data that nothing was fitted to?", body, overlay, picture);
+  const element = section(4, "The improvement", "Did the error fall as predicted, on data that were not fitted?", body, overlay, picture);
   context.source.onData((drawn) => chart.setData(drawn?.shown.left_before ? drawn.shown : null));
   let drawn = "";
   return {
@@ -72,7 +72,7 @@ function emptyText(scene) {
 function judgedOn({ logs }, { axis }) {
   if (logs.judged) return ["Evaluated on ", el("b", {}, fileName(logs.judged.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.field.path)), "."];
   const where = axis?.judged_s ? ` (${seconds(axis.judged_s[0])} to ${seconds(axis.judged_s[1])})` : "";
-  return ["Evaluated on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which nothing was fitted to.`];
+  return ["Evaluated on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which were not fitted.`];
 }
 
 /** @param {AxisPage} axis @param {Refinement} refinement @param {boolean} isBusy @param {Context} context */
@@ -92,7 +92,7 @@ function table({ units, pays }, { column, stairs }, isBusy, { change, announce }
         "data-key": `undo:${at}`,
         "aria-disabled": isBusy ? "true" : "false",
         async onclick() {
-          if (isBusy) return announce("Something is being computed; it can be cancelled at the top.");
+          if (isBusy) return announce("A computation is running; cancel it at the top.");
           announce(isLast ? `Taking ${name} back.` : `Taking back ${name} and all after it.`);
           await change("undo", { axis: column, keep: at - 1 });
         },

@@ -1,5 +1,5 @@
 // @ts-check
-// One missing effect: what it is, how large, how sure, what it costs, and the button that adds it.
+// One missing effect: physics, size, evidence, cost, and the button that adds it.
 
 import { el } from "../dom.js";
 import { capitalised, count, firstSentence, interval, isNumber, number, percent, quantity, seconds } from "../format.js";
@@ -143,7 +143,7 @@ function parameterName(name) {
   return capitalised(name.replace(/_(s|k|hz|v)$/, "").replaceAll("_", " "));
 }
 
-/** Without the long numbers that it was made with. @param {string} of */
+/** Name without its long numbers. @param {string} of */
 const shortRegressor = (of) => of.replace(/\d+\.\d{3,}/g, (digits) => number(Number(digits), 3));
 
 /** @param {Finding} finding @param {Context} context */

@@ -1,5 +1,5 @@
 // @ts-check
-// Part 1: the log, measured against predicted, from all of it down to single samples.
+// Part 1: measured against predicted, from the whole log down to single samples.
 
 import { el, radioGroup, replace, uniqueId } from "../dom.js";
 import { seconds } from "../format.js";
@@ -17,13 +17,13 @@ import { movedOf, shadesOf } from "./stretches.js";
 const VIEWS = [
   { value: "slow", text: "Slow", hint: "Means, the model in a free run", says: "Means of samples, the model in a free run of at most 60 s. Averaging removes the noise that would hide a slow failure." },
   { value: "coast", text: "Free run", hint: "Every sample, the model on its own output", says: "Every sample, and the model on its own output for at most 60 s, as on a device that moves." },
-  { value: "one_step", text: "One step", hint: "Every sample, each predicted from the measured ones before it", says: "Every sample, each predicted from the measured ones before it. Slow errors hardly show: the last sample already carries them." },
+  { value: "one_step", text: "One step", hint: "Every sample, each predicted from the measured ones before it", says: "Every sample, each predicted from the measured ones before it. Slow errors hardly show, because the previous sample contains them." },
 ];
 
-/** Below this stretch, s, means of a second say less than samples. */
+/** Window below which samples show more than 1-s means, s. */
 const SHORT = 20;
 
-/** Predictions that begin later than this share of the log say why. */
+/** Share of the log after which a late begin of the predictions is explained. */
 const LATE = 0.02;
 
 /** @param {Context} context @returns {import("../studypage.js").Part} */
@@ -128,7 +128,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
   };
 }
 
-/** Lengths of the means to choose from, s. */
+/** Averaging times to choose from, s. */
 const MEANS = [1, 10, 60, 600];
 
 /** @param {number | null} mean @param {(mean: number | null) => void} choose */

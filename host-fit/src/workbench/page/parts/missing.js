@@ -1,5 +1,5 @@
 // @ts-check
-// Part 3: the answer, the effects that are missing in order, and what the answer rests on.
+// Part 3: the verdict, the missing effects in order, and the evidence.
 
 import { el, icon, replace } from "../dom.js";
 import { capitalised, count, number } from "../format.js";
@@ -39,7 +39,7 @@ export function missingPart(context) {
       const entry = (/** @type {import("../types.js").FindingWithRms} */ finding, /** @type {number} */ at) =>
         findingCard({ finding, offer: axis?.offers[at] ?? null, rank: at + 1, isBusy, context, axis: /** @type {AxisPage} */ (axis) });
       const entries = axis ? (diagnosis?.findings.map(entry) ?? []) : [];
-      // faults of the data come last, apart from the effects
+      // faults of the data follow the effects
       const firstFault = diagnosis?.findings.findIndex(({ band }) => band === "data") ?? -1;
       if (firstFault >= 0) entries.splice(firstFault, 0, el("li", { class: "faults" }, el("h3", {}, "Faults of the data")));
       replace(cards, entries);
@@ -57,7 +57,7 @@ export function missingPart(context) {
     }
   }
 
-  // names instead of identifiers, as soon as they are known
+  // names replace identifiers once the library is read
   let latest = /** @type {Scene | null} */ (null);
   readLibrary().then(
     () => {
@@ -78,7 +78,7 @@ export function missingPart(context) {
 /** @param {import("../types.js").Standing} standing @param {Diagnosis | null} diagnosis */
 function verdictElement({ outcome, sentence, record }, diagnosis) {
   const { title } = OUTCOMES[outcome];
-  // some sentences begin with their title
+  // some sentences start with their title
   const says = sentence.startsWith(title) ? sentence.slice(title.length).replace(/^[:. ]+/, "") : sentence;
   return el(
     "div",
@@ -88,16 +88,16 @@ function verdictElement({ outcome, sentence, record }, diagnosis) {
   );
 }
 
-/** Stretches of a log that are told one by one. */
+/** Largest number of listed stretches per log. */
 const MOST_TOLD = 12;
 
-/** Whether an effect was added to any. @param {State["axes"]} axes */
+/** True if any axis has an added effect. @param {State["axes"]} axes */
 const hasEffects = (axes) => axes.some(({ growth }) => (growth?.stairs.length ?? 0) > 1);
 
-/** When the unit was moved, as it is shaded over time, and whether that is left out. @param {State} state @param {Context} context */
+/** Detected motion, and the button that excludes or keeps it. @param {State} state @param {Context} context */
 function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   if (!logs) return null;
-  // a stretch that is shaded in two parts is told once
+  // a stretch shaded in two parts is listed once
   const says = (/** @type {import("../types.js").LogSummary | null} */ log) => [...new Set(log?.moved.ranges.map((range) => range.says))];
   const field = says(logs.field);
   const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.quiet)], ["Evaluation log", says(logs.judged)]]).filter(([, told]) => told.length > 0);
@@ -115,7 +115,7 @@ function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   );
 }
 
-/** A slow signal that axes share, over time. @param {import("../types.js").SharedSignal} signal */
+/** A slow signal of several axes, over time. @param {import("../types.js").SharedSignal} signal */
 function sharedSignal({ axes, correlations, mean_s, course }) {
   const low = Math.min(...correlations);
   const high = Math.max(...correlations);
@@ -127,7 +127,7 @@ function sharedSignal({ axes, correlations, mean_s, course }) {
   return el("div", { class: "card wide", "data-figure": "shared" }, figureElement(figure, { height: 180 }));
 }
 
-/** Properties of the log, tests and noise behind the answer. @param {AxisPage} axis @param {Diagnosis} diagnosis */
+/** Properties of the log, tests and noise behind the verdict. @param {AxisPage} axis @param {Diagnosis} diagnosis */
 function restOf(axis, diagnosis) {
   const { cautions, notes, leads, rejected, tested, untested, noise, shared_signal: shared } = diagnosis;
   const names = ["N, white noise", "B, bias instability", "K, random walk"];
@@ -144,7 +144,7 @@ function restOf(axis, diagnosis) {
         "div",
         { class: "card wide" },
         el("h3", {}, "Leads"),
-        el("p", { class: "note" }, "What the residual follows best. A lead is not a finding: it shows where to look, not why."),
+        el("p", { class: "note" }, "Channels that the residual follows best. A lead is not a finding: it shows where to look, not why."),
         el("ul", { class: "scores" }, leads.map(({ follows, score }) => el("li", {}, el("span", {}, follows), el("span", { class: "score" }, `score ${number(score)}`)))),
       ),
     el(
@@ -154,7 +154,7 @@ function restOf(axis, diagnosis) {
       rejected.length === 0
         ? el("p", { class: "note" }, "Nothing else was tested.")
         : [
-            el("p", { class: "note" }, "Each effect alone on the log. A score below 9 is chance; a higher one has its reason beside it."),
+            el("p", { class: "note" }, "Each effect alone on the log. A score below 9 is chance; a higher one has a reason."),
             el("ul", { class: "scores" }, rejected.map(({ effect, score, why }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect), why !== undefined && el("span", { class: "note" }, `: ${why}`)), el("span", { class: "score" }, number(score))))),
           ],
     ),

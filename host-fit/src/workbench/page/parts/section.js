@@ -1,19 +1,19 @@
 // @ts-check
-// What all five parts look like.
+// Frame of the five parts.
 
 import { el, uniqueId } from "../dom.js";
 import { capitalised } from "../format.js";
 
-/** Stands in for what is not computed: the work on this axis while there is any, else `nothing`. @param {import("../studypage.js").Scene} scene @param {string} nothing */
+/** Placeholder for a missing result: the running computation, else `nothing`. @param {import("../studypage.js").Scene} scene @param {string} nothing */
 export function waitingFor({ state, axis }, nothing) {
-  if (axis?.failure) return `${axis.label} cannot be diagnosed; the reason stands at the top.`;
+  if (axis?.failure) return `${axis.label} cannot be diagnosed; see the reason at the top.`;
   return state.job ? `${capitalised(state.job.what)} …` : nothing;
 }
 
 /**
  * @param {number} number
  * @param {string} title
- * @param {string} question what it answers, in a sentence
+ * @param {string} question that the part answers
  * @param {...HTMLElement} children
  */
 export function section(number, title, question, ...children) {

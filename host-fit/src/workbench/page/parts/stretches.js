@@ -1,5 +1,5 @@
 // @ts-check
-// The stretches where the model does worst, as shading, buttons and words.
+// The stretches with the largest slow error: shading, buttons and text.
 
 import { el, replace } from "../dom.js";
 import { number, seconds } from "../format.js";
@@ -8,7 +8,7 @@ import { chosen as unitOf, inUnit } from "../units.js";
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../studypage.js").Chosen} Chosen */
 
-/** Shading of the charts over time: the worst stretches, and another that was chosen. @param {Scene} scene @returns {import("../timechart.js").Shade[]} */
+/** Shading of the charts over time: the worst stretches and the chosen one. @param {Scene} scene @returns {import("../timechart.js").Shade[]} */
 export function shadesOf({ axis, chosen }) {
   const worst = axis?.comparison?.worst ?? [];
   const shades = worst.map(({ begin_s, end_s }, at) => ({ from: begin_s, to: end_s, mark: String(at + 1), chosen: isSame(chosen, begin_s, end_s) }));
@@ -16,7 +16,7 @@ export function shadesOf({ axis, chosen }) {
   return shades;
 }
 
-/** Where the unit was moved: shaded too, and no part of any stretch. @param {Scene} scene */
+/** Detected motion: shaded too, and not part of any stretch. @param {Scene} scene */
 export const movedOf = ({ state }) => state.logs?.field.moved ?? null;
 
 /** @param {Chosen | null} chosen @param {number} from @param {number} to */

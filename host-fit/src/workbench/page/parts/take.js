@@ -1,5 +1,5 @@
 // @ts-check
-// Part 5: the model as files, the numbers of the exported image, and the commands that do the same.
+// Part 5: the model as files, the result of the exported image, and the equivalent commands.
 
 import { get, messageOf } from "../api.js";
 import { el, icon, replace } from "../dom.js";
@@ -41,7 +41,7 @@ export function takePart({ study, announce }) {
   let asked = "";
   let request = new AbortController();
 
-  /** Which hubs refuse the image: said before it is taken. @param {AbortSignal} signal */
+  /** Shows before the download which hubs refuse the image. @param {AbortSignal} signal */
   async function readRefusal(signal) {
     const said = /** @type {Hubs} */ (await get(`/api/studies/${study}/hubs`, signal)).refusal;
     if (!signal.aborted) replace(refusal, said === null ? null : alertElement(said));
@@ -57,7 +57,7 @@ export function takePart({ study, announce }) {
     }
     const key = JSON.stringify([modelled.map((axis) => [axis.column, modelKey(axis)]), system()]);
     if (key === asked) return;
-    // numbers of another model would be taken for those of this one
+    // numbers of another model must not be shown for this one
     replace(numbers, el("p", { class: "loading" }, "Running the image over the log, as a device does …"));
     request.abort();
     replace(refusal);
@@ -94,7 +94,7 @@ export function takePart({ study, announce }) {
   };
 }
 
-/** Every axis has its model, and none is about to change: part of a model is not exported. @param {import("../types.js").Page} state */
+/** True if every axis has its model and none is about to change; an incomplete model is not exported. @param {import("../types.js").Page} state */
 const isReady = (state) => state.is_whole && !state.job?.asked_for;
 
 /** @param {number} study @param {string} format @param {string} name @param {string} says @param {boolean} isReady */
