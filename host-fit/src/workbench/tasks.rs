@@ -126,7 +126,7 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
     let refiner = logs.refiner(library);
     let named = logs.named(refiner.fitted_rows());
     let refinement = match stored {
-        Some((stored, _)) => refiner.go_on(stored, column, named.clone()),
+        Some((stored, _)) => refiner.resume(stored, column, named.clone()),
         None => refiner.begin(&study, column, named.clone()),
     };
     let refinement = Refinement { logs: named, ..refinement.map_err(in_text)? };
