@@ -17,3 +17,18 @@ pub fn holds(page: &str, begin: &str, end: &str, table: &str) {
         assert_eq!(written, table, "FOS_WRITE_DOCS=1 writes docs/{page} anew");
     }
 }
+
+/// Holds the text of the file `docs/{file}` against `content`; with `FOS_WRITE_DOCS` set it writes it there.
+///
+/// # Panics
+///
+/// Another text stands there, or none.
+pub fn file_holds(file: &str, content: &str) {
+    let path = format!("{}/../docs/{file}", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("FOS_WRITE_DOCS").is_some() {
+        std::fs::write(path, content).expect("written");
+    } else {
+        let written = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("docs/{file}: {error}"));
+        assert!(written == content, "FOS_WRITE_DOCS=1 writes docs/{file} anew");
+    }
+}

@@ -81,7 +81,7 @@ fn reports_are_in_field_units_and_state_the_error_without_aiding() {
     done(folder, &["simulate", "log.parquet", "--minutes", "3", "--seed", "4", "--at-rest"]);
     done(folder, &["fit", "log.parquet", "--axis", "gx,ax", "--physical", "temp_c", "-o", "unit.json"]);
     for (axis, unit, si, quantity) in [
-        ("gx", "°/", "rad/s", "heading error after 10 s, °"),
+        ("gx", "°", "rad/s", "heading error after 10 s, °"),
         ("ax", "mg", "m/s²", "position error after 10 s, m"),
     ] {
         let arguments = ["report", "unit.json", "--from", "log.parquet", "--axis", axis];

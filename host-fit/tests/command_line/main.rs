@@ -2,6 +2,7 @@
 
 mod calibrate_imu;
 mod cli;
+mod effect_pictures;
 mod empty_axis;
 mod escaping;
 mod fleet_report;
