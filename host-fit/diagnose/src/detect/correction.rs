@@ -26,8 +26,7 @@ pub fn correction(
                 continue;
             }
             let Ok(regressor) = Regressor::parse(regressor) else { continue };
-            let at_fit = own.regressor(&regressor)?;
-            let mean = at_fit.iter().sum::<f64>() / at_fit.len().max(1) as f64;
+            let mean = mean_at_fit(&own, &regressor)?;
             let values = other.regressor_within(&regressor, &finding.limits)?;
             for (sum, value) in sum.iter_mut().zip(values.iter()) {
                 *sum += coefficient * (value - mean);
@@ -35,6 +34,12 @@ pub fn correction(
         }
     }
     Ok(sum)
+}
+
+/// Returns the mean of a regressor over the log that the effect was found in: there its correction is 0.
+pub(super) fn mean_at_fit(fitted: &Inputs<'_>, regressor: &Regressor) -> Result<f64, RecordingError> {
+    let values = fitted.regressor(regressor)?;
+    Ok(values.iter().sum::<f64>() / values.len().max(1) as f64)
 }
 
 /// Adds a step about its mean in the log that it was found in; in another log it is a constant.

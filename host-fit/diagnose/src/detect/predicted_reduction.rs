@@ -39,13 +39,13 @@ pub(super) struct SlowEffect {
     pub(super) found: Truth,
     /// Alternatives to the finding.
     pub(super) alternatives: Vec<Truth>,
-    /// Columns of the finding as a correction uses them, with clamped inputs.
+    /// Columns of the finding as a correction uses them: with clamped inputs, about the means of the fitted log.
     pub(super) corrected: Vec<Vec<f64>>,
 }
 
 /// A possible cause in the blocks of a log.
 pub(super) struct Truth {
-    /// Columns, one per regressor.
+    /// Columns, one per regressor, about their means in the fitted log.
     pub(super) columns: Vec<Vec<f64>>,
     pub(super) coefficients: DVector<f64>,
     /// Cholesky factor of the covariance of the coefficients: times standard normal numbers it gives their scatter.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use super::doubt::beyond_fitted_range;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
-use crate::detect::correction::step_share;
+use crate::detect::correction::{mean_at_fit, step_share};
 use crate::detect::hypothesis::Hypothesis;
 use crate::detect::leverage;
 use crate::detect::limits;
@@ -36,7 +36,7 @@ impl Assembly<'_> {
             let regressors = &found.hypothesis.regressors;
             limits.push(limits::limits(&inputs, regressors, &own.coefficients, &own.covariance)?);
         }
-        let reductions = self.reductions(&order, estimates, &limits)?;
+        let reductions = self.reductions(&inputs, &order, estimates, &limits)?;
         let mut findings = Vec::new();
         for (own, (found, reduction)) in order.iter().zip(reductions).enumerate() {
             let effect: &Arc<Effect> = &found.hypothesis.effect;
@@ -122,9 +122,11 @@ impl Assembly<'_> {
         Some([time[first.rows.start], time[last.rows.end - 1]])
     }
 
-    /// Predicts the reduction by each effect with those before it in the model.
+    /// Predicts the reduction by each effect with those before it in the model. `fitted` are the inputs of the log that
+    /// the effects were found in.
     fn reductions(
         &self,
+        fitted: &Inputs<'_>,
         order: &[&Found],
         estimates: Vec<Estimate>,
         limits: &[BTreeMap<String, [f64; 2]>],
@@ -138,13 +140,20 @@ impl Assembly<'_> {
         let mut in_blocks = PredictedReductions::blocks(log, self.column)?;
         in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let blocks = &in_blocks.blocks;
-        let inputs = Inputs::new(log);
+        let other = judged.map(Inputs::new);
+        let inputs = other.as_ref().unwrap_or(fitted);
+        // about the mean of the fitted log, as in `correction`: a step is compared in mean squares, in which 25 °C times
+        // a temperature coefficient would count as error
+        let about_fit = |regressor: &Regressor, values: &[f64]| -> Result<Vec<f64>, RecordingError> {
+            let mean = mean_at_fit(fitted, regressor)?;
+            Ok(blocks.means(values).iter().map(|value| value - mean).collect())
+        };
         let mut effects: Vec<SlowEffect> = Vec::new();
         for ((found, estimate), limits) in order.iter().zip(estimates).zip(limits) {
             let effect = &found.hypothesis.effect;
             let means = |hypothesis: &Hypothesis| -> Result<Vec<Vec<f64>>, RecordingError> {
                 let columns = hypothesis.regressors.iter();
-                columns.map(|regressor| Ok(blocks.means(&inputs.regressor(regressor)?))).collect()
+                columns.map(|regressor| about_fit(regressor, &inputs.regressor(regressor)?)).collect()
             };
             let unknown = || DiagnoseError::UnknownCoefficients { effect: effect.id.clone() };
             let factor = estimate.factor().ok_or_else(unknown)?;
@@ -156,7 +165,7 @@ impl Assembly<'_> {
             };
             let mut corrected = Vec::new();
             for regressor in &found.hypothesis.regressors {
-                corrected.push(blocks.means(&inputs.regressor_within(regressor, limits)?));
+                corrected.push(about_fit(regressor, &inputs.regressor_within(regressor, limits)?)?);
             }
             if effect.search == Detector::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
@@ -171,7 +180,7 @@ impl Assembly<'_> {
             let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
             let mut alternatives = Vec::new();
             for other in &found.alternatives {
-                if !other.hypothesis.regressors.iter().all(|regressor| is_logged(&inputs, regressor)) {
+                if !other.hypothesis.regressors.iter().all(|regressor| is_logged(inputs, regressor)) {
                     continue;
                 }
                 alternatives.push(Truth {
