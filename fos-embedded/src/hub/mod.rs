@@ -352,6 +352,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         if skipped > 0 {
             // with the tick of the sample below 2³²: otherwise the gap would vanish from the counter
             self.count_ticks(skipped.min(u32::MAX - 1));
+            if let Some(gravity) = &mut self.gravity {
+                gravity.skip(self.ticks, skipped);
+            }
             self.skip(skipped);
         }
         // neither a gap nor repeated codes show that the device is still
