@@ -19,15 +19,11 @@ const SQUARE: f32 = GRAVITY_MPS2 * GRAVITY_MPS2;
 /// Noise is in both squares; means over [`SAMPLES`] are compared.
 const TOLERANCE: f32 = 0.1 * SQUARE;
 
-/// Interval of the checked samples: a sum of squares costs as much as two terms. It counts samples and not ticks, which a
-/// source with regular gaps could miss.
-const EVERY: u16 = 8;
+/// Interval of the checked samples, ticks: a sum of squares costs as much as two terms.
+const EVERY: u32 = 8;
 
 /// Number of checked samples per decision, 2.5 s at 200 Hz, so that vibration averages out.
-const SAMPLES: u16 = 64;
-
-/// Samples at rest per decision.
-const WINDOW: u16 = EVERY * SAMPLES;
+const SAMPLES: u8 = 64;
 
 /// |a|² − g², (m/s²)².
 // not inlined: many library calls without an FPU
@@ -53,33 +49,50 @@ fn is_away(measured: f32, corrected: f32, tolerance: f32) -> bool {
 pub(super) struct Gravity {
     measured: f32,
     corrected: f32,
-    /// Samples at rest until the next decision.
-    left: u16,
+    /// Samples until the next decision.
+    left: u8,
     away: bool,
+    /// A gap covered the tick of a check: the sample after it is checked instead.
+    due: bool,
+    /// `away` or `due`, so that a sample costs one test.
+    attention: bool,
 }
 
 impl Gravity {
-    pub(super) const NEW: Self = Self { measured: 0.0, corrected: 0.0, left: WINDOW, away: false };
+    pub(super) const NEW: Self =
+        Self { measured: 0.0, corrected: 0.0, left: SAMPLES, away: false, due: false, attention: false };
 
-    /// Processes a sample; every [`EVERY`]th at rest counts. The decision holds until the next one.
+    /// Notes a gap of `skipped` ticks before the sample at `tick`; a source with regular gaps could otherwise miss every
+    /// check.
+    pub(super) fn skip(&mut self, tick: u32, skipped: u32) {
+        if (1..=skipped).contains(&(tick % EVERY)) {
+            (self.due, self.attention) = (true, true);
+        }
+    }
+
+    /// Processes a sample; at rest one per [`EVERY`] ticks counts. The decision holds until the next one.
     #[inline(always)]
     pub(super) fn update<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
         if !output.still {
             // a mean must not span two rests
-            self.left = WINDOW;
-        } else {
-            self.left -= 1;
-            if self.left.is_multiple_of(EVERY) {
-                self.add(output);
-            }
+            self.left = SAMPLES;
+        } else if output.tick.is_multiple_of(EVERY) {
+            self.add(output);
         }
-        if self.away {
-            Self::flag(output);
+        if self.attention {
+            self.attend(output);
         }
     }
 
     #[cold]
-    fn flag<R>(output: &mut Output<R>) {
+    fn attend<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
+        if core::mem::take(&mut self.due) && output.still {
+            self.add(output);
+        }
+        self.attention = self.away;
+        if !self.away {
+            return;
+        }
         for correction in output.corrections.iter_mut().take(3) {
             correction.validity |= Validity::AWAY_FROM_GRAVITY;
         }
@@ -87,15 +100,17 @@ impl Gravity {
 
     #[inline(never)]
     fn add<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
-        if self.left == WINDOW - EVERY {
+        if self.left == SAMPLES {
             (self.measured, self.corrected) = (0.0, 0.0);
         }
         let [x, y, z, ..] = output.measured;
         self.measured += excess(&[x, y, z].map(R::stored));
         self.corrected += excess(&output.accel());
+        self.left -= 1;
         if self.left == 0 {
-            self.left = WINDOW;
+            self.left = SAMPLES;
             self.away = is_away(self.measured, self.corrected, f32::from(SAMPLES) * TOLERANCE);
+            self.attention = self.away;
         }
     }
 }

@@ -231,18 +231,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     // not inlined, so that it has all registers
     #[inline(never)]
     fn take_measured(&mut self, skipped: u32, reported: Faults) -> &Output<R> {
-        let ticks = skipped.saturating_add(1);
-        let (now, wraps) = self.ticks.overflowing_add(ticks);
-        self.ticks = now;
-        if wraps {
-            cold_path();
-            self.wrapped = true;
-        }
-        self.rate.tick(ticks);
         let mut faults = reported;
         if skipped > 0 || !faults.is_empty() {
             faults = self.disturbed(skipped, reported);
         }
+        self.output.tick = self.ticks;
+        self.count_ticks(1);
         let stuck = reported.contains(Faults::STUCK);
         let still = !stuck && self.is_still();
         if !self.sources.is_empty() {
@@ -256,7 +250,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.evaluate(tracked);
 
         let output = &mut self.output;
-        (output.tick, output.still, output.faults) = (self.ticks.wrapping_sub(1), still, faults);
+        (output.still, output.faults) = (still, faults);
         // an accelerometer measures the same gravity after a rotation about its own axis, so all gates must be open
         self.in_pose = self.gates.iter().all(|gate| gate.is_open_after(&output.corrections));
         if self.axes.len() < AXES {
@@ -341,10 +335,26 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.axes.iter().position(|modelled| *modelled == channel)
     }
 
+    #[inline(always)]
+    fn count_ticks(&mut self, ticks: u32) {
+        let (now, wraps) = self.ticks.overflowing_add(ticks);
+        self.ticks = now;
+        if wraps {
+            cold_path();
+            self.wrapped = true;
+        }
+        self.rate.tick(ticks);
+    }
+
     /// Handles skipped ticks and reported faults; returns all faults of the sample.
     #[cold]
     fn disturbed(&mut self, skipped: u32, reported: Faults) -> Faults {
         if skipped > 0 {
+            // with the tick of the sample below 2³²: otherwise the gap would vanish from the counter
+            self.count_ticks(skipped.min(u32::MAX - 1));
+            if let Some(gravity) = &mut self.gravity {
+                gravity.skip(self.ticks, skipped);
+            }
             self.skip(skipped);
         }
         // neither a gap nor repeated codes show that the device is still
