@@ -1,13 +1,13 @@
 // What the server answers with, from its Rust types. Written by
 // FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types
 
-/** An effect that was added. */
+/** Effect that was added. */
 export type Added = {
-/** The effect itself: the study can be read without the file it came from. */
+/** Definition of the effect, so that the study can be read without its file. */
 effect: Effect,
-/** What it was found to be, with the reduction that is predicted. */
+/** Finding as estimated, with the predicted reduction. */
 finding: FindingWithRms,
-/** The reduction that was measured, in the band of the effect. */
+/** Measured reduction, in the band of the effect. */
 realised_fall: number, };
 
 /** Allan deviation at one averaging time. */
@@ -17,7 +17,7 @@ tau_s: number,
 /** Deviation, in the axis' unit. */
 deviation: number, };
 
-/** An axis. Its range is that of the finite values drawn (on a logarithmic axis, of the positive ones). */
+/** An axis. Its range is that of the finite values (on a logarithmic axis, of the positive ones). */
 export type Axis = {
 /** Quantity and unit, as in `Rate (rad/s)`. */
 label: string,
@@ -26,23 +26,23 @@ scale: Scale,
 /** Names of the values 0, 1, …, in place of numbers. */
 names: Array<string>, };
 
-/** One axis against the measurements. */
+/** Comparison of one axis with the measurements. */
 export type AxisComparison = {
-/** As in the log format, as `gx_rads`. */
+/** Name in the log format, as `gx_rads`. */
 column: string,
-/** Unit of the column; errors are in its square. */
+/** Unit of the column; squared errors are in its square. */
 unit: string,
-/** Rows at rest that were judged. */
+/** Number of evaluation rows at rest. */
 rows: number,
-/** What no causal predictor can beat, in the square of the unit, and its 95 % interval. */
+/** Lowest mean square error of any causal predictor, in the square of the unit, with its 95 % interval. */
 noise_floor: [number, [number, number]] | null,
-/** Why the floor should not be trusted. */
+/** Reasons to distrust the noise floor. */
 floor_cautions: Array<string>,
-/** The rivals, then the model. */
+/** Errors of the rivals, then of the model. */
 errors: Array<ModelErrors>,
-/** Stretches whose slow error stands out, worst first: at most five, none where no stretch stands out. */
+/** Stretches with an outstanding slow error, worst first: at most five, possibly none. */
 worst: Array<Stretch>,
-/** What is left against everything that is logged; absent where that is too little to tell. */
+/** Dependence of the residual on all logged columns; absent if there are too few data. */
 dependence: Dependence | null, };
 
 /** An axis in a list. */
@@ -117,22 +117,21 @@ beside: Array<Beside>, };
 
 /** One axis of a replay. */
 export type AxisSummary = {
-/** As in the log format, as `gx_rads`. */
+/** Column of the log format, such as `gx_rads`. */
 column: string,
-/** Rows with an innovation. */
+/** Number of rows with an innovation. */
 innovations: number,
-/** Root mean square of the innovations in f32, in the axis' unit; NaN where there are none. */
+/** RMS of the innovations in f32, in the axis' unit; NaN without innovations. */
 innovation_rms_f32: number | null,
-/** The same in f64. */
+/** RMS of the innovations in f64, in the axis' unit; NaN without innovations. */
 innovation_rms_f64: number | null,
-/** Largest difference between the two, in the axis' unit; NaN where there are none. */
+/** Largest difference between f32 and f64, in the axis' unit; NaN without innovations. */
 largest_difference: number | null,
-/** The same between fixed point and f64; NaN also where the model does not fit it. */
+/** Largest difference between fixed point and f64, in the axis' unit; NaN also if the model does not run in fixed point. */
 largest_difference_fixed: number | null,
-/** Share of the tracked rows whose correction is valid, and does not lead away from gravity; NaN where none was
- * tracked. */
+/** Share of the tracked rows with a valid correction that does not lead away from gravity; NaN without tracked rows. */
 valid_share: number | null,
-/** What is left at rest, in f32: the same errors as those of a comparison; none where the unit never rests. */
+/** Remaining errors at rest in f32, the same as those of a comparison; none if the device never rests. */
 errors: ModelErrors | null, };
 
 /** Units of an axis for people; the page chooses between field units and SI. */
@@ -141,12 +140,14 @@ export type AxisUnits = {
 measured: UnitChoice,
 /** Errors and residuals. */
 errors: UnitChoice,
+/** Heading or position without aiding. */
+unaided: UnitChoice,
 /** N, B and K. */
 noise: [UnitChoice, UnitChoice, UnitChoice],
 /** Coefficients of findings, by the unit they are stored in. */
 sizes: { [key in string]: UnitChoice }, };
 
-/** Where an effect shows. */
+/** Band in which an effect shows. */
 export type Band = "slow" | "wide" | "data" | "stochastic";
 
 /** What a page is told without asking. */
@@ -155,25 +156,25 @@ export type Beat = { revision: number, job: Job | null, };
 /** A channel that is drawn under the same time axis. */
 export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
 
-/** What is left in one bin of a channel. */
+/** Residual in one bin of a channel. */
 export type Bin = {
-/** Mean of the channel in it. */
+/** Mean of the channel in the bin. */
 channel: number, blocks: number,
-/** Plain mean of what is left, in the axis' unit. */
+/** Plain mean of the residual, in the axis' unit. */
 mean: number,
-/** The same less the mean over all bins, every block weighed by what its noise, and that of its neighbours, leaves
- * of it (generalised least squares). */
+/** Mean of the residual by generalised least squares, which weights the blocks by their correlated noise, relative
+ * to the mean over all bins. */
 level: number,
-/** Half of the 95 % interval of `level`, under noise as it is coloured. */
+/** Half of the 95 % interval of `level` under coloured noise. */
 half_width: number, };
 
-/** What is left, bin by bin. */
+/** Residual by bins of a channel. */
 export type Bins = {
 /** All blocks, by ascending value of the channel. */
 all: Array<Bin>,
-/** Blocks where the channel rises; only of a temperature. */
+/** Blocks in which the channel rises; for temperatures only. */
 rising: Array<Bin>,
-/** Blocks where it falls. */
+/** Blocks in which the channel falls; for temperatures only. */
 falling: Array<Bin>, };
 
 /** An effect in plain language: texts of the library. */
@@ -201,34 +202,34 @@ device: string, };
 
 /** One stretch of the log in one band. */
 export type Cell = {
-/** Begin, s as stamped. */
+/** Begin as timestamp, s. */
 begin_s: number,
-/** End, s. */
+/** End as timestamp, s. */
 end_s: number,
 /** Lower end of the band, Hz. */
 low_hz: number,
-/** Upper end, Hz. */
+/** Upper end of the band, Hz. */
 high_hz: number,
-/** Power over the usual in this band. */
+/** Power divided by the usual power in this band. */
 times: number,
-/** Degrees of freedom of that power where it is noise. */
+/** Degrees of freedom of the power of noise. */
 freedom: number,
-/** Chance of so much power somewhere where nothing is wrong anywhere: allowing for all cells (Bonferroni). */
+/** Probability of such power in any cell under noise alone (Bonferroni over all cells). */
 p: number, };
 
-/** What is left of an axis, against one channel. */
+/** Dependence of the residual of an axis on one channel. */
 export type ChannelDependence = {
-/** Its column, as `temp_c`. */
+/** Column of the channel, as `temp_c`. */
 channel: string,
-/** Unit that the channel's values are in. */
+/** Unit of the channel. */
 unit: string,
-/** A curve of the channel against a constant. */
+/** Test of a curve of the channel against a constant. */
 curve: Test,
-/** p of the curve after allowing for all channels (Bonferroni). */
+/** p of the curve, corrected for the number of channels (Bonferroni). */
 p_of_all: number,
-/** What is left by value of the channel. */
+/** Residual by value of the channel. */
 bins: Bins,
-/** What is left by delay of the channel. */
+/** Residual by delay of the channel. */
 lag: LagProfile, };
 
 /** Coast error at one horizon. */
@@ -277,21 +278,21 @@ cautions: Array<string>,
 /** Units about the population, and lot by lot. */
 figure: Figure, };
 
-/** A column of a file, and what it may be. */
+/** A column of a file with its probable channel. */
 export type ColumnPreview = { name: string,
-/** The same as it stands in an entry of a column map. */
+/** Name as written in an entry of a column map. */
 quoted: string, values: Array<string>,
-/** The channel that it seems to be. */
+/** Probable channel. */
 target: string | null,
-/** The unit that it seems to be in. */
+/** Probable unit. */
 unit: string | null,
 /** Scale and offset in front of the unit, as in `-32768*0.061`. */
 arithmetic: string | null,
-/** The column map entry for that; none where the name says all. */
+/** Column map entry for them; `None` if the name is sufficient. */
 spec: string | null,
-/** What the guess rests on. */
+/** Reason for the guess. */
 why: string,
-/** Whether its name alone settles it. */
+/** True if the name alone determines it. */
 sure: boolean,
 /** Reason why its values cannot be in this unit. */
 caution: string | null, };
@@ -303,122 +304,122 @@ name: string,
 /** Unit that its values are in, as `rad/s`. */
 unit: string, };
 
-/** An effect that another is confused with. */
+/** Another effect that an effect is confused with. */
 export type ConfusedWith = {
-/** Identifier of the rival, as `thermal_lag`. */
+/** Identifier of the other effect, as `thermal_lag`. */
 effect: string,
-/** The experiment that separates the two. */
+/** Experiment that separates the two. */
 separate: string, };
 
-/** One term of a correction: coefficient times regressor, in the axis' unit. */
+/** Term of a correction: coefficient times regressor, in the unit of the axis. */
 export type CorrectionTerm = {
-/** Products of inputs, their sum, or `clock:step(t)`: 1 from t seconds after the first sample on, and in every
- * later log. */
+/** Products of inputs, their sum, or `clock:step(t)`, which is 1 from t seconds after the first sample on and in
+ * every later log. */
 regressor: string,
-/** Coefficient, unit of the axis per unit of the product. */
+/** Coefficient, in the unit of the axis per unit of the regressor. */
 coefficient: number, standard_error: number, };
 
-/** What the terms and inputs of an axis cost; the axis itself and what all axes share come on top. */
+/** Cost of the terms and inputs of an axis; the axis itself and the part shared by all axes are not included. */
 export type Cost = {
-/** Physical and stochastic together. */
+/** Number of terms, physical and stochastic. */
 terms: number,
-/** Factors of all terms. */
+/** Number of factors in all terms. */
 factors: number, inputs: number,
 /** RAM of terms and inputs, bytes. */
 ram_bytes: number,
-/** Instructions a sample, about. */
+/** Approximate number of instructions per sample. */
 instructions: number, };
 
 export type Delay = {
-/** The delay, s. */
+/** Delay, s. */
 delay_s: number,
-/** By how much 2 ln L rises with the delayed channel as a linear term; the same noise levels for all delays. */
+/** Increase of 2 ln L with the delayed channel as a linear term, at the same noise levels for all delays. */
 gain: number,
-/** Its coefficient, the axis' unit per unit of the channel. */
+/** Coefficient of the channel, in the axis' unit per unit of the channel. */
 slope: number,
 /** Standard error of the coefficient. */
 slope_error: number, };
 
-/** What is left of an axis, against everything that is logged. */
+/** Dependence of the residual of an axis on all logged columns. */
 export type Dependence = {
-/** Length of the blocks that means were taken over, s. */
+/** Length of the blocks, s. */
 block_s: number,
-/** Blocks with enough data. */
+/** Number of blocks with enough data. */
 blocks: number,
-/** The noise, with no channel taken into account. */
+/** Noise levels without any channel. */
 noise: NoiseLevels,
-/** The noise was learnt from the rows that the model was fitted to; else from the judged rows themselves, which is
- * less sure. */
+/** True if the noise prior is from the rows that the model was fitted to; else it is from the evaluation rows,
+ * which is less certain. */
 learnt: boolean,
-/** Every channel that changes, least likely first. */
+/** Every channel that varies, lowest p first. */
 channels: Array<ChannelDependence>,
 /** Power by time and frequency. */
 power: PowerMap, };
 
-/** What looks for an effect: `search` in its file. */
+/** Search method of an effect: `search` in its file. */
 export type Detector = "terms" | "step" | "line" | "wandering_line" | "saturation" | "dropped_samples" | "coarse_steps" | "gauss_markov" | "random_walk" | "telegraph" | "noise_level" | "dead_zone";
 
-/** What is missing from a model on a log. */
+/** Diagnosis of one axis: the effects that are missing from its model. */
 export type Diagnosis = {
-/** The column that was explained. */
+/** Column that was explained. */
 target: string,
-/** Unit of the column, which noise and corrections are in. */
+/** Unit of the column, of the noise and of the corrections. */
 unit: string, verdict: Verdict,
-/** The outcome in a sentence. */
+/** Outcome in a sentence. */
 sentence: string,
 /** Missing effects, best first, then faults of the data. */
 findings: Array<FindingWithRms>,
-/** What else the log follows; leads and no findings. */
+/** Further quantities that the residual follows. They are leads, not findings. */
 leads: Array<Lead>,
-/** Effects that were tried and rejected, with their score; the nearest first. */
+/** Effects that were tried and rejected, with their scores, the highest first. */
 rejected: Array<Rejected>,
 /** Slow effects that were tested. Empty if the log allows no such test; the verdict is then never
  * [`Verdict::NothingMissing`]. */
 tested: Array<string>,
-/** Effects that could not be tested, with the data that would be needed. */
+/** Effects that could not be tested, with the data that they need. */
 untested: Array<Untested>,
-/** The noise levels that the evidence rests on. */
+/** Noise levels that the scores are based on. */
 noise: NoiseReport,
-/** Why the answer should be taken with care. */
+/** Reasons to read the result with care. */
 cautions: Array<string>,
-/** Properties of the log that are neither faults nor reasons for doubt, as its duty cycle. */
+/** Properties of the log that are neither faults nor reasons for doubt, such as its duty cycle. */
 notes: Array<string>,
-/** When the unit was moved though it was meant to be at rest, in words. */
+/** Detected motion in a log at rest, in words. */
 moved: Array<string>,
-/** A slow signal that the axis shares with others of the log, where several were diagnosed. */
+/** Slow signal that the axis shares with other axes of the log, if several were diagnosed. */
 shared_signal?: SharedSignal | null, };
 
-/** A physical effect: what it is, and how it is looked for. */
+/** A physical effect: its cause, its equation and how to search for it. */
 export type Effect = {
-/** Identifier, the same everywhere. */
+/** Unique identifier, stable across releases: `thermal_lag`. */
 id: string,
-/** Name, as in a sentence. */
+/** Name as it stands in a sentence. */
 name: string,
-/** In block means, in single samples, in the data themselves, or as noise. */
+/** Band of the error: block means, single samples, the data themselves, or noise. */
 band: Band,
-/** Which axes it can strike. */
+/** Axes that the effect can act on. */
 targets: Targets,
-/** How it is looked for. */
+/** Search method. */
 search: Detector,
-/** Any of its terms alone is the effect too: those that explain nothing are left out. */
+/** True if any subset of the terms is the effect too: terms that explain nothing are excluded. */
 any_terms: boolean,
-/** What happens in the sensor. */
+/** Physical mechanism in the sensor. */
 mechanism: string, equation: string,
-/** How large it is on phone-class parts. */
+/** Typical size on phone-class parts. */
 typical_size: string,
-/** Where that comes from. */
+/** Reference for the typical size. */
 source: string,
-/** Which experiment shows it. */
+/** Experiment that shows the effect. */
 experiment: string,
-/** What in a plot gives it away. */
+/** Signature in a plot. */
 gives_away: string,
-/** What it costs on the device. */
+/** Cost of the correction on the device. */
 device: string,
-/** Terms whose coefficients are fitted; none where it is not looked for by regression. */
+/** Terms whose coefficients are fitted; empty if the effect is not searched for by regression. */
 terms: Array<EffectTerm>,
-/** The parameter that is searched for. */
+/** Parameter that is searched for. */
 parameter: Parameter | null,
-/** What it is confused with, the most similar first. */
+/** Effects that it is confused with, the most similar first. */
 confused_with: Array<ConfusedWith>, };
 
 /** An effect on an axis of a part. */
@@ -436,17 +437,17 @@ device: string, };
 
 /** One regressor of an effect. */
 export type EffectTerm = {
-/** Products of inputs, or their sum, as `ref_{target} * temp_c:lowpass({tau_s})`. */
+/** Products of inputs, or a sum of products: `ref_{target} * temp_c:lowpass({tau_s})`. */
 regressor: string,
-/** Axes that it can strike, among those of the effect. */
+/** Axes that the term can act on, among those of the effect. */
 targets: Targets,
-/** Unit of its coefficient for a gyro. */
+/** Unit of the coefficient for a gyro. */
 gyro: string | null,
-/** Unit of its coefficient for an accelerometer. */
+/** Unit of the coefficient for an accelerometer. */
 accelerometer: string | null,
-/** The largest coefficient that is typical of a gyro, in its unit. */
+/** Largest typical coefficient of a gyro, in its unit. */
 gyro_typical?: number | null,
-/** The same of an accelerometer. */
+/** Largest typical coefficient of an accelerometer, in its unit. */
 accelerometer_typical?: number | null, };
 
 /** A study in a list. */
@@ -460,44 +461,44 @@ axis: AxisEntry | null, };
 export type Figure = {
 /** Headline. */
 title: string,
-/** From top to bottom. Panels that show the same x range line up. */
+/** Panels from top to bottom. Panels with the same x range are aligned. */
 panels: Array<Panel>, };
 
 export type FindingWithRms = {
-/** As in the library, as `thermal_lag`. */
+/** Identifier in the library, as `thermal_lag`. */
 effect: string, name: string,
-/** In block means, in single samples, in the data themselves, or as noise. */
+/** Band of the error: block means, single samples, the data themselves, or noise. */
 band: Band,
-/** Its parameter, by name. */
+/** Value of the parameter, by name. */
 params: { [key in string]: number },
 /** 95 % intervals of the parameters, where they are known. */
 params_interval: { [key in string]: [number | null, number | null] },
-/** Its size in data-sheet units, one per regressor. */
+/** Sizes in data-sheet units, one per regressor. */
 sizes: Array<Size>,
-/** By how much −2 ln L falls with it. None for faults of the data, which are counted and not weighed. */
+/** Decrease of −2 ln L. None for faults of the data, which are counted and not weighed. */
 gain: number | null,
-/** The gain after the price of its coefficients and of everything that was tried; accepted from 9 (lines from 15).
- * None for faults of the data. */
+/** Gain minus a penalty for its coefficients and for every candidate tried; accepted from 9 (lines from 15). None
+ * for faults of the data. */
 score: number | null,
-/** Share of the error of its band that should go: of the variance of 1-s means (slow), of the samples (wide). */
+/** Predicted reduction as a share of the error's variance: of 1-s means (slow) or of samples (wide). */
 expected_drop: number,
-/** Its 90 % interval. */
+/** 90 % interval of the predicted reduction. */
 expected_drop_ci: [number, number],
-/** The reduction that was measured on the log that was given to judge on, those before it in the model. */
+/** Reduction measured on the evaluation log, with the findings before it in the model; a share of the variance. */
 realised_fall?: number | null,
-/** Why it is no claim; none where nothing speaks against it. */
+/** Reason why the finding is not conclusive; `None` if it is conclusive. */
 doubt?: string | null,
-/** Effects that this log cannot tell from it. */
+/** Effects that are indistinguishable from it in this log. */
 confounded_with: Array<string>,
-/** The experiments that separate them. */
+/** Experiments that separate them. */
 separate: Array<Separation>,
-/** The column against which it shows best, if any. */
+/** Column against which the effect shows best, if any. */
 shows_against: string | null,
-/** Where in the log it is largest: begin and end, s as stamped. */
+/** Stretch of the log in which the effect is largest: begin and end as timestamps, s. */
 shows_from_to_s: [number, number] | null,
-/** Its regressors and their coefficients in SI, as the model takes them. */
+/** Regressors with their coefficients in SI, as the model uses them. */
 correction: Array<CorrectionTerm>,
-/** Limits that inputs are kept inside, by their text: how far a curve may be followed. */
+/** Limits to which inputs are clamped, by the text of the input: the range in which a curve may be extrapolated. */
 limits: { [key in string]: [number, number] }, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
 /** What a population says. */
@@ -513,7 +514,7 @@ diagnosed: boolean,
 /** Each part. */
 parts: Array<PartReport>, };
 
-/** Axes that values are given in. */
+/** Axes in which values are given. */
 export type Frame = "unstated" | "sensor" | "board" | "vehicle" | "phone";
 
 /** A first-order Gauss-Markov process. */
@@ -523,16 +524,16 @@ deviation: number,
 /** Correlation time, s. */
 tau_s: number, };
 
-/** The rests of a replay, and those whose corrected specific force is further from gravity than as measured, by more
- * than a sound model can lead it ([`leads_away`]): the model was fitted to something else, as to two poses. */
+/** Rests of a replay, and those at which the corrected specific force is further from gravity than the measured one by more than a valid
+ * model can cause ([`leads_away`]). Such a model was fitted to other data, for example to two orientations. */
 export type Gravity = {
-/** Rests. */
+/** Number of rests. */
 rests: number,
-/** Rows at rest. */
+/** Number of rows at rest. */
 rows: number,
-/** Rests that most rows of are away from gravity. */
+/** Rests with more than half of their rows away from gravity. */
 rests_away: number,
-/** Rows that are. */
+/** Rows away from gravity. */
 rows_away: number, };
 
 /** Whether the device takes what is exported. */
@@ -540,8 +541,8 @@ export type Hubs = {
 /** Which hub refuses the model, and what to do, in the words of the command line; none if all take it. */
 refusal: string | null, };
 
-/** Whose numbers a series shows. The same colour means the same thing in every figure; the colours are those of
- * Okabe & Ito (Color Universal Design, 2008), told apart with any kind of colour vision. */
+/** Origin of the numbers of a series. A colour has the same meaning in every figure; the colours are those of Okabe & Ito (Color Universal
+ * Design, 2008), distinguishable with any kind of colour vision. */
 export type Ink = "Measured" | "Predicted" | "Residual" | "Floor" | "Bound" | "Other" | { "Step": number } | { "Method": number };
 
 /** What a job is doing. */
@@ -555,48 +556,48 @@ of: number | null,
 /** Somebody waits for it, or for what comes after it: what else could be asked for should wait for the answer. */
 asked_for: boolean, };
 
-/** How it is known where the unit is still. */
+/** Source of the rows at rest. */
 export type KnownBy = "column" | "detector" | "assumed";
 
-/** The profile over delays. */
+/** Gain by delay. */
 export type LagProfile = { delays: Array<Delay>,
-/** The delay that explains most, s. */
+/** Delay with the largest gain, s. */
 best_s: number,
-/** The shortest and longest delay that the log does not tell from it, s. */
+/** Shortest and longest delay that are indistinguishable from the best, s. */
 possible_s: [number, number],
-/** A linear term with that delay, noise levels fitted along. */
+/** Test of a linear term with the best delay, with the noise levels fitted. */
 test: Test,
-/** Its p after allowing for all delays (Bonferroni). */
+/** p of the test, corrected for the number of delays (Bonferroni). */
 p: number, };
 
-/** Something that what is left follows. */
+/** A quantity that the residual follows. */
 export type Lead = {
-/** What kind of remainder it is. */
+/** Kind of lead. */
 kind: LeadKind,
-/** What it follows, in words. */
+/** Description of the quantity. */
 follows: string,
-/** By how much −2 ln L falls with it. */
+/** Decrease of −2 ln L. */
 gain: number,
-/** The gain after the price of its coefficients and of everything that was tried. */
+/** Gain minus a penalty for its coefficients and for every candidate tried. */
 score: number,
-/** Its share of the variance of the block means of what is left. */
+/** Share of the variance of the block means of the residual. */
 share: number,
-/** In block means or in the samples: what shows in the samples alone says nothing against a slow effect. */
+/** Band of the lead: one in the samples does not contradict a slow effect. */
 band: Band,
-/** Whether it alone makes an answer: not what is hardly ever there, or so small that nobody would notice. */
+/** True if the lead alone decides the verdict; false if it is rare or negligibly small. */
 decides: boolean, };
 
-/** What kind of remainder a lead is. */
+/** Kind of lead. */
 export type LeadKind = "course" | "jumps" | "level" | "intermittent" | "refuted";
 
-/** What the physical part leaves of the error, in the square of the axis' unit. */
+/** Residual of the physical part, in the square of the axis' unit. */
 export type Left = {
-/** Variance of 1-s means. */
+/** Variance of the 1-s means. */
 slow: number,
 /** Variance of the samples. */
 wide: number,
-/** Mean on the judged rows less that on the rows that effects are estimated from, in the axis' unit: what the
- * model's bias is off by. Absent where the log does not tell, and in studies from before it was kept. */
+/** Error of the model's bias: mean on the evaluation rows minus the mean on the rows that effects are estimated
+ * from, in the axis' unit. Absent if the log does not show the bias, and in studies of earlier versions. */
 bias?: number | null, };
 
 /** Standard deviation of the error of a unit's coefficient, by what its model has. */
@@ -617,17 +618,17 @@ path: string,
 /** Size. */
 bytes: number, };
 
-/** How a log is read. The default suits a log with the columns of the log format. */
+/** Options for reading a log. The default suits a log with the columns of the log format. */
 export type LoadOptions = {
-/** Which column is which channel, in what unit. */
+/** Channel and unit of each column. */
 columns: Array<string>,
-/** Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate. */
+/** Sampling rate, Hz; needed if the log has no timestamps, and overrides timestamps that show another rate. */
 rate_hz?: number,
-/** The format, where it is not to be found by the content. */
+/** Format, unless it is to be recognised by content. */
 format?: string,
-/** Which of several sensors, where a log has more than one: the number of an instance, the name of a topic. */
+/** Choice among several sensors of a log: number of an instance, or name of a topic. */
 topic?: string,
-/** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
+/** Include rows with detected motion although the device should be at rest. */
 keep_moved?: boolean, };
 
 /** Paths of the logs of a study, and how they are read. */
@@ -639,25 +640,25 @@ quiet: string | null,
 /** The evaluation log. */
 judged: string | null, read: LoadOptions, };
 
-/** The logs that effects were estimated from and judged on. */
+/** Logs that effects were estimated from and evaluated on. */
 export type LogSources = {
-/** The log with the hidden effect. */
+/** Log to explain. */
 field: Source,
-/** A quiet log that the noise was learnt from. */
+/** Reference log for the noise. */
 quiet: Source | null,
-/** The log that the errors are of; none: the rows of the field log from `fitted_rows` on. */
+/** Evaluation log; without one, the rows of the log to explain from `fitted_rows` on. */
 judged: Source | null,
-/** Rows of the field log that effects are estimated from, from the first on. */
+/** Number of rows of the log to explain, from the first on, that effects are estimated from. */
 fitted_rows: number,
-/** Which column is which channel, in what unit. */
+/** Channel and unit of each column. */
 columns: Array<string>,
-/** Sample rate, Hz; needed if the log has no time stamps, and replaces stamps that show another rate. */
+/** Sampling rate, Hz; needed if the log has no timestamps, and overrides timestamps that show another rate. */
 rate_hz?: number,
-/** The format, where it is not to be found by the content. */
+/** Format, unless it is to be recognised by content. */
 format?: string,
-/** Which of several sensors, where a log has more than one: the number of an instance, the name of a topic. */
+/** Choice among several sensors of a log: number of an instance, or name of a topic. */
 topic?: string,
-/** Count the rows in which the unit was moved as any others, though it was meant to be at rest. */
+/** Include rows with detected motion although the device should be at rest. */
 keep_moved?: boolean, };
 
 /** A log in a few facts. */
@@ -714,8 +715,9 @@ slow_error_coast: number | null,
 wide_error_one_step: number,
 /** Variance of the samples of what is left, coasting for at most 60 s, while still. */
 wide_error_coast: number,
-/** The paper's column, from the one-step MSE, m; absent for an axis that is neither accelerometer nor gyro. */
-position_error_m: number | null,
+/** Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
+ * and in studies of earlier versions. */
+unaided: Array<UnaidedError>,
 /** Allan deviation of what is left when coasting for at most 60 s. */
 allan: Array<AllanValue>,
 /** The one-step MSE is below the noise floor: not to be trusted. */
@@ -749,18 +751,18 @@ white: number,
 flicker: number,
 /** Random walk of the bias (rate random walk coefficient K), unit/√s. */
 walk: number,
-/** A further Gauss-Markov process beyond those that make the flicker. */
+/** A further Gauss-Markov process in addition to those of the flicker noise. */
 gauss_markov: GaussMarkov | null, };
 
-/** The noise behind a diagnosis. */
+/** Noise model behind a diagnosis. */
 export type NoiseReport = {
-/** Levels with everything that was found, unit of the axis. */
+/** Noise levels with all findings in the model, in the unit of the axis. */
 levels: NoiseLevels,
-/** Where they were learnt from. */
+/** Source of the noise levels, in words. */
 learnt_from: string,
-/** Length of the blocks that slow effects were looked for in, s. */
+/** Length of the blocks for slow effects, s. */
 block_s: number,
-/** How many blocks there are. */
+/** Number of blocks. */
 blocks: number, };
 
 /** A unit of which nothing, or not everything, could be told. */
@@ -826,30 +828,30 @@ outcome: Outcome | null,
 /** Every axis that can have a model has one: it can be exported. */
 is_whole: boolean, axis: string | null, axes: Array<AxisPage>, commands: Array<string>, };
 
-/** One pair of axes and what is drawn in it. */
+/** A pair of axes with its content. */
 export type Panel = {
-/** What this panel shows, beside the legend. */
+/** Title, beside the legend. */
 title: string,
 /** Horizontal axis. */
 x: Axis,
 /** Vertical axis. */
 y: Axis,
-/** Drawn in this order, later ones on top. */
+/** Series in the order of drawing, later ones on top. */
 series: Array<Series>,
 /** Ranges of x set apart by a shaded background; later ones on top. */
 shading: Array<Shading>, };
 
-/** The parameter of an effect, searched for on a logarithmic grid and then refined. */
+/** Parameter of an effect, searched for on a logarithmic grid and then refined. */
 export type Parameter = {
 /** Name, with the unit as its last part: `tau_s`. */
 name: string,
-/** Unit that `low` and `high` are in; empty for a plain number. */
+/** Unit of `low` and `high`; empty for a plain number. */
 unit: string,
-/** Least value looked for. */
+/** Lower end of the search range. */
 low: number,
-/** Largest value looked for. */
+/** Upper end of the search range. */
 high: number,
-/** Values below `low` give the same error, so that one at `low` is as good as any other. */
+/** True if values below `low` give the same error, so that an estimate at `low` is only an upper bound. */
 open_below?: boolean, };
 
 /** A part. */
@@ -883,44 +885,44 @@ units: Array<UnitEntry>, };
 
 /** Power over time and frequency. */
 export type PowerMap = {
-/** Cells in which enough is known, band by band, ascending in time. */
+/** Cells with enough data, band by band, ascending in time. */
 cells: Array<Cell>, };
 
-/** The columns of a file, and what they may be. */
+/** Columns of a file with their probable channels. */
 export type Preview = {
-/** In the order of the file. */
+/** Columns in the order of the file. */
 columns: Array<ColumnPreview>,
-/** Channels that a column can be. */
+/** Channels that a column can be mapped to. */
 targets: Array<string>,
-/** Units that each of them may come in, the SI unit first. */
+/** Possible units of each channel, the SI unit first. */
 units: { [key in string]: Array<string> }, };
 
 /** Provenance of the inertial values of a log. */
 export type Provenance = {
-/** That of the accelerometers. */
+/** Provenance of the accelerometers. */
 accelerometers: SensorProvenance, gyros: SensorProvenance, };
 
-/** As what a log was read, and what was assumed in doing so. */
+/** Format as which a log was read, and the assumptions made. */
 export type ReadAs = { format: string,
 /** Columns, units, clock, frame, gravity, corrections already applied: in words. */
 assumed: string,
 /** Sensor, corrections and frame of the inertial values; absent in studies of earlier versions. */
 provenance?: Provenance | null, };
 
-/** An axis of a study that effects were added to. */
+/** Axis of a study that effects were added to. */
 export type Refinement = {
-/** The axis, by its column. */
+/** Column of the axis. */
 column: string, logs: LogSources,
-/** The model before anything was added, then after each effect. */
+/** Model before any effect was added, then after each. */
 stairs: Array<StepWithRms>, };
 
-/** An effect that was tried and rejected. */
+/** Effect that was tried and rejected. */
 export type Rejected = {
-/** As in the library, as `thermal_lag`. */
+/** Identifier in the library, as `thermal_lag`. */
 effect: string,
-/** Its score alone on the log. */
+/** Score of the effect alone on the log. */
 score: number,
-/** Why it is no finding, if its score alone would have made it one. */
+/** Reason for the rejection, if its score alone would have made it a finding. */
 why?: string | null, };
 
 /** What the exported image does on the log that errors are of. */
@@ -931,6 +933,15 @@ log: string, summary: Summary,
 command: string,
 /** Size of the image. */
 bytes: number, };
+
+/** An RMS with its 90 % interval. */
+export type RmsInterval = {
+/** RMS over the windows. */
+rms: number,
+/** Lower bound. */
+low: number,
+/** Upper bound. */
+high: number, };
 
 /** Spacing of the values along an axis. */
 export type Scale = "Linear" | "Log";
@@ -943,22 +954,21 @@ instance?: number | null,
 device_id?: number | null,
 /** Corrections that the values contain. */
 values: Values,
-/** Axes that the values are given in. */
+/** Axes in which the values are given. */
 frame: Frame, };
 
-/** The experiment that tells a finding from a rival. */
+/** Experiment that separates a finding from a rival. */
 export type Separation = {
 /** Identifier of the rival. */
 effect: string, experiment: string, };
 
 /** Numbers to draw, all of one kind. */
 export type Series = {
-/** Text in the legend. Series with the same label share one entry (the pieces of a recording with gaps);
- * none with an empty one. */
+/** Text in the legend. Series with the same label share one entry (pieces of a recording with gaps); an empty label has none. */
 label: string,
-/** Whose numbers these are; decides the colour. */
+/** Origin of the numbers; decides the colour. */
 ink: Ink,
-/** The numbers, and how they are joined. */
+/** Numbers and their shape. */
 shape: Shape, };
 
 /** One shaded range. */
@@ -967,58 +977,57 @@ export type ShadedRange = {
 from: number,
 /** Right end, in units of x. */
 to: number,
-/** Short text at its top, a number for instance. */
+/** Short text at the top, such as a number. */
 mark: string,
-/** What it is, in words, for who points at it; empty where the legend says it all. */
+/** Description for a tooltip; empty if the legend suffices. */
 says: string, };
 
 /** Shaded ranges of x with one legend entry for all of them. */
 export type Shading = {
 /** Text in the legend. */
 label: string,
-/** Why it is set apart; decides the colour. */
+/** Reason for the shading; decides the colour. */
 tone: Tone,
-/** What is shaded. */
+/** Ranges of x. */
 ranges: Array<ShadedRange>, };
 
-/** How numbers are drawn. A value that is not finite, in JSON null, interrupts a line or band and is otherwise left
- * out. */
+/** Shape of a series. A value that is not finite (in JSON null) interrupts a line or band and is otherwise skipped. */
 export type Shape = { "Line": Array<[number | null, number | null]> } | { "Band": Array<[number | null, number | null, number | null]> } | { "Points": Array<[number | null, number | null]> } | { "Bars": Array<[number | null, number | null, number | null, number | null]> } | { "Stems": Array<[number | null, number | null]> } | { "Level": number } | { "Cells": Array<[number | null, number | null, number | null, number | null]> } | { "Frames": Array<[number | null, number | null, number | null, number | null]> };
 
-/** A slow signal that several axes of a log share. */
+/** Slow signal that several axes of a log share. */
 export type SharedSignal = {
-/** The axes that share it, as columns. */
+/** Columns of the axes that share it. */
 axes: Array<string>,
-/** Correlation of each of these axes with the others, of changes from one mean to the next. */
+/** Correlation of the changes from one mean to the next, of each of these axes with the others. */
 correlations: Array<number>,
 /** Length of the means, s. */
 mean_s: number,
-/** Time of each mean, s after the first sample, and the signal there, in standard deviations. */
+/** Signal at each mean: time in s after the first sample, and value in standard deviations. */
 course: Array<[number, number]>, };
 
-/** A unit as it is spelled for people: a stored value over `divisor` is in it. */
+/** A unit with its label for people; a stored value is divided by `divisor`. */
 export type ShownUnit = { label: string, divisor: number, };
 
-/** A coefficient in data-sheet units. */
+/** Coefficient in data-sheet units. */
 export type Size = { of: string,
-/** In `unit`. */
+/** Value in `unit`. */
 value: number,
-/** 95 % interval; in JSON an end that is not finite is null. */
+/** 95 % interval in `unit`; in JSON an end that is not finite is null. */
 interval: [number | null, number | null],
-/** As data sheets state it; `value` and `interval` are in it. */
+/** Unit as on data sheets. */
 unit: string, };
 
-/** The file a recording was read from. */
+/** File that a recording was read from. */
 export type Source = {
-/** Path as it was given; for data that never were a file, what made them. */
+/** Path as given; for data that never were a file, a description of their origin. */
 path: string,
 /** Size of the file, bytes (0: not a file). */
 bytes: number,
 /** SHA-256 of the file as stored (compressed, if it is), hexadecimal (empty: not a file). */
 sha256: string,
-/** Where it lies as seen from the folder of the study that names it; none where no study does, or an older one. */
+/** Path relative to the folder of the study that names it; `None` without a study, or with an older one. */
 from_study?: string | null,
-/** As what it was read, where it is not in the log format. */
+/** Format and assumptions of the reader; `None` for the log format. */
 read_as?: ReadAs | null, };
 
 /** Standing of one axis. */
@@ -1027,13 +1036,13 @@ export type Standing = { outcome: Outcome, sentence: string,
 record: Array<string>, };
 
 export type StepWithRms = {
-/** What was added; none in the state before. */
+/** Effect added in this step; none in the first state. */
 added: Added | null, model: unknown,
-/** All errors, on the judged rows. */
+/** Errors on the evaluation rows. */
 errors: ModelErrors,
-/** Variance of the 1-s means, and of the samples, of what the physical part leaves on the judged rows. */
+/** Variances of the residual of the physical part on the evaluation rows. */
 left: Left,
-/** What the axis costs on the device. */
+/** Cost of the axis on the device. */
 cost: Cost, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
 /** A stretch of the recording. */
@@ -1062,44 +1071,56 @@ judged: LogSummary | null, };
 
 /** Counts and digests of a replay. */
 export type Summary = {
-/** Rows that the model was run over. */
+/** Number of rows. */
 rows: number,
-/** Rows that were tracked; the others were coasted. */
+/** Number of tracked rows; the others are coasted. */
 tracked: number,
-/** How it is known which. */
+/** Source of the decision between tracking and coasting. */
 still_known_by: KnownBy,
-/** Why the model does not run in fixed point; none if it does. */
+/** Reason why the model does not run in fixed point; none if it does. */
 not_in_fixed_point: string | null,
-/** One for each axis of the image. */
+/** One summary for each axis of the image. */
 axes: Array<AxisSummary>,
-/** Whether what is taken off leads away from gravity; none if not all three accelerometers are in the model. */
+/** Rests at which the correction leads away from gravity; none unless all three accelerometers are in the model. */
 gravity: Gravity | null,
-/** CRC-64 of all innovations, tick by tick and axis by axis; in JSON hexadecimal, as JSON numbers have 53 bits. */
+/** CRC-64 of all innovations, tick by tick and axis by axis. Hexadecimal in JSON, because JSON numbers have 53 bits. */
 innovations_digest: string,
 /** CRC-64 of all innovations, corrected values and validities. */
 corrections_digest: string, };
 
-/** Which axes an effect can strike. */
+/** Axes that an effect can act on. */
 export type Targets = "any" | "gyro" | "accelerometer";
 
-/** Whether further regressors explain more than noise would let them. */
+/** Test whether further regressors explain more than noise does. */
 export type Test = { terms: number,
-/** 2Δ ln L, the noise levels fitted with and without them. */
+/** 2Δ ln L with the noise levels fitted with and without the regressors. */
 gain: number,
-/** The gain less `terms`·ln(blocks), the price of coefficients (Schwarz 1978). */
+/** Gain minus `terms`·ln(blocks), the penalty of coefficients (Schwarz 1978). */
 score: number,
-/** How many independent samples the data and the prior together are worth, for the noise where the regressors are. */
+/** Number of independent samples equivalent to the data and the prior, for the noise in the directions of the
+ * regressors. */
 effective_samples: number,
-/** Chance of such a gain where nothing depends on anything. */
+/** Probability of such a gain without any dependence. */
 p: number, };
 
-/** Why a range is set apart. */
+/** Reason for the shading of a range. */
 export type Tone = "Apart" | "LeftOut";
 
-/** The program that wrote a study. */
+/** Program that wrote a study. */
 export type Tool = {
-/** As on the command line. */
+/** Name of the program on the command line. */
 name: string, version: string, };
+
+/** Error of one axis after a time without aiding, over all windows of that length. */
+export type UnaidedError = {
+/** Length of the windows, s. */
+window_s: number,
+/** Whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
+windows: number,
+/** Heading error at the end of a window, rad; only of a gyro axis. */
+heading_rad?: RmsInterval,
+/** Position error at the end of a window, m; only of an accelerometer axis. */
+position_m?: RmsInterval, };
 
 /** An axis of a unit. */
 export type UnitAxis = {
@@ -1178,17 +1199,17 @@ not_read: Array<NotRead>,
 /** How many more there are. */
 more: number, };
 
-/** An effect that could not be tried. */
+/** Effect that could not be tested. */
 export type Untested = {
-/** As in the library, as `thermal_lag`. */
+/** Identifier in the library, as `thermal_lag`. */
 effect: string,
-/** The data that the log lacks, in words: a column that is not there, begins too late or never changes; time at rest. */
+/** Data that the log lacks: a column that is absent, begins too late or never changes, or time at rest. */
 needs: Array<string>, };
 
 /** Corrections that logged values contain. */
 export type Values = "unstated" | "raw" | { "corrected": string };
 
-/** The outcome in one word. */
+/** Outcome of a diagnosis. */
 export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enough_data";
 
 /** What is shown beside the measurements. */
