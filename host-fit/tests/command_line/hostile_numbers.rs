@@ -52,6 +52,7 @@ fn line_of(subcommand: &str, option: &str) -> Option<&'static str> {
         ("export", _) => "export unit.json --instance 0 --px4 unit.params --evaluate-on log.csv",
         ("fleet", _) => "fleet . -o population.json",
         ("noise", _) => "noise log.csv --axis gx",
+        ("plan", _) => "plan log.csv --axis gx",
         ("calibrate-imu", "rate-table") => "calibrate-imu turned.csv",
         ("calibrate-imu", "height") => "calibrate-imu turned.csv --latitude 45",
         ("calibrate-imu", _) => "calibrate-imu turned.csv --px4 turned.params",

@@ -298,7 +298,7 @@ mod tests {
         let found = preview(&path, &ColumnMap::default()).unwrap();
         let caution = |name| column(&found, name).caution.clone().unwrap_or_default();
         assert!(
-            caution("ax_mps2").starts_with("the accelerometers show 57867 m/s²"),
+            caution("ax_mps2").starts_with("the accelerometers show 57973 m/s²"),
             "{}",
             caution("ax_mps2")
         );

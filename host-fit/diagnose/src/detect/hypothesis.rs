@@ -132,7 +132,7 @@ impl<'a> Hypotheses<'a> {
         }
         let made = match effect.search {
             Detector::Step => self.step(effect, value),
-            _ => self.from_regressors(effect, value)?,
+            _ => self.of_regressors(effect, value)?,
         };
         Ok(self.made.insert(key, made))
     }
@@ -156,7 +156,7 @@ impl<'a> Hypotheses<'a> {
         })
     }
 
-    fn from_regressors(
+    fn of_regressors(
         &self,
         effect: &Arc<Effect>,
         value: Option<f64>,

@@ -52,8 +52,14 @@ fn is_far_back(before: i64, stamp: i64) -> bool {
     before > stamp && before.saturating_sub(stamp) > STRAY_NS
 }
 
-/// Returns true for a timestamp far ahead of consistent neighbours, or far behind both.
+/// Returns true for a timestamp far ahead of consistent neighbours, or far behind both. The first timestamp has only one
+/// neighbour: it is wrong if it is far ahead of it. The last one far ahead may follow a pause.
 fn is_far_off(stamp: i64, before: Option<i64>, after: Option<i64>) -> bool {
-    let (Some(before), Some(after)) = (before, after) else { return false };
-    !is_far_back(before, after) && (is_far_back(stamp, after) || is_far_back(before, stamp))
+    match (before, after) {
+        (Some(before), Some(after)) => {
+            !is_far_back(before, after) && (is_far_back(stamp, after) || is_far_back(before, stamp))
+        }
+        (None, Some(after)) => is_far_back(stamp, after),
+        (_, None) => false,
+    }
 }

@@ -286,9 +286,11 @@ fn sorts_timestamps_and_drops_duplicates_and_outliers() {
     mixed.columns[0].1.swap(20, 23);
     copy(&mut mixed, 51, 250_000_000, 0.25);
     copy(&mut mixed, 101, i64::MAX, 7.0);
+    // the clock before it was set
+    copy(&mut mixed, 0, 1_600_000_000_000_000_000, 7.0);
     let Joined { columns, alignment } = joined(vec![mixed, force()]);
     assert_eq!(columns, expected);
-    assert_eq!((alignment.samples_sorted, alignment.samples_dropped), (3, 2));
+    assert_eq!((alignment.samples_sorted, alignment.samples_dropped), (3, 3));
     // another sample of the same timestamp is a sample of its own
     let mut coarse = sound;
     copy(&mut coarse, 51, 250_000_000, 9.0);
