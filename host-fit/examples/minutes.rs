@@ -92,7 +92,7 @@ fn main() {
     }
 }
 
-/// Minutes, what is left and its interval, mdps.
+/// Minutes of calibration; remaining error and its interval, mdps.
 type Left = Vec<(f64, f64, f64, f64)>;
 
 fn panel(title: &str, [alone, with]: [Left; 2]) -> Panel {
@@ -109,7 +109,7 @@ fn panel(title: &str, [alone, with]: [Left; 2]) -> Panel {
     }
 }
 
-/// A line for each length of calibration; what is left alone, and with the population.
+/// Prints a line for each length of calibration. Returns the remaining errors alone, and with the population.
 fn compare(others: &[Unit], population: &Population) -> [Left; 2] {
     let mut left_behind = [Left::new(), Left::new()];
     println!(
@@ -138,7 +138,7 @@ fn compare(others: &[Unit], population: &Population) -> [Left; 2] {
     left_behind
 }
 
-/// How often the intervals of bias and slope hold the truth.
+/// Shares of units whose 90 % intervals of bias and slope contain the true value.
 fn held(estimates: &[Estimate], units: &[Unit]) -> String {
     let shares = [0, 1].map(|i| {
         let holds = |(estimate, unit): &(&Estimate, &Unit)| {
@@ -150,7 +150,7 @@ fn held(estimates: &[Estimate], units: &[Unit]) -> String {
     shares.join(", ")
 }
 
-/// The bias of every unit that the simulation makes, rad/s: 0.5 dps.
+/// Bias of every simulated unit, rad/s: 0.5 dps.
 const BIAS_OF_ALL: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 fn measured(index: usize, seed: u64, warming_k: f64, noise: Option<&NoiseLevels>) -> Unit {

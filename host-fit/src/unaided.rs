@@ -7,7 +7,7 @@ use fos_data::column::Column;
 use fos_diagnose::compare::AxisComparison;
 use fos_fit::evaluate::{FEWEST_WINDOWS, RmsInterval, UnaidedError};
 
-/// What `before` and `after` are.
+/// Legend of `before` and `after`.
 pub(crate) const LEGEND: &str = "before: raw error minus the constant bias learnt in training; after: free run of the model, which sees \
                                  nothing of the error inside a window";
 

@@ -1,5 +1,5 @@
-//! What there is to say of one axis, in the order of thought: where the model fails, what is missing, how the error
-//! falls.
+//! Section of a report on one axis, in the order of reasoning: where the model fails, which effect is missing, how far
+//! the error is reduced.
 
 use fos_data::column::Column;
 use serde::Serialize;
@@ -16,44 +16,44 @@ use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::monomial_text_named;
 
-/// One axis.
+/// Findings on one axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisSection {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
-    /// As in `gyro x`.
+    /// Name for people, such as `gyro x`.
     pub label: String,
-    /// Unit of the column, as `rad/s`.
+    /// Unit of the column, such as `rad/s`.
     pub unit: String,
-    /// Its model as it is now.
+    /// Summary of the present model.
     pub model: Option<ModelSummary>,
-    /// The model as it is now against the field log.
+    /// Comparison of the present model with the log to explain.
     pub comparison: Option<AxisComparison>,
-    /// First and last time stamp that the comparison is of, s.
+    /// First and last timestamp of the compared rows, s.
     pub judged_s: Option<(f64, f64)>,
-    /// What is missing from the model as it is now.
+    /// Effects missing from the present model.
     pub diagnosis: Option<Diagnosis>,
-    /// One for each finding of the diagnosis.
+    /// One offer for each finding of the diagnosis.
     pub offers: Vec<Offer>,
-    /// Every step of the model, with its errors.
+    /// Every step of the refinement, with the errors of its model.
     #[serde(rename = "growth")]
     pub refinement: Option<Refinement>,
-    /// The same as a figure.
+    /// Refinement as a figure.
     pub staircase: Option<Figure>,
 }
 
-/// The model of an axis in words.
+/// Summary of the model of an axis, for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ModelSummary {
-    /// Physical and stochastic together.
+    /// Number of terms, physical and stochastic together.
     pub terms: usize,
-    /// Candidates that were searched.
+    /// Number of candidates that were searched.
     pub candidates: usize,
-    /// By which method.
+    /// Search method.
     pub method: String,
-    /// Why the search stopped.
+    /// Reason why the search stopped.
     pub stopped: String,
     /// Terms of the stochastic part, in the order of their selection.
     pub monomials: Vec<String>,
@@ -65,14 +65,14 @@ pub struct ModelSummary {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct PhysicalTerm {
-    /// The product of inputs.
+    /// Product of inputs.
     pub term: String,
     /// Coefficient, unit of the axis per unit of the product.
     pub coefficient: f64,
 }
 
 impl AxisSection {
-    /// An axis of which nothing is known yet.
+    /// Returns a section without results.
     pub fn empty(column: &str) -> Self {
         Self {
             column: column.to_owned(),
@@ -88,7 +88,7 @@ impl AxisSection {
         }
     }
 
-    /// The axis of a study as it is refined, without comparison and diagnosis.
+    /// Returns the section of a refined axis of a study, without comparison and diagnosis.
     pub fn of(study: &Study, refinement: &Refinement) -> Self {
         Self {
             model: ModelSummary::of(study, refinement),
@@ -98,14 +98,14 @@ impl AxisSection {
         }
     }
 
-    /// With the model against the field log.
+    /// Adds the comparison of the model with the log to explain.
     pub fn examined(mut self, examination: &Examination) -> Self {
         self.comparison = Some(examination.comparison.clone());
         self.judged_s = Some(examination.judged_s);
         self
     }
 
-    /// With what is missing from the model of `refinement`.
+    /// Adds the effects missing from the model of `refinement`, and their offers.
     ///
     /// # Errors
     ///

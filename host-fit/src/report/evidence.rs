@@ -1,4 +1,4 @@
-//! What speaks for a finding, as data: its shape in the slow error, or its line in the spectrum.
+//! Evidence for a finding, as data: its shape in the slow error, or its line in the spectrum.
 
 use crate::figures::Figure;
 use crate::figures::compare::Subject;
@@ -9,27 +9,28 @@ use fos_diagnose::refine::{Evidence as SlowEvidence, RefineError, Refiner, line_
 use fos_diagnose::study::Refinement;
 use fos_fit::signal::spectrum::Spectrum;
 
-/// What speaks for a finding.
+/// Evidence for a finding.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Evidence {
-    /// It shows in the slow error.
+    /// Shape in the slow error.
     Slow {
-        /// The error without all other findings, and the effect.
+        /// Slow error without all other findings, and the contribution of the effect.
         found: SlowEvidence,
-        /// First and last second of where it is largest.
+        /// First and last second of the range in which the effect is largest.
         largest_s: Option<[f64; 2]>,
     },
-    /// It is a line.
+    /// Line in the spectrum.
     Line {
-        /// Of the error as logged, unit²/Hz.
+        /// Spectrum of the error as logged, unit²/Hz.
         spectrum: Spectrum,
-        /// Where the line is, Hz.
+        /// Frequency of the line, Hz.
         frequency_hz: f64,
     },
 }
 
 impl Evidence {
-    /// For a finding of a diagnosis of `refinement` on the log `field`; none where there is nothing to show.
+    /// Returns the evidence for a finding of a diagnosis of `refinement` on the log `field`; none where there is
+    /// nothing to show.
     pub(super) fn of(
         refiner: &Refiner<'_>,
         refinement: &Refinement,
@@ -45,7 +46,7 @@ impl Evidence {
         Ok(spectrum.map(|spectrum| Self::Line { spectrum, frequency_hz }))
     }
 
-    /// As a figure; `effect` is its name in a sentence.
+    /// Draws the evidence; `effect` is the name of the effect in a sentence.
     pub(super) fn drawn(&self, subject: Subject<'_>, effect: &str) -> Figure {
         match self {
             Self::Slow { found, largest_s } => evidence(subject, effect, found, *largest_s),

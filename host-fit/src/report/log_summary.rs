@@ -1,4 +1,4 @@
-//! A log in a few facts.
+//! Summary of a log.
 
 use fos_data::column::Column;
 use serde::Serialize;
@@ -10,54 +10,54 @@ use fos_diagnose::refine::Logs;
 
 use crate::figures::{Shading, moved};
 
-/// A log in a few facts.
+/// Summary of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct LogSummary {
-    /// Where it was read from.
+    /// Path that the log was read from.
     pub path: String,
-    /// Digest of the file.
+    /// SHA-256 of the file, hexadecimal; of the first one if there are several.
     pub sha256: String,
-    /// Samples that were read, of all segments together.
+    /// Number of samples, of all segments together.
     pub rows: usize,
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     pub seconds: f64,
-    /// First stamp, s.
+    /// First timestamp, s.
     pub from_s: f64,
-    /// Last stamp, s.
+    /// Last timestamp, s.
     pub to_s: f64,
-    /// True sample rate, Hz.
+    /// True sampling rate, Hz.
     pub rate_hz: f64,
-    /// Stretches without gaps.
+    /// Number of gap-free segments.
     pub segments: usize,
-    /// Samples missing between them.
+    /// Number of samples missing between the segments.
     pub missing: u64,
-    /// Share of the rows in which the unit is still.
+    /// Share of the rows in which the device is still.
     pub still_share: f64,
-    /// How that is known.
+    /// Source of `still_share`.
     pub still_known_by: KnownBy,
-    /// Its channels.
+    /// Channels of the log.
     pub columns: Vec<ColumnSummary>,
-    /// As what it was read, how its streams were joined, and what was wrong with it, a line each.
+    /// Notes on quality, a line each: recognised format, alignment of streams, defects, detected motion, cautions.
     pub quality: Vec<String>,
-    /// Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time.
+    /// Detected motion of a device meant to be at rest, shaded wherever the log is drawn over time.
     pub moved: Shading,
 }
 
-/// The logs of a study in a few facts.
+/// Summaries of the logs of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Summaries {
-    /// The log where the model fails.
+    /// Log to explain.
     pub field: LogSummary,
-    /// A log in which nothing is missing; absent where none was given.
+    /// Reference log; none if not given.
     pub quiet: Option<LogSummary>,
-    /// The log that errors are of.
+    /// Evaluation log; none if not given.
     pub judged: Option<LogSummary>,
 }
 
 impl Summaries {
-    /// Of the logs of a study.
+    /// Summarises the logs of a study.
     pub fn of(logs: &Logs) -> Self {
         Self {
             field: LogSummary::of(&logs.field),
@@ -71,14 +71,14 @@ impl Summaries {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ColumnSummary {
-    /// Its column, as `gx_rads`.
+    /// Name of the column, such as `gx_rads`.
     pub name: String,
-    /// Unit that its values are in, as `rad/s`.
+    /// Unit of the values, such as `rad/s`.
     pub unit: &'static str,
 }
 
 impl LogSummary {
-    /// Of a recording.
+    /// Summarises a recording.
     fn of(log: &Recording) -> Self {
         let stillness = stillness::find(log);
         let still = stillness.still.iter().filter(|still| **still).count();

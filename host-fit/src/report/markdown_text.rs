@@ -1,11 +1,11 @@
-//! Text as Markdown shows it, whatever is in it.
+//! Escaping of arbitrary text for Markdown.
 
 use fos_data::visible::{visible, visible_lines};
 
-/// What would otherwise begin something: emphasis, code, a link, a tag, a cell.
+/// Characters that begin emphasis, code, a link, a tag or a cell.
 const ACTIVE: [char; 8] = ['\\', '`', '*', '~', '[', '<', '|', '&'];
 
-/// In a line of text.
+/// Escapes a line of text.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     let mut before = ' ';
@@ -13,7 +13,7 @@ pub(super) fn escaped(text: &str) -> String {
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
         let next = letters.peek().copied().unwrap_or(' ');
-        // inside a word it begins nothing, and names are full of it
+        // an underscore inside a word begins no emphasis, and names contain many
         let emphasis = letter == '_' && !(before.is_alphanumeric() && next.is_alphanumeric());
         let address = letter == ':' && next == '/' || letter == '.' && before == 'w';
         if ACTIVE.contains(&letter) || emphasis || address {
@@ -25,16 +25,16 @@ pub(super) fn escaped(text: &str) -> String {
     escaped
 }
 
-/// As code in a line of text.
+/// Formats text as code within a line.
 pub(super) fn code(text: &str) -> String {
     let fence = fence(text, 1);
-    // a space at both ends is taken off, and needed beside a backtick
+    // Markdown strips one space at both ends; next to a backtick the space is needed
     let text = on_one_line(text);
     let beside = if text.starts_with(['`', ' ']) || text.ends_with(['`', ' ']) { " " } else { "" };
     format!("{fence}{beside}{text}{beside}{fence}")
 }
 
-/// As lines of a shell.
+/// Formats lines as a block of shell code.
 pub(super) fn shell(lines: &[String]) -> String {
     let text = lines.join("\n");
     let text = visible_lines(&text);
@@ -42,12 +42,12 @@ pub(super) fn shell(lines: &[String]) -> String {
     format!("{fence}sh\n{text}\n{fence}")
 }
 
-/// Our own texts have lines, which Markdown takes for spaces; whatever else is hidden is shown.
+/// Replaces line breaks and tabs by spaces, as Markdown does, and makes all other hidden characters visible.
 fn on_one_line(text: &str) -> String {
     visible(&text.replace(['\n', '\t'], " ")).into_owned()
 }
 
-/// More backticks than there are anywhere in the text, `least` at least.
+/// Returns at least `least` backticks, and more than any run of them in the text.
 fn fence(text: &str, least: usize) -> String {
     let longest = text.split(|letter| letter != '`').map(str::len).max().unwrap_or(0);
     "`".repeat(least.max(longest + 1))

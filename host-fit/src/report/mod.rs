@@ -1,4 +1,4 @@
-//! A report: what a study says of its axes, as plain data; [`html`] and [`markdown`] only render it.
+//! Report on the axes of a study, as plain data; [`html`] and [`markdown`] only render it.
 
 mod axis_section;
 mod axis_units;
@@ -30,18 +30,18 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError};
 use fos_diagnose::study::{Study, Tool};
 
-/// Why there is no report.
+/// Failure to build a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The model cannot be compared with the log.
     #[error(transparent)]
     Compare(Box<CompareError>),
-    /// What is missing cannot be said.
+    /// The axis cannot be refined or diagnosed.
     #[error(transparent)]
     Refine(Box<RefineError>),
 }
 
-// boxed, as both carry names and paths: the way of a success is not to be as wide as that of an error
+// boxed, as both carry names and paths, which would enlarge the result of a success too
 impl From<CompareError> for ReportError {
     fn from(error: CompareError) -> Self {
         Self::Compare(Box::new(error))
@@ -54,42 +54,42 @@ impl From<RefineError> for ReportError {
     }
 }
 
-/// What a study says.
+/// Report on a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The program that wrote it.
+    /// Program that wrote the report.
     pub tool: Tool,
-    /// Where the model comes from, a line each.
+    /// Provenance of the model, a line each.
     pub provenance: Vec<String>,
-    /// The log where the model fails.
+    /// Log to explain.
     pub field: LogSummary,
-    /// A log in which nothing is missing; absent where none was given.
+    /// Reference log; none if not given.
     pub quiet: Option<LogSummary>,
-    /// The log that errors are of.
+    /// Evaluation log; none if not given.
     pub judged: Option<LogSummary>,
-    /// One for each axis that was examined.
+    /// One entry for each examined axis.
     pub axes: Vec<ReportAxis>,
-    /// The command lines that do the same.
+    /// Command lines that give the same results.
     pub commands: Vec<String>,
-    /// The settings of the fit, as in the study.
+    /// Settings of the fit, as in the study.
     pub settings: serde_json::Value,
 }
 
 /// An axis with its figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReportAxis {
-    /// What there is to say.
+    /// Findings on the axis.
     pub section: AxisSection,
-    /// Measured against predicted, and where it fails.
+    /// Figures of measured against predicted values, and of the places where the model fails.
     pub figures: Vec<Figure>,
 }
 
 impl Report {
-    /// Examines and diagnoses `columns` of a study. `progress` is told what is being done.
+    /// Examines and diagnoses `columns` of a study. `progress` gets a description of each step.
     ///
     /// # Errors
     ///
-    /// A column is missing, a log is too short.
+    /// A column is missing, or a log is too short.
     pub fn of(
         study: &Study,
         columns: &[String],
@@ -117,7 +117,7 @@ impl Report {
         Ok(Self::put_together(study, axes, logs, summaries))
     }
 
-    /// A report of axes that were examined before.
+    /// Builds a report from axes that were examined before.
     pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs, summaries: Summaries) -> Self {
         let Summaries { field, quiet, judged } = summaries;
         let refined =

@@ -1,4 +1,4 @@
-//! What a diagnosis offers to add: the physics in plain language, what it costs, what speaks for it.
+//! Effects that a diagnosis offers to add: the physics in plain language, cost and evidence.
 
 use fos_data::column::Column;
 use serde::Serialize;
@@ -13,52 +13,52 @@ use fos_diagnose::refine::{RefineError, Refiner};
 use fos_diagnose::study::Refinement;
 use fos_fit::cost::Cost;
 
-/// An effect that was found, to be added or not.
+/// Detected effect, offered for addition to the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Offer {
-    /// As in the library, as `thermal_lag`.
+    /// Identifier in the library, such as `thermal_lag`.
     pub effect: String,
-    /// Whether something of it can be taken off sample by sample.
+    /// True if the effect can be corrected sample by sample and the finding is conclusive.
     pub can_be_added: bool,
-    /// What to do instead.
+    /// Reason why the effect cannot be added, or the alternative; none if it can.
     pub why_not: Option<String>,
-    /// The physics.
+    /// Physics of the effect.
     pub card: Card,
-    /// What the model would cost more on the device.
+    /// Additional cost of the model on the device.
     pub cost: Option<Cost>,
-    /// What speaks for it.
+    /// Figure of the evidence.
     pub evidence: Option<Figure>,
 }
 
-/// An effect in plain language: texts of the library.
+/// Effect in plain language: texts of the library.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Card {
-    /// As in the library, as `thermal_lag`.
+    /// Identifier in the library, such as `thermal_lag`.
     pub id: String,
-    /// Name, as in a sentence.
+    /// Name as it stands in a sentence.
     pub name: String,
-    /// In block means, in single samples, in the data themselves, or as noise.
+    /// Band of the error: block means, single samples, the data themselves, or noise.
     pub band: Band,
-    /// What happens in the sensor.
+    /// Physical mechanism in the sensor.
     pub mechanism: String,
-    /// The error it makes.
+    /// Equation of the error.
     pub equation: String,
-    /// How large it is on phone-class parts.
+    /// Typical size on phone-class parts.
     pub typical_size: String,
-    /// Where that comes from.
+    /// Reference for the typical size.
     pub source: String,
-    /// Which experiment shows it.
+    /// Experiment that shows the effect.
     pub experiment: String,
-    /// What in a plot gives it away.
+    /// Signature in a plot.
     pub gives_away: String,
-    /// What it costs on the device, in words.
+    /// Cost of the correction on the device, in words.
     pub device: String,
 }
 
 impl Card {
-    /// Of an effect.
+    /// Copies the texts of an effect.
     pub fn of(effect: &Effect) -> Self {
         Self {
             id: effect.id.clone(),
@@ -75,7 +75,8 @@ impl Card {
     }
 }
 
-/// One offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the diagnosis.
+/// Returns one offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the
+/// diagnosis.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! A report as a page, and as Markdown. Nothing is computed here.
+//! Renders a report as HTML and as Markdown. Nothing is computed here.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::figures::Figure;
 use crate::unaided::{LEGEND, UnaidedRow};
 use crate::units::{ShownUnit, Units, three};
 
-/// One file that needs nothing else: styles and figures are in it.
+/// Renders the report as one file that contains its styles and figures.
 ///
 /// # Errors
 ///
@@ -35,11 +35,11 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
     Ok(template.render(context! { report => Serde(report), axes, style => style() })?)
 }
 
-/// The same numbers as text; figures are those of `fos compare --figures`.
+/// Renders the same numbers as Markdown; the figures are those of `fos compare --figures`.
 ///
 /// # Errors
 ///
-/// None that a report can cause.
+/// The template fails, which no report causes.
 pub fn markdown(report: &Report) -> Result<String, RenderError> {
     let mut environment = markdown_environment()?;
     add_unit_filters(&mut environment);
@@ -51,7 +51,7 @@ pub fn markdown(report: &Report) -> Result<String, RenderError> {
     Ok(template.render(context! { report => Serde(report), axes })?)
 }
 
-/// The numbers of an axis with the units that people read them in.
+/// Numbers of an axis, with their units for people.
 fn numbers(section: &AxisSection) -> Value {
     let AxisUnits { measured, errors, sizes, .. } = AxisUnits::of(section);
     let sizes: BTreeMap<String, ShownUnit> =
@@ -68,7 +68,7 @@ fn numbers(section: &AxisSection) -> Value {
     }
 }
 
-/// Filters that show a value in SI, or the root of its square, in the unit that is their argument, without its label.
+/// Adds filters that show a value in SI, or the root of its square, in the unit given as argument, without its label.
 fn add_unit_filters(environment: &mut Environment<'_>) {
     let shown = |value: Option<f64>, unit: &Value| -> Result<String, Error> {
         let divisor = f64::try_from(unit.get_attr("divisor")?)?;
@@ -80,7 +80,7 @@ fn add_unit_filters(environment: &mut Environment<'_>) {
     });
 }
 
-/// For Markdown: text is escaped.
+/// Returns the environment for Markdown, which escapes text.
 pub(crate) fn markdown_environment() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Custom("markdown".into()))?;
     environment.set_formatter(|out, _, value| match value.as_str() {

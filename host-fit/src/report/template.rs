@@ -1,4 +1,4 @@
-//! What the templates of reports have in common: how they are read, how numbers and figures stand in them.
+//! Common parts of the templates of reports: environment, format of numbers and figures.
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Error, Value, context, escape_formatter};
@@ -8,18 +8,18 @@ use fos_data::text::{number, rounded};
 use fos_data::visible::visible_lines;
 use fos_diagnose::detect::rms_reduction;
 
-/// Why a report cannot be written.
+/// Failure to render a report.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// A figure cannot be drawn.
     #[error(transparent)]
     Figure(#[from] crate::figures::FigureError),
-    /// The template.
+    /// The template is invalid or fails.
     #[error("the report cannot be rendered: {0}")]
     Template(#[from] Error),
 }
 
-/// For pages: what is not markup is escaped.
+/// Returns the environment for HTML, which escapes everything but markup.
 pub(crate) fn of_pages() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Html)?;
     environment.set_formatter(|out, state, value| match value.as_str() {
@@ -29,13 +29,13 @@ pub(crate) fn of_pages() -> Result<Environment<'static>, Error> {
     Ok(environment)
 }
 
-/// A figure as a template takes it: picture and title.
+/// Returns a figure for a template: picture and title.
 pub(super) fn drawn(figure: &Figure) -> Result<Value, RenderError> {
     let picture = svg(figure)?;
     Ok(context! { title => figure.title.as_str(), svg => Value::from_safe_string(picture) })
 }
 
-/// How every page looks.
+/// Style sheet of every page.
 pub(crate) fn style() -> Value {
     Value::from_safe_string(include_str!("report.css").to_owned())
 }

@@ -1,4 +1,4 @@
-//! What is asked and answered. Every answer is JSON, in the same form as that of `--json` on the command line.
+//! Requests and answers. Every answer is JSON, in the same form as that of `--json` on the command line.
 
 use fos_data::column::Column;
 use std::convert::Infallible;
@@ -36,10 +36,10 @@ use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of
 use fos_fit::model::UnitModel;
 use fos_fit::noise::AxisNoise;
 
-/// Bytes of a dropped file, at most: a day of six axes at 200 Hz as text.
+/// Largest size of a dropped file, bytes: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
 
-/// An answer that could not be given.
+/// Error answer: status and message.
 pub(super) struct Refused(StatusCode, String);
 
 impl IntoResponse for Refused {
@@ -66,7 +66,7 @@ pub(super) fn wrong(what: impl ToString) -> Refused {
     Refused(StatusCode::UNPROCESSABLE_ENTITY, what.to_string())
 }
 
-/// Does what takes a while beside the requests of others.
+/// Runs slow work on a thread for blocking work, so that other requests do not wait.
 pub(super) async fn beside<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
 ) -> Result<T, Refused> {
@@ -80,7 +80,7 @@ pub(super) async fn studies(State(desk): State<Arc<Desk>>) -> Json<Vec<Entry>> {
     Json(desk.entries())
 }
 
-/// What a new study is of.
+/// Request for a new study: the example, or logs.
 #[derive(Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[cfg_attr(test, ts(optional_fields = nullable))]
@@ -107,7 +107,7 @@ pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wante
 }
 
 impl Wanted {
-    /// The logs, if they may be read; their columns and rate replace those of `read`.
+    /// Returns the logs if they may be read; their columns and rate replace those of `read`.
     fn files(self, desk: &Desk, read: LoadOptions) -> Result<LogFiles, Refused> {
         let Self { field, quiet, judged, columns, rate_hz, .. } = self;
         let field = field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
@@ -209,11 +209,11 @@ pub(super) async fn undo(
     Ok(Json(json!({})))
 }
 
-/// What becomes of the rows in which the unit was moved.
+/// Treatment of the rows with detected motion.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Motion {
-    /// They count as any others.
+    /// True to use them like any other rows.
     keep: bool,
 }
 
@@ -227,7 +227,7 @@ pub(super) async fn keep_moved(
     Ok(Json(json!({})))
 }
 
-/// Which part of a time series.
+/// Window of a time series.
 #[derive(Deserialize)]
 pub(super) struct Window {
     axis: String,
@@ -281,7 +281,7 @@ pub(super) async fn series(
     Ok(Json(drawn.await?))
 }
 
-/// Which axis, and which stretch of it; all of it if none is named.
+/// Axis, and a stretch of it from `from` to `to`, s; the whole log without them.
 #[derive(Deserialize)]
 pub(super) struct Stretch {
     axis: String,
@@ -289,7 +289,7 @@ pub(super) struct Stretch {
     to: Option<f64>,
 }
 
-/// A figure, by what the page looks for it by: `residual`, `against:temp_c`.
+/// Figure with the name by which the page finds it: `residual`, `against:temp_c`.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct NamedFigure {
@@ -340,7 +340,7 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     Ok(figures.into_iter().map(|(name, figure)| NamedFigure { name, figure }).collect())
 }
 
-/// Of which axis the noise is asked, and in which units its legend states N, B and K.
+/// Axis whose noise is requested, and units of N, B and K in the legend.
 #[derive(Deserialize)]
 pub(super) struct NoiseOf {
     axis: String,
@@ -348,7 +348,7 @@ pub(super) struct NoiseOf {
     units: Units,
 }
 
-/// Allan deviation with N, B and K, as `fos noise` draws it; none where the log is too short.
+/// Draws the Allan deviation with N, B and K like `fos noise`; none where the log is too short.
 pub(super) async fn noise(
     State(desk): State<Arc<Desk>>,
     Path(id): Path<u64>,
@@ -370,7 +370,7 @@ pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused
     Ok(([(header::CONTENT_TYPE, "image/svg+xml")], drawn).into_response())
 }
 
-/// Fewest samples of a stretch that statistics are made of.
+/// Smallest number of samples of a stretch for statistics.
 const SHORTEST: usize = 64;
 
 pub(super) async fn export(
@@ -404,7 +404,7 @@ fn exported(study: &Study, format: &str) -> Result<Response, Refused> {
     Ok((headers, Body::from(content)).into_response())
 }
 
-/// The report of the axes that are known by now.
+/// Returns the report on the axes that have been examined.
 fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Refused> {
     let read = study.read().map_err(not_now)?;
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
@@ -417,11 +417,11 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
     Ok(Report::put_together(file, axes.collect(), &read.logs, read.summaries.clone()))
 }
 
-/// Whether the device takes what is exported.
+/// Acceptance of the exported model by the hubs.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Hubs {
-    /// Which hub refuses the model, and what to do, in the words of the command line; none if all take it.
+    /// Refusal of a hub and its remedy, in the words of the command line; none if all hubs accept the model.
     pub(super) refusal: Option<String>,
 }
 
@@ -436,16 +436,16 @@ pub(super) async fn hubs(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> 
     Ok(Json(beside(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await?))
 }
 
-/// What the exported image does on the log that errors are of.
+/// Result of running the exported image over the evaluation log, or over the log to explain if there is none.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Replayed {
     /// Path of the log.
     log: String,
     summary: Summary,
-    /// The command line that says the same.
+    /// Command line with the same result.
     command: String,
-    /// Size of the image.
+    /// Size of the image, bytes.
     bytes: usize,
 }
 
@@ -492,7 +492,7 @@ pub(super) struct Named {
     name: String,
 }
 
-/// Takes a dropped file as it comes, beside its place; only a whole one is put there.
+/// Streams a dropped file into a temporary file next to its destination; only a complete file is moved there.
 pub(super) async fn upload(
     State(desk): State<Arc<Desk>>,
     Query(named): Query<Named>,

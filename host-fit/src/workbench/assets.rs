@@ -5,17 +5,17 @@ use axum::http::{StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use rust_embed::RustEmbed;
 
-/// Everything that the page consists of.
+/// Files of the page.
 #[derive(RustEmbed)]
 #[folder = "src/workbench/page"]
 struct Page;
 
-/// A file of the page; anything else is not found, whatever dots are in its name.
+/// Answers with a file of the page; other paths are not found, including those with dots.
 pub(super) async fn asset(uri: Uri) -> Response {
     let name = uri.path().trim_start_matches('/');
     let name = if name.is_empty() { "index.html" } else { name };
     match Page::get(name) {
-        // always asked for again: another version of the program may answer at the same address
+        // never used from a cache unchecked: another version of the program may answer at the same address
         Some(file) => {
             let headers = [(header::CONTENT_TYPE, kind(name)), (header::CACHE_CONTROL, "no-cache")];
             (headers, Body::from(file.data)).into_response()

@@ -1,4 +1,4 @@
-//! All studies that are open.
+//! Open studies.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,13 +16,13 @@ use fos_data::recording::LoadOptions;
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
 
-/// Studies that are open at once, at most: each keeps its logs in memory.
+/// Largest number of open studies: each keeps its logs in memory.
 const MOST: usize = 12;
 
-/// Largest file of a stored study, bytes; those of six axes with several effects have 300 kB.
+/// Largest size of a stored study, bytes; those of six axes with several effects have 300 kB.
 const LARGEST_STUDY: u64 = 32 << 20;
 
-/// All studies, and what they share.
+/// Open studies, with their common folders and library.
 pub(super) struct Desk {
     pub(super) folders: Folders,
     pub(super) library: Arc<Library>,
@@ -31,12 +31,12 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    /// With the studies that a server before this one stored. A stored study reads its logs when it is shown first; one that
-    /// cannot be used shows the reason.
+    /// Restores the studies that an earlier server stored. A stored study reads its logs when it is first shown; one
+    /// that cannot be used shows the reason.
     ///
     /// # Errors
     ///
-    /// The folder of stored studies cannot be made or read.
+    /// The folder of stored studies cannot be created or read.
     pub(super) fn new(folders: Folders, library: Library) -> Result<Self, FileError> {
         let library = Arc::new(library);
         let (stored, next) = folders.stored_studies()?;
@@ -73,7 +73,7 @@ impl Desk {
     ///
     /// Too many are open, or the stored one cannot be renamed.
     pub(super) fn open_or_resume(&self, files: LogFiles) -> Result<u64, String> {
-        // no study remembers how strictly its logs were read
+        // a stored study does not record how strictly its logs were read
         let as_stored =
             LogFiles { read: LoadOptions { strict: false, ..files.read.clone() }, ..files.clone() };
         let mut studies = self.lock();
@@ -91,7 +91,7 @@ impl Desk {
         Ok(id)
     }
 
-    /// A study; one that was stored begins to read its logs.
+    /// Returns a study; a stored one begins to read its logs.
     pub(super) fn study(&self, id: u64) -> Result<Arc<Study>, String> {
         let study = self.lock().get(&id).cloned().ok_or_else(|| not_open(id))?;
         study.begin();

@@ -1,5 +1,5 @@
-//! The built-in example: three logs of a simulated unit with hidden effects, written as files so that the command lines
-//! that are shown can be used.
+//! The built-in example: three logs of a simulated device with hidden effects, written as files so that the command
+//! lines on the page can be used.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Which files may be opened: logs and populations below the folders that were named at start, and what was dropped on the page.
+//! Files that may be opened: logs and populations below the folders named at start, and files dropped on the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,16 @@ use fos_data::file::{FileError, make_folder};
 use fos_data::recording::may_be_log;
 use fos_fleet::rows_beside;
 
-/// Folders are listed so deep.
+/// Largest depth of listed folders.
 const DEEPEST: usize = 3;
 
 /// Folder of stored studies within the own one.
 const STUDIES: &str = "studies";
 
-/// So many logs are listed at most.
+/// Largest number of listed logs.
 const LISTED: usize = 500;
 
-/// Where logs are read from, and where dropped files and the example are written.
+/// Folders that logs are read from, and the one that dropped files and the example are written to.
 #[derive(Debug, Clone)]
 pub struct Folders {
     readable: Vec<PathBuf>,
@@ -29,18 +29,17 @@ pub struct Folders {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Listed {
-    /// As it is opened.
+    /// Path by which the log is opened.
     pub(super) path: String,
-    /// Size.
     bytes: u64,
 }
 
 impl Folders {
-    /// `readable` are named by the user; `own` is made if it is not there.
+    /// Takes the folders `readable`, named by the user, and `own`, which is created if it does not exist.
     ///
     /// # Errors
     ///
-    /// A folder is not there, or the own one cannot be made.
+    /// A folder does not exist, or the own one cannot be created.
     pub fn new(readable: &[PathBuf], own: &Path) -> Result<Self, FileError> {
         make_folder(own)?;
         let mut all: Vec<PathBuf> = Vec::new();
@@ -53,11 +52,11 @@ impl Folders {
         Ok(Self { readable: all, own: own.to_owned() })
     }
 
-    /// The file of this path, if it may be read: what links and dots lead to counts.
+    /// Returns the file of this path if it may be read; links and dots are resolved before the check.
     ///
     /// # Errors
     ///
-    /// It lies elsewhere, or is not there.
+    /// The file lies outside the folders, or does not exist.
     pub(super) fn permitted(&self, path: &str) -> Result<PathBuf, String> {
         let elsewhere = || {
             let folders: Vec<String> =
@@ -71,23 +70,23 @@ impl Folders {
         if !self.readable.iter().any(|folder| found.starts_with(folder)) || !found.is_file() {
             return Err(elsewhere());
         }
-        // as it was given, so that the command lines that are shown can be used as they are
+        // unchanged, so that the command lines on the page can be used as they are
         Ok(PathBuf::from(path))
     }
 
-    /// Logs that may be opened, by their endings.
+    /// Lists the logs that may be opened, by their extensions.
     pub(super) fn logs(&self) -> Vec<Listed> {
         self.listed(&|path| path.file_name().is_some_and(|name| may_be_log(&name.to_string_lossy())))
     }
 
-    /// Logs of that name, folders before it included, whatever its ending: `2026-W9/013`.
+    /// Lists the logs of that name with any extension; the name may include folders: `2026-W9/013`.
     pub(super) fn logs_named(&self, name: &str) -> Vec<Listed> {
         let mut logs = self.listed(&|path| path.with_extension("").ends_with(name));
         logs.retain(|log| may_be_log(&log.path));
         logs
     }
 
-    /// Populations that may be opened: those beside which their rows lie.
+    /// Lists the populations that may be opened: files whose rows lie next to them.
     pub(super) fn populations(&self) -> Vec<Listed> {
         self.listed(&|path| rows_beside(path).is_file())
     }
@@ -106,12 +105,12 @@ impl Folders {
         found
     }
 
-    /// Where a dropped file of this name may go, the first that is free when it has arrived; only the last part of the
-    /// name counts.
+    /// Returns the paths for a dropped file of this name, of which the first that is free on arrival is used. Only the
+    /// last part of the name counts.
     ///
     /// # Errors
     ///
-    /// The name is none, or its folder cannot be made.
+    /// The name is not a file name, or the folder cannot be created.
     pub(super) fn for_upload(
         &self,
         name: &str,
@@ -126,16 +125,16 @@ impl Folders {
         }
         let folder = self.own.join("dropped");
         make_folder(&folder).map_err(|error| error.to_string())?;
-        // a file of that name that is there already may be what a study was made of
+        // an existing file of that name may be the log of a study
         let names = (1..).map(move |n| if n == 1 { plain.clone() } else { format!("{n}_{plain}") });
         Ok(names.map(move |name| folder.join(name)))
     }
 
-    /// Files of the stored studies with their numbers, and the number that a next study may have.
+    /// Returns the files of the stored studies with their numbers, and the number of the next study.
     ///
     /// # Errors
     ///
-    /// Their folder cannot be made or read.
+    /// The folder cannot be created or read.
     pub(super) fn stored_studies(&self) -> Result<(Vec<(u64, PathBuf)>, u64), FileError> {
         let folder = self.own.join(STUDIES);
         make_folder(&folder)?;

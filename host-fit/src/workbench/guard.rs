@@ -1,9 +1,9 @@
-//! Who may ask: the workbench's own page in a browser on this machine, and nobody else.
+//! Access control: only the workbench's own page in a browser on this machine may send requests.
 //!
-//! The danger is not the network, as the server listens on loopback only, but another page in the same browser. It is
-//! kept out three times: by the name that the browser thinks it talks to (a foreign name that resolves to this machine,
-//! "DNS rebinding"), by the origin of the page that asks, and by a header that a foreign page cannot send without
-//! asking first, which is never answered.
+//! The danger is not the network, as the server listens on loopback only, but another page in the same browser. Three
+//! checks reject it: the host name of the request (a foreign name that resolves to this machine, "DNS rebinding"), the
+//! origin of the page, and a header that a foreign page cannot send without a preflight request, which is never
+//! answered.
 
 use std::net::IpAddr;
 
@@ -12,15 +12,15 @@ use axum::http::{HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-/// The header that every request which changes something must carry.
+/// Header that every request for a change must carry.
 pub(super) const OWN_HEADER: &str = "x-fos-workbench";
 
-/// The names that the workbench goes by: host and port as in an address.
+/// Names of the workbench: host and port as in an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Names(Vec<String>);
 
 impl Names {
-    /// For a server at this address; where others may reach it, by the address they use.
+    /// Names of a server at this address; if other machines can reach it, also the address they use.
     pub(super) fn of(ip: IpAddr, port: u16) -> Self {
         let mut names =
             vec![format!("127.0.0.1:{port}"), format!("localhost:{port}"), format!("[::1]:{port}")];
@@ -37,7 +37,7 @@ impl Names {
         self.0.iter().any(|name| name.eq_ignore_ascii_case(host))
     }
 
-    /// Why a request is refused, if it is.
+    /// Returns the reason why a request is refused; none if it is not.
     fn refuse(&self, request: &Request) -> Option<&'static str> {
         let text = |name: &str| request.headers().get(name).map(|value| value.to_str().unwrap_or_default());
         if !text("host").is_some_and(|host| self.contain(host)) {
@@ -48,8 +48,8 @@ impl Names {
         {
             return Some("asked by a foreign page");
         }
-        // browsers say from where a page asks, also where they send no origin; a link there may open the workbench, but
-        // not read from it
+        // browsers report the site of the requesting page even without an origin; a link there may open the workbench,
+        // but not read from it
         let opens = text("sec-fetch-mode") == Some("navigate") && !request.uri().path().starts_with("/api/");
         if matches!(text("sec-fetch-site"), Some("cross-site" | "same-site")) && !opens {
             return Some("asked by a foreign page");
@@ -62,7 +62,7 @@ impl Names {
     }
 }
 
-/// Lets a request pass, or refuses it; what is answered is kept to itself.
+/// Lets a request pass or refuses it, and protects the response with [`HEADERS`].
 pub(super) async fn guard(State(names): State<Names>, request: Request, next: Next) -> Response {
     let mut response = match names.refuse(&request) {
         Some(why) => (StatusCode::FORBIDDEN, axum::Json(serde_json::json!({ "error": why }))).into_response(),
@@ -75,7 +75,8 @@ pub(super) async fn guard(State(names): State<Names>, request: Request, next: Ne
     response
 }
 
-/// What the browser is told to hold the page to: nothing from elsewhere, in no frame, no guessing of types.
+/// Headers that restrict the browser: no content from elsewhere, no embedding in frames, no guessing of types, no
+/// caching.
 const HEADERS: [(&str, &str); 7] = [
     (
         "content-security-policy",

@@ -1,28 +1,28 @@
-//! What a job is doing, and how far it is.
+//! Description and progress of a job.
 
 use serde::Serialize;
 
-/// What a job is doing.
+/// Description and progress of a job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Job {
-    /// As in `fitting gyro x`.
+    /// Description, such as `fitting gyro x`.
     what: String,
-    /// Steps done.
+    /// Number of steps done; none where it is unknown.
     done: Option<usize>,
-    /// Steps in all; none where that is not known.
+    /// Total number of steps; none where it is unknown.
     of: Option<usize>,
-    /// Somebody waits for it, or for what comes after it: what else could be asked for should wait for the answer.
+    /// True if a user waits for the job, or for a later one: other requests should wait for the answer.
     pub(super) asked_for: bool,
 }
 
 impl Job {
-    /// Work of unknown length.
+    /// Job of unknown length.
     pub(super) fn new(what: impl Into<String>, asked_for: bool) -> Self {
         Self { what: what.into(), done: None, of: None, asked_for }
     }
 
-    /// A step of several that somebody waits for.
+    /// One of several steps that a user waits for.
     pub(super) fn step(what: impl Into<String>, done: usize, of: usize) -> Self {
         Self { what: what.into(), done: Some(done), of: Some(of), asked_for: true }
     }

@@ -1,5 +1,4 @@
-//! What is known of a study: its logs, its axes as far as they are computed; what a task sees of it, and what it
-//! changes.
+//! Results of a study: its logs, and its axes as far as they are computed; input and output of a task.
 
 use std::sync::Arc;
 
@@ -13,26 +12,27 @@ use fos_diagnose::study::{Refinement, Study};
 pub(super) struct Read {
     pub(super) logs: Logs,
     pub(super) summaries: Summaries,
-    /// The axes that the log to explain has.
+    /// Axes of the log to explain.
     pub(super) axes: Vec<String>,
-    /// The study that the logs were stored with.
+    /// Study that the logs were stored with.
     pub(super) stored: Option<Arc<Study>>,
 }
 
-/// An axis as far as it is known.
+/// Results for an axis so far.
 #[derive(Clone)]
 pub(super) struct KnownAxis {
-    /// The axis alone, as it was fitted.
+    /// Study of the axis alone, as fitted.
     pub(super) fitted: Option<Arc<Study>>,
-    /// Why the axis has no model, comparison or diagnosis: not tried again unless somebody looks at the axis.
+    /// Reason why the axis has no model, comparison or diagnosis: not tried again unless a user opens the axis.
     pub(super) failure: Option<String>,
     pub(super) refinement: Option<Refinement>,
     pub(super) examination: Option<Arc<Examination>>,
-    /// It is of the model as it is; otherwise of the one before, whose picture stays until there is another.
+    /// True if `examination` is of the present model; otherwise it is of the one before, shown until the new one is
+    /// there.
     pub(super) examined: bool,
-    /// The model before any effect was added, while there are any.
+    /// Examination of the model before any effect was added, while there are any.
     pub(super) before: Option<Arc<Examination>>,
-    /// The diagnosis as it is without the other axes; that of the section also states a signal that axes share.
+    /// Diagnosis without the other axes; that of the section also states a signal that axes share.
     pub(super) alone: Option<Diagnosis>,
     pub(super) section: AxisSection,
 }
@@ -52,27 +52,27 @@ impl KnownAxis {
     }
 }
 
-/// What a task may look at: as it was when the task began.
+/// Input of a task: the state at its start.
 pub(super) struct Snapshot {
     pub(super) read: Option<Arc<Read>>,
     pub(super) axes: Vec<KnownAxis>,
 }
 
 impl Snapshot {
-    /// The logs.
+    /// Returns the logs.
     ///
     /// # Errors
     ///
-    /// They are not read.
+    /// The logs are not read.
     pub(super) fn read(&self) -> Result<&Read, String> {
         self.read.as_deref().ok_or_else(|| "the logs could not be read".to_owned())
     }
 
-    /// An axis that is fitted: the axis alone, and its refinement.
+    /// Returns a fitted axis: the study of the axis alone, and its refinement.
     ///
     /// # Errors
     ///
-    /// It is not fitted.
+    /// The axis is not fitted.
     pub(super) fn fitted(&self, column: &str) -> Result<(&Study, &Refinement), String> {
         let known = self.axes.iter().find(|axis| axis.section.column == column);
         known
@@ -81,22 +81,22 @@ impl Snapshot {
     }
 }
 
-/// What a task changes, once it is done.
+/// Output of a task.
 pub(super) enum Change {
-    /// The logs are there.
+    /// The logs were read.
     Read {
-        /// Logs, what is said of them, and their axes.
+        /// Logs with their summaries and axes.
         read: Box<Read>,
-        /// The axis to look at first.
+        /// Axis to open first.
         first: Option<String>,
     },
     /// The diagnoses of several axes, by column.
     Diagnoses(Vec<Diagnosis>),
-    /// What is known of an axis.
+    /// Results for an axis.
     Axis {
-        /// Its column, as `gx_rads`.
+        /// Column, such as `gx_rads`.
         column: String,
-        /// How it changes.
+        /// Function that updates the results.
         edit: Box<dyn FnOnce(&mut KnownAxis) + Send>,
     },
 }

@@ -2,23 +2,23 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `server` | which request goes where |
-//! | `guard` | who may ask: this page, from this machine |
-//! | `api` | what is asked and answered |
-//! | `populations` | the same of populations |
+//! | `server` | routes and connections |
+//! | `guard` | access control: this page, from this machine |
+//! | `api` | requests and answers |
+//! | `populations` | requests and answers on populations |
 //! | `assets` | the page, in the binary |
-//! | `desk` | all studies that are open |
+//! | `desk` | open studies |
 //! | `study` | one study and its thread |
-//! | `state` | what changes under its lock |
-//! | `known` | what is known of it; what a task sees, and what it changes |
+//! | `state` | its state, which changes under a lock |
+//! | `known` | its results; input and output of a task |
 //! | `standing` | the outcome for an axis and for a study |
-//! | `told` | what a page is told of it |
-//! | `queue` | what a study is to do, and what it is doing |
-//! | `task` | a piece of work that waits |
-//! | `tasks` | what is done for it |
-//! | `job` | progress of the work, and its end before time |
+//! | `told` | data of a study for the page |
+//! | `queue` | waiting tasks of a study, and the running one |
+//! | `task` | pieces of work on a study |
+//! | `tasks` | execution of tasks |
+//! | `job` | description and progress of a job |
 //! | `series` | a time series for display, true to its peaks |
-//! | `folders` | which files may be opened |
+//! | `folders` | files that may be opened |
 //! | `example` | the built-in example |
 
 mod api;

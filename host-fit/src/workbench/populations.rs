@@ -1,4 +1,4 @@
-//! What is asked and answered of a population: it is read anew for every question, and never changed.
+//! Requests and answers on populations, which are read again for every request and never changed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use fos_fleet::{Fleet, UnitRow, rows_beside};
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct PopulationPage {
     report: FleetReport,
-    /// In the order of parts and names.
+    /// Units in the order of parts and names.
     units: Vec<UnitEntry>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct UnitEntry {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct UnitPage {
     report: UnitReport,
-    /// Its log, as it is opened; none where it is not in a folder that may be read.
+    /// Path by which its log is opened; none if it is not in a folder that may be read.
     log: Option<String>,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct UnitWanted {
     unit: String,
 }
 
-/// The populations that may be opened.
+/// Lists the populations that may be opened.
 pub(super) async fn listed(State(desk): State<Arc<Desk>>) -> Answer<Vec<Listed>> {
     Ok(Json(beside(move || Ok(desk.folders.populations())).await?))
 }
@@ -89,7 +89,7 @@ pub(super) async fn unit(
     Ok(Json(read.await?))
 }
 
-/// A population and its rows, both in folders that may be read.
+/// Reads a population and its rows, both in folders that may be read.
 fn read(folders: &Folders, path: &str) -> Result<(Fleet, Vec<UnitRow>), Refused> {
     let population = folders.permitted(path).map_err(forbidden)?;
     let beside = rows_beside(&population);
@@ -99,7 +99,7 @@ fn read(folders: &Folders, path: &str) -> Result<(Fleet, Vec<UnitRow>), Refused>
     Fleet::read(&population).map_err(wrong)
 }
 
-/// The log that a row was made of: it has the unit's name, and the digest of the row.
+/// Finds the log of a row: it has the unit's name, and the digest of the row.
 fn log_of(row: &UnitRow, folders: &Folders) -> Option<String> {
     let mut logs = folders.logs_named(&row.unit).into_iter().map(|log| log.path);
     logs.find(|path| digest_of(Path::new(path)).is_some_and(|digest| digest == row.sha256))

@@ -1,4 +1,4 @@
-//! What a study is to do: one task at a time, those that somebody waits for before those that nobody does.
+//! Tasks of a study: one at a time, those that a user waits for before those in the background.
 
 use std::collections::VecDeque;
 
@@ -6,7 +6,7 @@ use super::job::Job;
 use super::task::Task;
 use fos_data::interrupt::StopRequest;
 
-/// The tasks of a study, in their order, and the one that is being done.
+/// Tasks of a study in their order, and the running one.
 #[derive(Default)]
 pub(super) struct Queue {
     waiting: VecDeque<Waiting>,
@@ -18,7 +18,7 @@ struct Waiting {
     asked_for: bool,
 }
 
-/// What is being done.
+/// Running task.
 struct Running {
     task: Task,
     asked_for: bool,
@@ -27,13 +27,13 @@ struct Running {
 }
 
 impl Queue {
-    /// Puts tasks that somebody waits for before those in the background.
+    /// Puts tasks that a user waits for before those in the background.
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         for task in tasks {
             if matches!(task, Task::Fit(_)) && self.is_running(&task) {
                 continue;
             }
-            // asked again: it is to see what comes before it now
+            // requested again: moved back, so that it sees the results of the tasks now before it
             self.waiting.retain(|waiting| waiting.task != task);
             let place =
                 self.waiting.iter().position(|waiting| !waiting.asked_for).unwrap_or(self.waiting.len());
@@ -41,7 +41,7 @@ impl Queue {
         }
     }
 
-    /// Adds tasks that nobody waits for; what waits already is not done twice.
+    /// Adds tasks in the background; tasks that already wait are not added twice.
     pub(super) fn ask_in_background(&mut self, tasks: impl IntoIterator<Item = Task>) {
         for task in tasks {
             if !self.is_running(&task) && self.waiting.iter().all(|waiting| waiting.task != task) {
@@ -54,12 +54,12 @@ impl Queue {
         self.running.as_ref().is_some_and(|running| running.task == *task && !running.stop.is_asked())
     }
 
-    /// True where somebody waits for the task that is being done.
+    /// Returns true if a user waits for the running task.
     pub(super) fn is_asked_for(&self) -> bool {
         self.running.as_ref().is_some_and(|running| running.asked_for)
     }
 
-    /// Begins the next task, if there is one; it ends early where `StopRequest` is asked.
+    /// Begins the next task, if there is one; it ends early if its `StopRequest` is set.
     pub(super) fn begin(&mut self) -> Option<(Task, StopRequest)> {
         let Waiting { task, asked_for } = self.waiting.pop_front()?;
         let stop = StopRequest::default();
@@ -68,7 +68,7 @@ impl Queue {
         Some((task, stop))
     }
 
-    /// How far the task is that is being done.
+    /// Updates the progress of the running task.
     pub(super) fn progress(&mut self, job: Job) {
         if let Some(running) = &mut self.running {
             running.job = job;
@@ -76,12 +76,12 @@ impl Queue {
         }
     }
 
-    /// The task that was begun has ended.
+    /// Removes the running task, which has ended.
     pub(super) fn end(&mut self) {
         self.running = None;
     }
 
-    /// Asks the running task to stop, and forgets what should come after it.
+    /// Requests the running task to stop, and drops all waiting ones.
     pub(super) fn stop(&mut self) {
         self.waiting.clear();
         if let Some(running) = &self.running {
@@ -89,13 +89,13 @@ impl Queue {
         }
     }
 
-    /// What was to come after a task that failed needs what it did not give; what is of other axes does not.
+    /// Drops the waiting tasks on the axis of a failed task, which need its result; those on other axes stay.
     pub(super) fn drop_after(&mut self, failed: &Task) {
         self.waiting.retain(|waiting| waiting.task.column() != failed.column());
     }
 
-    /// What is being done, or is next: between two tasks a study does not rest, or a page would offer what it then
-    /// refuses.
+    /// Returns the running job, or the next one: a study does not rest between two tasks, or a page would offer actions
+    /// that are then refused.
     pub(super) fn job(&self) -> Option<Job> {
         let running = self.running.as_ref().map(|running| running.job.clone());
         let next = || self.waiting.front().map(|waiting| waiting.task.job(waiting.asked_for));
@@ -191,7 +191,7 @@ mod tests {
         assert!(stop.is_asked());
         queue.end();
         assert_eq!(queue.job(), None);
-        // one that is being stopped gives nothing
+        // a task that is being stopped has no result
         queue.ask([fit("gx")]);
         queue.begin().unwrap();
         queue.stop();

@@ -1,4 +1,4 @@
-//! A time series for display: every sample where there is room, else the lowest and highest of each bucket of time.
+//! Time series for display: every sample where there is room, else minimum and maximum of each bucket of time.
 
 use std::borrow::Cow;
 
@@ -8,23 +8,23 @@ use fos_data::column::Column;
 use fos_data::recording::Recording;
 use fos_fit::evaluate::{AxisTrace, Trace};
 
-/// What is shown beside the measurements.
+/// Predictions that are shown with the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub(super) enum ViewKind {
-    /// Predictions from the sample before.
+    /// One-step predictions.
     OneStep,
-    /// Predictions from the model's own history, anew every 60 s.
+    /// Free run that restarts from measured history every 60 s.
     Coast,
-    /// The same in means.
+    /// Means of the same free run.
     Slow,
 }
 
-/// Channels that are drawn under the same time axis, where they are logged, and their names.
+/// Channels that are drawn below on the same time axis, where they are logged, and their names.
 const BESIDE: [(&str, &str); 2] = [("temp_c", "temperature"), ("supply_v", "supply voltage")];
 
-/// Most buckets that are given at once.
+/// Largest number of buckets in an answer.
 pub(super) const WIDEST: usize = 8192;
 
 /// A stretch of a time series.
@@ -33,28 +33,28 @@ pub(super) const WIDEST: usize = 8192;
 pub(super) struct Series {
     pub(super) from_s: f64,
     pub(super) to_s: f64,
-    /// Of the samples, or of the means.
+    /// Period of the samples or of the means, s.
     pub(super) period_s: f64,
-    /// Length of the means, s; none of samples.
+    /// Length of the means, s; none for samples.
     pub(super) mean_s: Option<f64>,
-    /// Every sample is there; else each entry is a bucket.
+    /// True if every sample is included; otherwise each entry is a bucket.
     pub(super) exact: bool,
-    /// Stamps, or middles of buckets, s.
+    /// Timestamps, or middles of buckets, s.
     pub(super) time_s: Vec<f64>,
-    /// As logged, less the reference where there is one.
+    /// Logged value, minus the reference where there is one.
     pub(super) measured: LowAndHigh,
-    /// Measured less what is left; none without a model.
+    /// Measured value minus residual; none without a model.
     pub(super) predicted: Option<LowAndHigh>,
-    /// What is left.
+    /// Residual; none without a model.
     pub(super) left: Option<LowAndHigh>,
-    /// The same two with the model before any effect was added; none where none was.
+    /// The same two with the model before any effect was added; none if no effect was added.
     pub(super) predicted_before: Option<LowAndHigh>,
     pub(super) left_before: Option<LowAndHigh>,
     /// Temperature and supply voltage, where they are logged.
     pub(super) beside: Vec<Beside>,
 }
 
-/// A channel that is drawn under the same time axis.
+/// Channel that is drawn below on the same time axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Beside {
@@ -64,8 +64,8 @@ pub(super) struct Beside {
     pub(super) values: LowAndHigh,
 }
 
-/// The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
-/// than a screen shows, half the size of what a browser has to read.
+/// Minimum and maximum of each bucket; `None` without values. An f32 has seven digits, more than a screen shows, and
+/// half the size for the browser to read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct LowAndHigh {
@@ -82,19 +82,19 @@ impl LowAndHigh {
     }
 }
 
-/// The values of an axis, row by row of the recording.
+/// Values of an axis, row by row of the recording.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) recording: &'a Recording,
     pub(super) measured: &'a [f64],
     pub(super) reference: Option<&'a [f64]>,
-    /// What is left, and which axis of it.
+    /// Trace of the present model, and the axis in it.
     pub(super) trace: Option<(&'a Trace, &'a AxisTrace)>,
-    /// The same with the model before any effect was added.
+    /// The same of the model before any effect was added.
     pub(super) before: Option<(&'a Trace, &'a AxisTrace)>,
 }
 
-/// How samples are joined.
+/// View, and length of its means.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joined {
     pub(super) kind: ViewKind,
@@ -109,7 +109,7 @@ impl Rows<'_> {
         self.measured[row] - self.reference.map_or(0.0, |reference| reference[row])
     }
 
-    /// The residual with a model.
+    /// Returns the residual with a model; NaN where it is unknown.
     fn left(of: OfAxis<'_>, row: usize, kind: ViewKind) -> f64 {
         let Some((trace, axis)) = of else { return f64::NAN };
         if !trace.rows.contains(&row) {
@@ -123,14 +123,14 @@ impl Rows<'_> {
     }
 }
 
-/// What there is of `rows` from `from_s` to `to_s`, in at most `width` entries.
+/// Returns the part of `rows` from `from_s` to `to_s`, in at most `width` entries and a break at each gap.
 pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, width: usize) -> Series {
     let width = width.clamp(2, WIDEST);
     let Joined { kind, mean_s } = joined;
     let period_s = rows.recording.rate.period_s;
     let beside: Vec<_> =
         BESIDE.iter().filter_map(|(column, _)| rows.recording.channel(column).ok()).collect();
-    // a copy of a whole channel for each window only where cells are missing
+    // copies a whole channel for each window only where cells are missing
     let held: Vec<Cow<'_, [f64]>> = beside
         .iter()
         .map(|channel| match channel.values.iter().any(|value| value.is_nan()) {
@@ -208,10 +208,10 @@ pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, wid
 /// Values of an entry: measured, residual, residual before any effect was added, and the channels beside.
 const VALUES: usize = 3 + BESIDE.len();
 
-/// With the predictions, which follow from the others.
+/// Number of drawn values: those of an entry, and the predictions that follow from them.
 const DRAWN: usize = VALUES + 2;
 
-/// The lowest and highest finite value of each; above one another where there is none.
+/// Minimum and maximum of the finite values of each; the minimum is above the maximum where there is none.
 type Bucket = [(f64, f64); DRAWN];
 
 const NOTHING: Bucket = [(f64::INFINITY, f64::NEG_INFINITY); DRAWN];
@@ -221,7 +221,7 @@ const NOTHING: Bucket = [(f64::INFINITY, f64::NEG_INFINITY); DRAWN];
 struct Entry {
     time_s: f64,
     values: [f64; VALUES],
-    /// Which piece of the recording it is in.
+    /// Index of the segment of the recording.
     segment: usize,
 }
 
@@ -238,7 +238,7 @@ impl Entry {
     }
 }
 
-/// Means over blocks of `per_entry` rows of each piece, of the values that are known.
+/// Returns the means of the known values over blocks of `per_entry` rows of each segment.
 fn entries(
     recording: &Recording,
     per_entry: usize,

@@ -1,4 +1,4 @@
-//! Which request goes where.
+//! Routes and connections of the server.
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -26,35 +26,35 @@ use fos_data::file::FileError;
 use fos_data::recording::LoadOptions;
 use fos_diagnose::effects::Library;
 
-/// Bytes of a request that is not a file.
+/// Largest size of a request that is not a file, bytes.
 const LARGEST_REQUEST: usize = 64 * 1024;
 
-/// Bytes of a figure that is to be drawn.
+/// Largest size of a figure to be drawn, bytes.
 const LARGEST_FIGURE: usize = 4 << 20;
 
-/// A request that does not go on for so long is given up, and its connection closed: whoever made it may be gone.
+/// Time without progress after which a request is dropped and its connection closed: the client may be gone.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Why the workbench cannot be opened.
+/// Failure to open the workbench.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// Nothing can listen there.
+    /// The server cannot listen at the address.
     #[error("cannot listen at {address}: {source}\nhelp: another --port, or --port 0 for any that is free")]
     Listen {
-        /// IP address and port that were asked for.
+        /// Requested IP address and port.
         address: SocketAddr,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The folder of stored studies cannot be used.
     #[error(transparent)]
     Stored(#[from] FileError),
-    /// The system does not say where it listens.
+    /// The operating system does not report the address of the listener.
     #[error("the server ended: {0}")]
     Serve(#[from] std::io::Error),
 }
 
-/// A workbench that listens.
+/// Listening workbench.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -66,7 +66,7 @@ impl Server {
     ///
     /// # Errors
     ///
-    /// The address is taken or not this machine's.
+    /// The address is in use or not this machine's, or the folder of stored studies cannot be used.
     pub async fn bind(ip: IpAddr, port: u16, folders: Folders, library: Library) -> Result<Self, ServeError> {
         let address = SocketAddr::new(ip, port);
         let failed = |source| ServeError::Listen { address, source };
@@ -75,16 +75,16 @@ impl Server {
         Ok(Self { listener, address, desk: Arc::new(Desk::new(folders, library)?) })
     }
 
-    /// Where it listens.
+    /// Returns the address of the listener.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Opens a study of these logs, as the page would; one that was stored resumes.
+    /// Opens a study of these logs, as the page would; a stored one resumes.
     ///
     /// # Errors
     ///
-    /// Too many studies are open.
+    /// Too many studies are open, or the stored one cannot be renamed.
     pub fn open(
         &self,
         field: String,
@@ -95,7 +95,7 @@ impl Server {
         self.desk.open_or_resume(LogFiles { field, quiet, judged, read })
     }
 
-    /// Answers until `end` comes.
+    /// Answers requests until `end` resolves.
     ///
     /// # Errors
     ///
@@ -110,7 +110,7 @@ impl Server {
         end: impl Future<Output = ()> + Send,
     ) -> Result<(), ServeError> {
         let router = router(self.desk, Names::of(self.address.ip(), self.address.port()), patience);
-        // streams of events never end by themselves: the end does not wait for them
+        // event streams never end by themselves: the end does not wait for them
         tokio::select! {
             () = serve(self.listener, router, patience) => Ok(()),
             () = end => Ok(()),
@@ -118,24 +118,24 @@ impl Server {
     }
 }
 
-/// Answers every connection. Not `axum::serve`, which waits for the head of a request for ever.
+/// Answers every connection. `axum::serve` is no choice: it waits for the head of a request without a time limit.
 async fn serve(listener: TcpListener, router: Router, patience: Duration) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(patience);
     loop {
         let Ok((connection, _)) = listener.accept().await else {
-            // it was gone again, or there are too many: others end meanwhile
+            // the connection is closed already, or there are too many: others end meanwhile
             tokio::time::sleep(Duration::from_millis(100)).await;
             continue;
         };
         let answered =
             http.serve_connection(TokioIo::new(connection), TowerToHyperService::new(router.clone()));
-        // how one ends is of no interest to the others
+        // the end of one connection does not concern the others
         tokio::spawn(async { drop(answered.await) });
     }
 }
 
-/// Gives up a request whose body does not go on.
+/// Drops a request whose body makes no progress.
 async fn impatient(State(patience): State<Duration>, request: Request, next: Next) -> Response {
     let request = request.map(|body| {
         let pieces = body.into_data_stream().timeout(patience);
@@ -171,7 +171,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/population/unit", get(populations::unit))
         .route("/api/preview", post(api::preview))
         .route("/api/effects", get(api::effects))
-        // before the limit of all others: a dropped file is large, and goes to the disk as it comes
+        // added before the limit of all others: a dropped file is large, and streamed to the disk
         .layer(DefaultBodyLimit::max(LARGEST_REQUEST))
         .route("/api/draw", post(api::draw).layer(DefaultBodyLimit::max(LARGEST_FIGURE)))
         .route("/api/uploads", post(api::upload).layer(DefaultBodyLimit::disable()))

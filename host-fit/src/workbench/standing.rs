@@ -1,5 +1,5 @@
-//! Standing of an axis and of a study: what the tab, the overview and the banner show. Green only where the log allowed
-//! the tests and whatever was added has paid.
+//! Standing of an axis and of a study, as shown by the tab, the overview and the banner. Green only if the log allowed
+//! the tests and every added effect has paid.
 
 use serde::Serialize;
 
@@ -30,20 +30,20 @@ pub(super) enum Outcome {
 pub(super) struct Standing {
     pub(super) outcome: Outcome,
     pub(super) sentence: String,
-    /// What to record so that the tests become possible.
+    /// Data to record so that the tests become possible.
     pub(super) record: Vec<String>,
 }
 
-/// A smaller reduction of an RMS on evaluation data is within its scatter, and nobody would notice it.
+/// Smallest relative reduction of an RMS on evaluation data that counts: less is within its scatter, and unnoticeable.
 const PAYS: f64 = 0.02;
 
-/// Growth of the RMS of the samples that is no rounding.
+/// Largest relative growth of the RMS of the samples that may be rounding.
 const GROWS: f64 = 1e-3;
 
-/// Needs of an effect that a longer rest would meet contain this; others need a column or a motion.
+/// Text by which needs that a longer rest would meet are recognised; other needs are a column or a motion.
 const AT_REST: &str = "at rest";
 
-/// True where an added effect reduces the error of its band by more than noise and leaves the samples no noisier.
+/// Returns true if an added effect reduces the error of its band by more than noise and leaves the samples no noisier.
 pub(super) fn pays(before: &RefinementStep, after: &RefinementStep) -> bool {
     let Some(added) = &after.added else { return true };
     let fell = 1.0 - (1.0 - added.measured_reduction).max(0.0).sqrt();
@@ -86,7 +86,7 @@ impl Standing {
     }
 }
 
-/// Effects that a sentence lists.
+/// Largest number of effects that a sentence lists.
 const LISTED: usize = 3;
 
 fn too_little_rest(diagnosis: &Diagnosis) -> String {
@@ -115,7 +115,7 @@ fn did_not_pay(steps: &[RefinementStep]) -> String {
     )
 }
 
-/// The worst standing of a study's axes; an all-clear only once every axis has one. None while nothing is known.
+/// Returns the worst outcome of a study's axes; an all-clear only once every axis has one. None while nothing is known.
 pub(super) fn worst(outcomes: impl IntoIterator<Item = Option<Outcome>>) -> Option<Outcome> {
     let outcomes: Vec<Option<Outcome>> = outcomes.into_iter().collect();
     let worst = outcomes.iter().copied().flatten().max()?;

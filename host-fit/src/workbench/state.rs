@@ -1,4 +1,4 @@
-//! The state of a study: what is known, what is asked for, what went wrong; it changes under one lock.
+//! State of a study: results, requested tasks, errors; it changes under one lock.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use super::queue::Queue;
 use super::standing::{Outcome, Standing, worst};
 use super::task::{LogFiles, Task};
 
-/// What is under the lock of a study.
+/// State under the lock of a study.
 #[derive(Default)]
 pub(super) struct State {
     pub(super) name: String,
     pub(super) revision: u64,
-    /// The logs that were asked for last, read or not; none of an example that is not written yet.
+    /// Logs that were requested last, read or not; none for an example that is not written yet.
     pub(super) files: Option<LogFiles>,
     pub(super) read: Option<Arc<Read>>,
     pub(super) axes: Vec<KnownAxis>,
@@ -30,7 +30,7 @@ impl State {
         })
     }
 
-    /// The tasks after which all is known of an axis.
+    /// Returns the tasks that complete the results of an axis.
     pub(super) fn missing_of(&self, column: &str) -> Vec<Task> {
         let Ok(axis) = self.known(column) else { return Vec::new() };
         let mut tasks = Vec::new();
@@ -46,13 +46,13 @@ impl State {
         tasks
     }
 
-    /// The axes that have no model and may get one.
+    /// Returns the axes that have no model and may get one.
     pub(super) fn unfitted(&self) -> impl Iterator<Item = &KnownAxis> {
         self.axes.iter().filter(|axis| axis.fitted.is_none() && axis.failure.is_none())
     }
 
-    /// Does these; then, in the background and again after a stop, fits the other axes, so that there is a whole model to
-    /// export, and diagnoses them.
+    /// Requests these tasks; then, in the background and again after a stop, fits of the other axes, so that there is a
+    /// complete model to export, and their diagnoses.
     pub(super) fn ask(&mut self, tasks: impl IntoIterator<Item = Task>) {
         self.queue.ask(tasks);
         let fits: Vec<Task> = self.unfitted().map(|axis| Task::Fit(axis.section.column.clone())).collect();
@@ -65,7 +65,7 @@ impl State {
         self.queue.ask_in_background(diagnoses);
     }
 
-    /// Outcome of the study: the worst of its axes.
+    /// Returns the outcome of the study: the worst of its axes.
     pub(super) fn outcome(&self) -> Option<Outcome> {
         worst(self.axes.iter().map(|axis| match (&axis.failure, &axis.section.diagnosis) {
             (Some(_), None) => Some(Outcome::NotEnoughData),
@@ -75,13 +75,13 @@ impl State {
         }))
     }
 
-    /// True once every axis is diagnosed that can be.
+    /// Returns true once every axis that can be diagnosed is.
     fn is_diagnosed(&self) -> bool {
         self.axes.iter().all(|axis| axis.failure.is_some() || axis.section.diagnosis.is_some())
     }
 
     pub(super) fn stopped(&mut self) {
-        // what was to come after it was taken off when the stop was asked for; what was asked since then stays
+        // later tasks were dropped when the stop was requested; tasks requested since then stay
         self.error = Some("stopped; what was computed before is still there".to_owned());
     }
 
@@ -97,19 +97,19 @@ impl State {
         }
     }
 
-    /// Compares the axes once all are diagnosed, and again when one of them has changed.
+    /// Requests the comparison of all axes once they are diagnosed, and again when one of them has changed.
     fn share_signal(&mut self) {
         if self.is_diagnosed() {
             self.queue.ask_in_background([Task::ShareSignal]);
         }
     }
 
-    /// Takes in what a task has changed.
+    /// Applies the output of a task.
     pub(super) fn apply(&mut self, change: Change) {
         match change {
             Change::Read { read, first } => {
                 self.axes = read.axes.iter().map(|column| KnownAxis::unknown(column)).collect();
-                // read anew, the same axis is looked at
+                // after another read, the same axis stays open
                 let before = self.looked_at.take().filter(|column| read.axes.contains(column));
                 self.looked_at = before.or(first);
                 self.files = Some(LogFiles::of(&read.logs));

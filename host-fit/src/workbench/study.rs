@@ -1,6 +1,6 @@
-//! One study and its thread, which takes one task after the other.
+//! One study and its thread, which runs one task after the other.
 //!
-//! What a task computes is published whole, under a new revision; one that fails or is stopped changes nothing.
+//! The output of a task is published as a whole, under a new revision; a task that fails or is stopped changes nothing.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -35,9 +35,9 @@ pub(super) struct Study {
     beat: watch::Sender<Beat>,
     begun: AtomicBool,
     library: Arc<Library>,
-    /// The file that the study is stored in, as it was written last.
+    /// File that the study is stored in, as it was last written.
     file: Mutex<FileVersion>,
-    /// What was run last: windows on one study ask for the same.
+    /// Last run of an image: several windows on a study request the same one.
     replayed: Mutex<Option<Replayed>>,
     noise: Mutex<Vec<NoiseOfAxis>>,
 }
@@ -45,22 +45,23 @@ pub(super) struct Study {
 /// N, B and K of an axis of a log.
 struct NoiseOfAxis {
     column: String,
-    /// The log is among these.
+    /// Logs, among them the one that the noise was computed from.
     read: Arc<Read>,
     /// None where the log is too short.
     noise: Option<AxisNoise>,
 }
 
-/// An image that was run over a log.
+/// Image that was run over a log.
 struct Replayed {
     image: Vec<u8>,
-    /// The log is among these.
+    /// Logs, among them the one that the image was run over.
     read: Arc<Read>,
     summary: Summary,
 }
 
 impl Study {
-    /// A study that will be stored in `file`. Its logs are read once it begins; without any it shows the reason.
+    /// Creates a study that will be stored in `file`. Its logs are read once it begins; if `open` is an error, it shows
+    /// the reason.
     pub(super) fn new(
         id: u64,
         name: String,
@@ -88,7 +89,7 @@ impl Study {
         })
     }
 
-    /// Begins to work, unless it did before.
+    /// Starts the thread, unless it was started before.
     pub(super) fn begin(self: &Arc<Self>) {
         if !self.begun.swap(true, Ordering::Relaxed) {
             let worker = Arc::clone(self);
@@ -101,7 +102,7 @@ impl Study {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes one task after the other until the study is closed.
+    /// Runs one task after the other until the study is closed.
     fn work(&self) {
         while let Some((task, stop)) = self.next() {
             let outcome = interruptible(&stop, || {
@@ -112,7 +113,7 @@ impl Study {
             let mut state = self.lock();
             state.queue.end();
             match outcome {
-                // asked to stop when it was done already
+                // the stop was requested after the task had finished
                 Ok(_) if stop.is_asked() => state.stopped(),
                 Ok(Ok(change)) => state.apply(change),
                 Ok(Err(reason)) => state.failed(&task, reason),
@@ -134,15 +135,15 @@ impl Study {
     /// Writes the study to its file, so that the next server shows it again.
     fn store(&self) -> Result<(), String> {
         let mut stored = match self.file() {
-            // a restored study replaces its file once it is as complete as that
+            // a restored study replaces its file only when it is as complete as the file
             Ok(stored) if self.is_complete() => stored,
             _ => return Ok(()),
         };
-        // those without an effect name the logs
+        // refinements without an effect record the logs
         let refinements = self.lock().axes.iter().filter_map(|axis| axis.refinement.clone()).collect();
         stored.refinements = refinements;
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        // closing deletes it
+        // closing deletes the file
         if self.lock().closed {
             return Ok(());
         }
@@ -151,14 +152,14 @@ impl Study {
         Ok(())
     }
 
-    /// False while axes of a restored study are still to be restored.
+    /// Returns false while axes of a restored study are still to be restored.
     fn is_complete(&self) -> bool {
         let state = self.lock();
         let is_restored = state.read.as_ref().is_some_and(|read| read.stored.is_some());
         !is_restored || state.unfitted().next().is_none()
     }
 
-    /// The next task, when there is one; none when the study is closed.
+    /// Waits for the next task; none once the study is closed.
     fn next(&self) -> Option<(Task, StopRequest)> {
         let mut state = self.lock();
         loop {
@@ -176,7 +177,7 @@ impl Study {
         }
     }
 
-    /// What a task may look at.
+    /// Returns the input of a task: the present state.
     fn snapshot(&self) -> Snapshot {
         let state = self.lock();
         Snapshot { read: state.read.clone(), axes: state.axes.clone() }
@@ -193,12 +194,12 @@ impl Study {
         self.tell(&state);
     }
 
-    /// Under the lock, so that what is told last is how it is.
+    /// Sends the status while the lock is held, so that the last one sent is current.
     fn tell(&self, state: &State) {
         self.beat.send_replace(Beat::of(state));
     }
 
-    /// Looks at an axis: what is not known of it is computed next.
+    /// Opens an axis: its missing results are computed next.
     ///
     /// # Errors
     ///
@@ -235,7 +236,7 @@ impl Study {
         self.refine_anew(column, Task::Undo { column: column.to_owned(), keep })
     }
 
-    /// A task that changes the model of an axis, then all that is said of it anew.
+    /// Requests a task that changes the model of an axis, then its examination and diagnosis.
     fn refine_anew(&self, column: &str, task: Task) -> Result<(), String> {
         let mut state = self.lock();
         if state.known(column)?.refinement.is_none() {
@@ -273,12 +274,12 @@ impl Study {
         self.wake.notify_one();
     }
 
-    /// The logs that were asked for last.
+    /// Returns the logs that were requested last.
     pub(super) fn files(&self) -> Option<LogFiles> {
         self.lock().files.clone()
     }
 
-    /// Ends what is being done, and what should come after it.
+    /// Stops the running task, and drops the waiting ones.
     pub(super) fn stop(&self) {
         let mut state = self.lock();
         state.queue.stop();
@@ -303,38 +304,39 @@ impl Study {
         }
     }
 
-    /// The beats from now on.
+    /// Subscribes to the status from now on.
     pub(super) fn beats(&self) -> watch::Receiver<Beat> {
         self.beat.subscribe()
     }
 
-    /// As it stands in the list of all studies.
+    /// Returns the entry in the list of all studies.
     pub(super) fn entry(&self) -> Entry {
         Entry::of(self.id, &self.lock(), self.begun.load(Ordering::Relaxed))
     }
 
-    /// All that a page shows of it.
+    /// Returns everything that a page shows of the study.
     pub(super) fn page(&self) -> Page {
         Page::of(self.id, &self.lock())
     }
 
-    /// The logs, once they are read.
+    /// Returns the logs, once they are read.
     pub(super) fn read(&self) -> Result<Arc<Read>, String> {
         self.lock().read.clone().ok_or_else(|| "the logs are being read\nhelp: wait a moment".to_owned())
     }
 
-    /// What is known of an axis.
+    /// Returns the results for an axis.
     pub(super) fn axis(&self, column: &str) -> Result<KnownAxis, String> {
         self.lock().known(column).cloned()
     }
 
-    /// What an image of this study does to the log that errors are of; computed once for each image.
+    /// Returns the summary of running an image of this study over the evaluation log, or over the log to explain if
+    /// there is none. The result for the last image is cached.
     ///
     /// # Errors
     ///
-    /// It cannot be run.
+    /// The logs are not read yet, or the image cannot be run.
     pub(super) fn replay(&self, image: Vec<u8>) -> Result<Summary, String> {
-        // who comes while it is computed waits here for the same answer
+        // concurrent requests wait here for the same answer
         let mut last = self.replayed.lock().unwrap_or_else(PoisonError::into_inner);
         let read = self.read()?;
         let is_same = |last: &&Replayed| last.image == image && Arc::ptr_eq(&last.read, &read);
@@ -369,11 +371,11 @@ impl Study {
         Ok(noise)
     }
 
-    /// The study as a file: all axes that are fitted, as they are refined.
+    /// Returns the study as a file: all fitted axes, as refined.
     ///
     /// # Errors
     ///
-    /// None is fitted yet.
+    /// No axis is fitted yet.
     pub(super) fn file(&self) -> Result<StudyFile, String> {
         let state = self.lock();
         let fitted = state.axes.iter().filter_map(|axis| axis.fitted.as_deref().cloned());
@@ -387,7 +389,7 @@ impl Study {
         Ok(file)
     }
 
-    /// The same, once every axis is fitted that can be: half a model is not given away.
+    /// Returns the study as a file once every axis that can be fitted is: an incomplete model is not exported.
     ///
     /// # Errors
     ///

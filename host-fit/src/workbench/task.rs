@@ -1,4 +1,4 @@
-//! A piece of work on one study, as it waits to be done.
+//! Pieces of work on one study.
 
 use std::sync::Arc;
 
@@ -18,29 +18,29 @@ pub(super) enum Task {
     Read(Open),
     /// Fit an axis.
     Fit(String),
-    /// Hold its model against the field log.
+    /// Compare its model with the log to explain.
     Examine(String),
-    /// Say what is missing from it.
+    /// Identify the effects missing from its model.
     Diagnose(String),
     /// Look for a slow signal that the diagnosed axes share.
     ShareSignal,
-    /// Add an effect to it.
+    /// Add an effect to an axis.
     Add {
-        /// Its column, as `gx_rads`.
+        /// Column, such as `gx_rads`.
         column: String,
-        /// Its identifier, as `thermal_lag`.
+        /// Identifier of the effect, such as `thermal_lag`.
         effect: String,
     },
-    /// Take effects back.
+    /// Remove the last effects of an axis.
     Undo {
-        /// Its column, as `gx_rads`.
+        /// Column, such as `gx_rads`.
         column: String,
-        /// So many are kept.
+        /// Number of effects that stay.
         keep: usize,
     },
 }
 
-/// Which logs a study is of.
+/// Logs that a study is opened with.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Open {
     /// The built-in example, written to this folder.
@@ -65,7 +65,7 @@ pub(super) struct LogFiles {
 }
 
 impl LogFiles {
-    /// Files of the logs that a study names.
+    /// Files of the logs of a stored study.
     fn of_stored(logs: &LogSources) -> Self {
         let path = |source: &Source| source.path.clone();
         Self {
@@ -88,7 +88,7 @@ impl LogFiles {
 }
 
 impl Open {
-    /// The logs; none of an example that is not written yet.
+    /// Returns the logs; none for an example that is not written yet.
     pub(super) fn files(&self) -> Option<LogFiles> {
         match self {
             Self::Example(_) => None,
@@ -109,7 +109,7 @@ impl Open {
 }
 
 impl Task {
-    /// The job of doing it.
+    /// Returns the job that describes the task.
     pub(super) fn job(&self, asked_for: bool) -> Job {
         let words = match self {
             Self::Read(Open::Example(_)) => "simulating the example".to_owned(),
@@ -126,12 +126,12 @@ impl Task {
         Job::new(words, asked_for)
     }
 
-    /// True of a task that gives an axis another model.
+    /// Returns true for a task that gives an axis another model.
     pub(super) fn changes_model(&self) -> bool {
         matches!(self, Self::Fit(_) | Self::Add { .. } | Self::Undo { .. })
     }
 
-    /// The axis that it is of; none if it is of all.
+    /// Returns the axis of the task; none for a task on all axes.
     pub(super) fn column(&self) -> Option<&str> {
         match self {
             Self::Read(_) | Self::ShareSignal => None,

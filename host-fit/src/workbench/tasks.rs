@@ -1,4 +1,4 @@
-//! What is done for a task: from what is known to what changes.
+//! Execution of tasks: from the results so far to a change of them.
 
 use fos_data::column::Column;
 use std::path::Path;
@@ -19,11 +19,11 @@ use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
 use fos_fit::fit::{FitOptions, fit_axis, rest};
 
-/// Does a task.
+/// Runs a task.
 ///
 /// # Errors
 ///
-/// In words, with what to do about it.
+/// The reason in words, with its remedy.
 pub(super) fn run(
     task: &Task,
     known: &Snapshot,
@@ -84,7 +84,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
 
 /// # Errors
 ///
-/// A log is another one than the study was made of.
+/// A log is not the one that the study was made of.
 fn refuse_other_logs(study: &Study, logs: &Logs) -> Result<(), String> {
     let Some(refinement) = study.refinements.first() else { return Ok(()) };
     let then = &refinement.logs;
@@ -160,13 +160,13 @@ fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change,
     }))
 }
 
-/// Diagnoses with the slow signal that their axes share, as for the log as a whole on the command line.
+/// Returns the diagnoses with the slow signal that their axes share, as the command line does for a whole log.
 fn share_signal(known: &Snapshot) -> Result<Change, String> {
     let diagnosed: Vec<(&Diagnosis, &KnownAxis)> =
         known.axes.iter().filter_map(|axis| Some((axis.alone.as_ref()?, axis))).collect();
     let answers = diagnosed.iter().map(|(alone, axis)| {
         let mut answer = (*alone).clone();
-        // what is in the model explains the axis too
+        // effects in the model explain the axis too
         let added = axis.refinement.iter().flat_map(Refinement::added).map(|added| added.finding.clone());
         answer.findings.extend(added);
         answer
@@ -195,11 +195,11 @@ fn undo(column: &str, keep: usize, known: &Snapshot) -> Result<Change, String> {
     Ok(refined_anew(study, kept))
 }
 
-/// An axis with another refinement: what was known of the model before no longer holds.
+/// Changes the refinement of an axis, and drops the results for the model before.
 fn refined_anew(study: &Study, refinement: Refinement) -> Change {
     let section = AxisSection::of(study, &refinement);
     change(&refinement.column.clone(), move |axis| {
-        // the picture of the model before stays until the new one is there
+        // the figure of the model before stays until the new one is there
         let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
         let is_refined = refinement.added().next().is_some();
         axis.before = match axis.before.take().filter(|_| is_refined) {

@@ -1,4 +1,4 @@
-//! The server as a browser, and as a foreign page, meets it.
+//! Tests of the server with requests of a browser on its own page, and of foreign pages.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::Path;
@@ -24,7 +24,7 @@ use fos_simulate::{Simulation, simulate};
 
 const PORT: u16 = 4180;
 
-/// A workbench over a folder of its own.
+/// Workbench in a folder of its own.
 struct Bench {
     folder: tempfile::TempDir,
     desk: Arc<Desk>,
@@ -68,8 +68,8 @@ impl Bench {
         read(self.ask(request.body(Body::from(body.to_string())).unwrap()).await).await
     }
 
-    /// Waits, as a page does, until a study rests: it must not between two tasks, or all that follows here is not
-    /// there. Its state.
+    /// Waits, as a page does, until a study rests, and returns its state. A study must not rest between two tasks, or
+    /// the results that tests need are missing.
     async fn settled(&self, id: u64) -> Value {
         let began = Instant::now();
         loop {
@@ -83,7 +83,7 @@ impl Bench {
     }
 }
 
-/// A request as the workbench's own page makes it.
+/// Request as the workbench's own page sends it.
 fn page(method: &str, path: &str) -> axum::http::request::Builder {
     Request::builder()
         .method(method)
@@ -99,7 +99,7 @@ async fn read(response: Response) -> (StatusCode, Value) {
     (status, serde_json::from_slice(&bytes).unwrap_or(Value::Null))
 }
 
-/// A short log of a simulated unit.
+/// Short log of a simulated device.
 fn write_log(path: &Path, minutes: f64) {
     let log = simulate(&Simulation { duration_s: 60.0 * minutes, ..Simulation::default() });
     let mut columns: Vec<(&str, &[f64])> =
@@ -110,7 +110,7 @@ fn write_log(path: &Path, minutes: f64) {
     write_columns(path, &columns).unwrap();
 }
 
-/// A name, of a log or a column, that would run in a page that takes it at its word.
+/// Name of a log or a column that would run as a script in a page that does not escape it.
 const HOSTILE: &str = "<img src=x onerror=alert(1)>";
 
 #[tokio::test]
@@ -241,7 +241,7 @@ async fn two_files_of_one_name_that_arrive_at_once_are_both_kept() {
     assert_eq!(std::fs::read_dir(Path::new(&paths[0]).parent().unwrap()).unwrap().count(), 2);
 }
 
-/// A browser that was cut off in the middle of a request kept its connection for ever.
+/// Regression: a browser that disconnected in the middle of a request kept its connection for ever.
 #[tokio::test]
 async fn a_request_that_does_not_go_on_is_given_up() {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -440,7 +440,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     assert!(commands[0].as_str().unwrap().starts_with("fos fit "), "{commands}");
 }
 
-/// When the unit of a log is knocked, s: among the rows that are fitted, and among those that are judged.
+/// Times of the knocks on the device, s: one among the fitted rows, one among the evaluated rows.
 const KNOCKS_S: [f64; 2] = [30.0, 105.0];
 
 /// A log of three axes, two minutes at rest, with knocks.
@@ -462,7 +462,7 @@ fn write_knocked_log(path: &Path) {
     write_columns(path, &columns).unwrap();
 }
 
-/// What a figure or a report calls where the unit was moved.
+/// Text for detected motion in figures and reports.
 const MOVED: &str = "excluded: detected motion";
 
 #[tokio::test]
@@ -547,7 +547,7 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
     assert!(state["logs"].is_object(), "what was read is still there");
     assert!(state["error"].as_str().unwrap().contains("stopped"), "{}", state["error"]);
     assert!(state["axes"].as_array().unwrap().iter().any(|axis| axis["model"].is_null()));
-    // looking at an axis goes on where it stopped
+    // opening an axis resumes where it stopped
     bench.post(&format!("/api/studies/{id}/axis"), json!({ "axis": "gx_rads" })).await;
     let state = bench.settled(id).await;
     assert_eq!(state["error"], Value::Null, "{}", state["error"]);
@@ -586,7 +586,7 @@ async fn a_population_is_read_from_where_it_may_be_with_the_rows_that_lie_there(
     }
 }
 
-/// A state without its revision and what follows from the clock.
+/// State without its revision and the values that depend on the clock.
 fn without_revision(mut state: Value) -> Value {
     state["revision"] = Value::Null;
     state

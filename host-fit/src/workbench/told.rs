@@ -1,4 +1,4 @@
-//! What a page is told of a study: with every change, in the list of all, and when it is looked at.
+//! Data of a study for the page: with every change, in the list of all studies, and when the study is open.
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use crate::report::{AxisSection, AxisUnits, Summaries, UnitChoice};
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::study::{Refinement, RefinementStep};
 
-/// What a page is told without asking.
+/// Status that is sent to the page with every change.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Beat {
@@ -26,10 +26,10 @@ pub(super) struct Beat {
 pub(super) struct Entry {
     id: u64,
     name: String,
-    /// The worst of its axes.
+    /// Worst outcome of its axes.
     outcome: Option<Outcome>,
     working: bool,
-    /// The axis that is looked at, with what is known of it: what studies are held side by side by.
+    /// Open axis with its results, for comparing studies side by side.
     axis: Option<AxisEntry>,
 }
 
@@ -43,8 +43,8 @@ struct AxisEntry {
     sentence: Option<String>,
     /// Effects that were added, in order.
     added: Vec<String>,
-    /// Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the
-    /// unit.
+    /// Root of the variance of the 1-s means of the residual on evaluation data, before the first effect and now, in
+    /// `unit`.
     slow_before: Option<f64>,
     slow_now: Option<f64>,
     errors_in: UnitChoice,
@@ -72,7 +72,7 @@ impl AxisEntry {
     }
 }
 
-/// All that a page shows of a study, but for what is drawn sample by sample.
+/// Everything that a page shows of a study, except time series.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct Page {
@@ -81,32 +81,32 @@ pub(super) struct Page {
     revision: u64,
     job: Option<Job>,
     error: Option<String>,
-    /// The logs that were asked for last; absent of an example that is not written yet.
+    /// Logs that were requested last; none for an example that is not written yet.
     files: Option<LogFiles>,
     logs: Option<Summaries>,
-    /// Rows in which the unit was moved count as any others.
+    /// True if rows with detected motion are used like any others.
     keeps_moved: bool,
-    /// The worst of its axes; an all-clear only once all are diagnosed.
+    /// Worst outcome of its axes; an all-clear only once all are diagnosed.
     outcome: Option<Outcome>,
-    /// Every axis that can have a model has one: it can be exported.
+    /// True if every axis that can have a model has one, so that the study can be exported.
     is_whole: bool,
     axis: Option<String>,
     axes: Vec<AxisPage>,
     commands: Vec<String>,
 }
 
-/// An axis with its standing and the units that its numbers are shown in.
+/// Axis with its standing and the units in which its numbers are shown.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct AxisPage {
     #[serde(flatten)]
     section: AxisSection,
     standing: Option<Standing>,
-    /// Why there is no model, comparison or diagnosis.
+    /// Reason why there is no model, comparison or diagnosis.
     failure: Option<String>,
-    /// RMS of the slow error in a free run, in the unit: of the constant mean, and of the model.
+    /// RMS of the slow error in a free run, in the axis' unit: of the constant mean, and of the model.
     slow_error: Option<[Option<f64>; 2]>,
-    /// Of each refinement step: whether its effect reduces the error by more than noise.
+    /// One entry per refinement step: true if its effect reduces the error by more than noise.
     pays: Vec<bool>,
     units: AxisUnits,
 }

@@ -1,4 +1,4 @@
-//! What a planned recording is said to show, against logs simulated as planned.
+//! Visibility of effects predicted for a planned recording, against logs simulated as planned.
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::noise::{Blocks, NoiseLevels};

@@ -1,4 +1,4 @@
-//! Coasts from many rows of a recording, and what each leaves of the error.
+//! Free runs of a model (coasts) from many rows of a recording, and their errors.
 
 use std::ops::Range;
 
@@ -12,71 +12,72 @@ use crate::model::{AXES, FittedAxis, FittedTerm, INPUTS, UnitModel};
 use crate::playback::{Feed, Playback};
 use fos_data::interrupt::{self, in_parallel};
 
-/// Coasts that run side by side: what a processor computes at once, twice.
+/// Number of coasts that run side by side: twice as many as a processor computes at once.
 const LANES: usize = 8;
 
-/// Lanes that take more than this, bytes, would not fit onto the stack of a thread, on which they are made: coasts of a model
-/// that is so large run one after the other.
+/// Largest size of a group of lanes, bytes. Groups are made on the stack of a thread, which a larger one would
+/// overflow: coasts of such a large model run one after the other.
 const LARGEST_LANES: usize = 1 << 17;
 
-/// Coasts wait until there are so many groups of one length: work for all cores, of some megabytes. Of blocks, which leave an
-/// error in every row, fewer.
+/// Number of waiting groups of each length at which they are run: work for all cores, within some megabytes. Smaller
+/// for blocks, which have an error in every row.
 const AT_ONCE: [usize; LENGTHS] = [16, 8, 4, 2, 16, 8, 4, 2];
 
-/// The length of blocks, beside those of the horizons.
+/// Index of the blocks among the lengths, after the horizons.
 const BLOCKS: usize = 3;
 
-/// The first length of windows without aiding.
+/// Index of the first length of windows without aiding.
 const WINDOWS: usize = BLOCKS + 1;
 
-/// Lengths of coasts: those of the horizons, of blocks, of windows without aiding.
+/// Number of lengths of coasts: horizons, blocks, windows without aiding.
 const LENGTHS: usize = WINDOWS + UNAIDED_S.len();
 
-/// What a coast leaves of the error at a horizon: the row that it began in, the axis, the error.
+/// Error of a coast: the row that it began in, the axis, the error.
 type Left = (usize, usize, f64);
 
-/// The errors of one axis that are left when all coasts have run.
+/// Errors of one axis after all coasts have run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Finished {
-    /// Squared errors after exactly each horizon.
+    /// Squared errors after exactly each horizon, in the square of the axis' unit.
     pub(super) squares: [Vec<f64>; 3],
     /// Errors at the ends of windows without aiding of each length, rad or m.
     pub(super) ends: [Vec<f64>; UNAIDED_S.len()],
 }
 
-/// The coasts of a model over a recording, of which some wait to be run.
+/// Coasts of a model over a recording, some of them waiting to be run.
 pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> {
     playback: &'p Playback<'a>,
     feed: Feed<'p, 'a, R>,
     ticks: [usize; 3],
-    /// A coast goes on as it begins.
+    /// True if a coast holds its first prediction.
     is_held: bool,
-    /// Of each axis, how windows without aiding are integrated.
+    /// Integration of the residual over windows without aiding, one entry per axis; none for an axis that is neither
+    /// gyro nor accelerometer.
     integrals: Vec<Option<Integral>>,
     period_s: f64,
-    /// Those to each horizon, blocks, and windows without aiding.
+    /// Waiting coasts by length: each horizon, blocks, each length of windows without aiding.
     waiting: [Waiting<R, TERMS, HISTORY>; LENGTHS],
     left: [Vec<Left>; 3],
-    /// Of each length of windows, the integrated errors at their ends.
+    /// Integrated errors at the ends of windows, for each length of windows.
     ends: [Vec<Left>; UNAIDED_S.len()],
 }
 
-/// Coasts that wait: of each what it begins from and no more. The room of those that have been run is used again.
+/// Waiting coasts, each with no more than its initial state. The memory of coasts that have run is reused.
 struct Waiting<R: Real, const TERMS: usize, const HISTORY: usize> {
     groups: Vec<Group<R, TERMS, HISTORY>>,
-    /// Groups with a coast in them.
+    /// Number of groups with at least one coast.
     n_begun: usize,
-    /// Those to be looked at sample by sample.
+    /// Coasts that run sample by sample, outside the groups.
     alone: Vec<Alone<R, TERMS, HISTORY>>,
 }
 
-/// Coasts side by side, and the rows of each lane that has one.
+/// Coasts that run side by side, and the rows of each occupied lane.
 struct Group<R: Real, const TERMS: usize, const HISTORY: usize> {
     coasts: Box<Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>>,
     lanes: Vec<Range<usize>>,
 }
 
-/// A coast over `rows`, and the predictor that has seen all rows before.
+/// Coast over `rows`, with the predictor that has seen all rows before.
 struct Alone<R: Real, const TERMS: usize, const HISTORY: usize> {
     predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
     rows: Range<usize>,
@@ -87,7 +88,8 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Waiting<R, TERMS, HISTOR
         Self { groups: Vec::new(), n_begun: 0, alone: Vec::new() }
     }
 
-    /// Takes a coast over `rows` into a lane. Whether it could.
+    /// Takes a coast over `rows` into a lane. Returns false if the history of `predictor` does not consist of
+    /// measurements only.
     fn take(&mut self, predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>, rows: &Range<usize>) -> bool {
         let evaluator = predictor.evaluator();
         let last = self.n_begun.checked_sub(1).and_then(|last| self.groups.get_mut(last));
@@ -114,7 +116,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Waiting<R, TERMS, HISTOR
         true
     }
 
-    /// Whether there is work for all cores.
+    /// Returns true if there is work for all cores: so many full groups, or as many coasts outside them.
     fn is_full(&self, groups: usize) -> bool {
         let has_room = self.groups[..self.n_begun].last().is_none_or(|last| last.lanes.len() < LANES);
         self.n_begun == groups && !has_room || self.alone.len() == groups * LANES
@@ -122,7 +124,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Waiting<R, TERMS, HISTOR
 }
 
 impl<R: Real, const TERMS: usize, const HISTORY: usize> Group<R, TERMS, HISTORY> {
-    // not part of the frame of what does without
+    // keeps a new group out of the stack frame of callers that need none
     #[inline(never)]
     fn new(predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>, rows: &Range<usize>) -> Option<Self> {
         let coasts = Box::new(Coasts::new(predictor.evaluator())?);
@@ -145,12 +147,12 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Whether a coast goes on as it begins, as long as there is a sample in every row.
+    /// Returns true if a coast holds its first prediction as long as every row has a sample.
     pub(super) fn is_held(&self) -> bool {
         self.is_held
     }
 
-    /// Takes a coast of `reach` samples from `row` on, before which `predictor` has seen all rows.
+    /// Takes a coast of `reach` samples, one of the horizons, from `row` on; `predictor` has seen all rows before.
     pub(super) fn begin(
         &mut self,
         predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -162,8 +164,8 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Takes a coast over a block of rows, before which `predictor` has seen all. `keep` gets what is left in each row of an axis:
-    /// the first row, the axis, and the errors, of this block and others that waited.
+    /// Takes a coast over a block of rows; `predictor` has seen all rows before. `keep` gets the errors of an axis, one
+    /// per row: the first row, the axis, and the errors, for this block and others that waited.
     pub(super) fn begin_block(
         &mut self,
         predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -175,7 +177,8 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Takes a window without aiding, before which `predictor` has seen all rows; `length` as in [`UNAIDED_S`].
+    /// Takes a window without aiding; `predictor` has seen all rows before, and `length` is an index into
+    /// [`UNAIDED_S`].
     pub(super) fn begin_window(
         &mut self,
         predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -186,8 +189,8 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Runs the coasts that still wait. Of each axis, in the order of the rows that the coasts began in: squared errors
-    /// after exactly each horizon, and the errors at the ends of windows without aiding. `keep` as for
+    /// Runs the coasts that still wait. Returns for each axis, in the order of the rows that the coasts began in, the
+    /// squared errors after exactly each horizon and the errors at the ends of windows without aiding. `keep` as for
     /// [`begin_block`](Self::begin_block).
     pub(super) fn finish(mut self, keep: impl FnMut(usize, usize, &[f64])) -> Vec<Finished> {
         (0..self.ticks.len()).for_each(|length| self.run(length));
@@ -209,7 +212,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         finished
     }
 
-    /// Whether there wait as many now as are run at once.
+    /// Queues a coast. Returns true once there are as many as are run at once.
     fn wait(
         &mut self,
         predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -225,7 +228,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         waiting.is_full(AT_ONCE[length])
     }
 
-    /// Runs the coasts that wait for a horizon.
+    /// Runs the waiting coasts to a horizon.
     fn run(&mut self, length: usize) {
         let ticks = self.ticks;
         let horizon_of = |ahead: usize| ticks.iter().position(|ticks| *ticks == ahead + 1);
@@ -243,7 +246,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Runs the blocks that wait.
+    /// Runs the waiting blocks.
     fn run_blocks(&mut self, mut keep: impl FnMut(usize, usize, &[f64])) {
         let n_axes = self.integrals.len();
         let left = self.run_waiting(
@@ -265,7 +268,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Runs the windows without aiding of a length that wait.
+    /// Runs the waiting windows without aiding of one length.
     fn run_windows(&mut self, length: usize) {
         let (integrals, period_s) = (self.integrals.clone(), self.period_s);
         let n_axes = integrals.len();
@@ -286,8 +289,9 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         }
     }
 
-    /// Runs the coasts that wait for a length, on all cores: of each group its rows and what `keep` makes of the errors, which it
-    /// gets `when` so many samples lie before: (rows and lane of a coast, axis, samples before, error).
+    /// Runs the waiting coasts of one length on all cores. Returns for each group its rows and the result of `keep`,
+    /// which gets the error of every sample whose offset `when` accepts: (rows and lane of a coast, axis, offset,
+    /// error).
     fn run_waiting<T: Default + Send>(
         &mut self,
         length: usize,
@@ -317,7 +321,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
             (vec![rows], kept)
         };
         let alone: Vec<_> = match self.is_held {
-            // one step each: nothing to wait for others with, who would begin a trace of their own meanwhile
+            // one step each: not worth waiting for other threads, as this one would begin another trace meanwhile
             true => waiting.alone.drain(..).map(of_alone).collect(),
             false => in_parallel(waiting.alone.par_drain(..), of_alone),
         };
@@ -326,7 +330,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         side_by_side.into_iter().chain(alone).collect()
     }
 
-    /// One coast, sample by sample.
+    /// Runs one coast sample by sample.
     fn alone(
         &self,
         mut predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
@@ -354,7 +358,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
     }
 }
 
-/// The coasts of a group over their rows, by one instruction for several of them.
+/// Coasts of a group over their rows, several of them per instruction.
 struct SideBySide<'s, 'a, R: Real, W, K, const TERMS: usize, const HISTORY: usize> {
     playback: &'s Playback<'a>,
     coasts: &'s mut Coasts<R, LANES, AXES, INPUTS, TERMS, HISTORY>,
@@ -376,7 +380,7 @@ where
         let Self { playback, coasts, lanes, when, mut keep } = self;
         let Some(first) = lanes.first() else { return };
         let reach = lanes.iter().map(Range::len).fold(0, usize::max);
-        // lanes without a coast run as the first; those that have ended stay in their last row, of which nothing is kept
+        // lanes without a coast run as the first one; ended coasts stay in their last row, and their errors are dropped
         let mut of: [&Range<usize>; LANES] = [first; LANES];
         of.iter_mut().zip(lanes).for_each(|(of, rows)| *of = rows);
         let mut quantities = vec![[R::ZERO; LANES]; playback.n_quantities()];
@@ -403,7 +407,8 @@ where
     }
 }
 
-/// Whether a coast of the model goes on as it begins, while there are samples: a constant, or the last value.
+/// Returns true if a coast of the model holds its first prediction while there are samples: a constant, or the last
+/// value.
 fn is_held(model: &UnitModel) -> bool {
     let is_last = |term: &FittedTerm| term.coefficient == 1.0 && term.factors == [y(1)];
     model.inputs.is_empty()
@@ -412,7 +417,7 @@ fn is_held(model: &UnitModel) -> bool {
                 && parameters.constant == 0.0
                 && stochastic.len() <= 1
                 && stochastic.iter().all(is_last)
-                // what fades, changes
+                // a prediction that fades beyond the limit is not constant
                 && parameters.coast_limit_s > f64::from(u32::MAX) * model.period_s
         })
 }

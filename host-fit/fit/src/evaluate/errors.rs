@@ -16,44 +16,45 @@ const TAUS_S: [f64; 3] = [1.0, 10.0, 100.0];
 /// Length of the blocks over whose means the slow error is taken, s.
 pub const SLOW_BLOCK_S: f64 = 1.0;
 
-/// What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
-/// absent where the data are too short for it.
+/// Errors of one axis with one model. Squared errors are in the square of the axis' unit. A value is absent where the
+/// data are too short for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct ModelErrors {
-    /// Its name, as in tables.
+    /// Name of the model, as in tables.
     pub model: String,
-    /// Mean square of measured − predicted from measured history, on the raw samples.
+    /// Mean square one-step prediction error: measured − predicted from measured history, on the raw samples.
     #[serde(deserialize_with = "or_nan")]
     pub one_step_mse: f64,
-    /// The same from own history after exactly 1 s, 10 s and 60 s.
+    /// Mean square error of a free run after exactly 1 s, 10 s and 60 s.
     pub coast: Vec<CoastError>,
-    /// The same from own history over all judged rows, never starting anew.
+    /// Mean square error of a free run over all evaluated rows, never restarted.
     #[serde(deserialize_with = "or_nan")]
     pub coast_whole_mse: f64,
-    /// Variance of 1-s block means of what is left, one-step, while still.
+    /// Variance of the 1-s block means of the one-step residual, at rest.
     pub slow_error_one_step: Option<f64>,
-    /// Variance of 1-s block means of what is left, coasting for at most 60 s, while still.
+    /// Variance of the 1-s block means of the residual of free runs of at most 60 s, at rest.
     pub slow_error_coast: Option<f64>,
-    /// Variance of the samples of what is left, one-step, while still.
+    /// Variance of the samples of the one-step residual, at rest.
     #[serde(deserialize_with = "or_nan")]
     pub wide_error_one_step: f64,
-    /// Variance of the samples of what is left, coasting for at most 60 s, while still.
+    /// Variance of the samples of the residual of free runs of at most 60 s, at rest.
     #[serde(deserialize_with = "or_nan")]
     pub wide_error_coast: f64,
     /// Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
     /// and in studies of earlier versions.
     #[serde(default)]
     pub unaided: Vec<UnaidedError>,
-    /// Allan deviation of what is left when coasting for at most 60 s.
+    /// Allan deviation of the residual of free runs of at most 60 s.
     pub allan: Vec<AllanValue>,
-    /// The one-step MSE is below the noise floor: not to be trusted.
+    /// True if the one-step MSE is below the noise floor; such a result is not to be trusted.
     pub below_noise_floor: bool,
-    /// Rows whose prediction came with a caution (out of range, stuck, saturated, not finite, …).
+    /// Number of rows whose prediction has a caution (out of range, stuck, saturated, not finite, …).
     pub cautions: usize,
 }
 
-/// JSON has no NaN: an error over no rows, as of a model whose history is longer than every rest, is `null` in a study.
+/// Reads `null` as NaN, which JSON lacks: the error over no rows, such as that of a model whose history is longer than
+/// every rest.
 fn or_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
@@ -66,9 +67,9 @@ pub struct CoastError {
     pub horizon_s: f64,
     /// Mean square error after exactly that time.
     pub mse: f64,
-    /// Standard error of the mean, coasts taken as independent of one another.
+    /// Standard error of the mean, with the coasts taken as independent of one another.
     pub standard_error: f64,
-    /// Coasts that it is the mean of.
+    /// Number of coasts in the mean.
     pub origins: usize,
 }
 
@@ -83,7 +84,7 @@ pub struct AllanValue {
 }
 
 impl ModelErrors {
-    /// The errors of axis `axis` in `trace`; `noise_floor` as estimated from the same data.
+    /// Computes the errors of axis `axis` in `trace`; `noise_floor` as estimated from the same data.
     pub fn of(
         trace: &Trace,
         axis: usize,
@@ -138,7 +139,7 @@ fn mean_square(stretches: &[&[f64]]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A study was written that could not be read: its model was judged on no row.
+    /// Regression: a study whose model was evaluated on no row could not be read back.
     #[test]
     fn errors_over_no_rows_are_read_back() {
         let errors = ModelErrors {

@@ -1,5 +1,5 @@
 //! Errors of a model on data: one-step, free run, slow and broadband errors, heading and position without aiding, Allan
-//! deviation, beside plain rivals and the noise floor. A model is judged by running fos-core on it.
+//! deviation, compared with plain rivals and the noise floor. A model is evaluated by running fos-core on it.
 
 mod coasts;
 mod errors;

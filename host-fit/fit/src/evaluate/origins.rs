@@ -1,4 +1,4 @@
-//! From which rows of a recording to coast, and how far.
+//! Rows of a recording from which coasts begin, and their lengths.
 
 use std::ops::Range;
 
@@ -11,17 +11,18 @@ pub const HORIZONS_S: [f64; 3] = [1.0, 10.0, 60.0];
 /// Steps spent on the coasts of one horizon. 2·10⁶ at 200 Hz are 10,000 coasts of 1 s or 166 of 60 s.
 const STEPS_PER_HORIZON: usize = 2_000_000;
 
-/// Windows without aiding of one length that are run if a log has more: a long log costs no more than it must.
+/// Number of windows without aiding of one length that are run even beyond [`STEPS_PER_HORIZON`]; more of them are
+/// thinned, as a long log costs no more than it must.
 const MOST_WINDOWS: usize = 200;
 
-/// A coast begins so long after a stretch does, s, at most a quarter of it: it is to start from measured history, not
-/// from the coast through the motion before.
+/// Time from the start of a stretch to its first coast, s, at most a quarter of the stretch: a coast is to start from
+/// measured history, not from the coast through the motion before.
 const LEAD_S: f64 = 5.0;
 
-/// Length of the coasts that follow one another over the whole recording, s: the longest horizon.
+/// Length of the consecutive coasts over the whole recording, s: the longest horizon.
 const BLOCK_S: f64 = 60.0;
 
-/// From which rows to coast, and how far: evenly spread, every coast inside one still stretch.
+/// Rows from which coasts begin, and their lengths: evenly spread, every coast inside one still stretch.
 pub(super) struct Origins {
     /// Samples of each horizon.
     pub(super) ticks: [usize; 3],

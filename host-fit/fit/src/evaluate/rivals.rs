@@ -1,4 +1,4 @@
-//! The plain rivals every model is shown beside. They run on fos-core as any model does.
+//! Plain rivals that every model is compared with. They run on fos-core like any model.
 
 use fos_core::{Range, y};
 
@@ -15,7 +15,7 @@ pub enum Rival {
     LastValue,
 }
 
-/// A coast that a rival never ends: what it predicts is part of its definition.
+/// Coast limit of a rival, s: never reached, as its prediction is part of its definition.
 const FOR_EVER_S: f64 = 1e9;
 
 impl Rival {
@@ -31,9 +31,9 @@ impl Rival {
     }
 }
 
-/// The rival of `model` on the same axes: it knows what the rows show that the model was learnt from, and nothing of
-/// the model's own. `lag_1` is the lag-1 autocorrelation of each axis' training data, for models that do not say what
-/// those show.
+/// Returns the rival of `model` on the same axes: it has the statistics of the rows that the model was fitted on, and
+/// nothing of the model itself. `lag_1` is the lag-1 autocorrelation of each axis' training data, for models that do
+/// not state it.
 pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
     let mut plain = model.clone();
     plain.inputs.clear();
@@ -43,7 +43,7 @@ pub fn rival(model: &UnitModel, kind: Rival, lag_1: &[f64]) -> UnitModel {
         axis.parameters.physical_range = Range::new(0.0, 0.0);
         axis.parameters.constant = 0.0;
         axis.parameters.coast_limit_s = FOR_EVER_S;
-        // the model's offset is that of what its physical part leaves, and so is its range
+        // the model's offset is that of the residual of its physical part, and so is its range
         let mut lag_1 = lag_1;
         if let Some(plain) = &axis.plain {
             let parameters = &mut axis.parameters;

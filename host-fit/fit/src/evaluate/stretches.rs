@@ -1,4 +1,4 @@
-//! Where a model fails worst, and what is special about the place.
+//! Stretches in which a model fails worst, and the channels that are unusual in them.
 
 use fos_data::column::Column;
 use std::ops::Range;
@@ -10,22 +10,22 @@ use super::trace::Trace;
 use fos_data::recording::{Recording, pieces};
 use fos_data::statistics::{MAD_TO_SD, median_of};
 
-/// Stretches that are named.
+/// Largest number of stretches that are reported.
 const NAMED: usize = 5;
 
-/// Length of a stretch, s; a twentieth of the judged time where that is shorter.
+/// Length of a stretch, s; a twentieth of the evaluated time where that is shorter.
 const LENGTH_S: f64 = 10.0;
 
-/// A channel whose mean or spread in a stretch lies this many robust standard deviations away from that of the
-/// other stretches is special: one in a thousand does by chance if the channel is normal.
+/// Distance, in robust standard deviations, between the mean or spread of a channel in a stretch and that in the other
+/// stretches above which the channel is unusual: by chance, one normally distributed channel in a thousand is.
 const SPECIAL: f64 = 3.3;
 
-/// A channel that scatters so many times as much as usual is not worth a word.
+/// Ratios to the usual scatter of a channel that are too small to report.
 const USUAL: Range<f64> = 0.8..1.25;
 
-/// A stretch stands out if its slow error exceeds that of the lower quartile of all stretches by more than white noise
-/// does: by so many standard deviations, which noise alone reaches in one stretch of 30,000. The median would hide a drift
-/// that is there half of the time.
+/// Standard deviations of white noise by which the slow error of a stretch must exceed that of the lower quartile of
+/// all stretches to stand out; noise alone does in one stretch of 30,000. The median would hide a drift that is present
+/// half of the time.
 const BEYOND_NOISE: f64 = 4.0;
 
 /// Standard deviations from the mean of a normal distribution to its lower quartile.
@@ -35,21 +35,22 @@ const LOWER_QUARTILE: f64 = 0.674;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Stretch {
-    /// Begin, s as stamped.
+    /// Timestamp of the first row, s.
     pub begin_s: f64,
-    /// End, s as stamped.
+    /// Timestamp of the last row, s.
     pub end_s: f64,
     /// Slow error: RMS of the 1-s means of the residual in a free run of at most 60 s, in the axis' unit.
     pub rms: f64,
-    /// Mean of what is left.
+    /// Mean of the residual, in the axis' unit.
     pub mean: f64,
-    /// `rms` over that of the median stretch.
+    /// `rms` divided by that of the median stretch.
     pub ratio: f64,
-    /// What is special there, most striking first; empty if nothing logged is.
+    /// Unusual channels and circumstances of the stretch, most striking first; empty if nothing logged is unusual.
     pub special: Vec<String>,
 }
 
-/// Stretches of `axis` whose slow error stands out, worst first: at most five different ones, neighbours in time are one.
+/// Returns the stretches of `axis` whose slow error stands out, worst first: at most five, with neighbours in time
+/// merged.
 pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
@@ -58,7 +59,7 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
     };
     let mut places = pieces(&trace.stretches, length);
     places.retain(|place| place.len() == length);
-    // where the pauses are close, so long a place hardly fits between the row that a coast begins in and the next pause
+    // between close gaps, a place of this length rarely fits between the start of a coast and the next gap
     let coasts = coasts(&trace.stretches, left);
     let fits = |place: &&Range<usize>| {
         let coast = coasts.get(coasts.partition_point(|coast| coast.end < place.end));
@@ -96,7 +97,7 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
             let rows = places[indices.start].start..places[indices.end - 1].end;
             let rms = rms(&rows);
             let mut special = backdrop.special(worst);
-            // every burst does
+            // every burst begins after a gap
             special.extend(after_a_gap(recording, trace, &places[worst]).filter(|_| !is_in_bursts));
             Stretch {
                 begin_s: recording.time_s[rows.start],
@@ -120,7 +121,7 @@ fn bound(means: f64) -> f64 {
     (quantile(BEYOND_NOISE) / quantile(-LOWER_QUARTILE)).powf(1.5)
 }
 
-/// The part of each stretch in which it is known what a coast leaves: a coast begins some seconds after a stretch does.
+/// Parts of the stretches in which the residual of a coast is known: a coast begins some seconds after its stretch.
 fn coasts<'a>(stretches: &[Range<usize>], left: impl Fn(&Range<usize>) -> &'a [f64]) -> Vec<Range<usize>> {
     let coast = |stretch: &Range<usize>| {
         let left = left(stretch);
@@ -131,7 +132,7 @@ fn coasts<'a>(stretches: &[Range<usize>], left: impl Fn(&Range<usize>) -> &'a [f
     stretches.iter().filter_map(coast).collect()
 }
 
-/// The length of the stretch that the middle one of all rows lies in, if they are sorted by length; 1 if there is none.
+/// Length of the stretch that contains the middle row if stretches are sorted by length; 1 if there is none.
 fn typical(stretches: &[Range<usize>]) -> usize {
     let mut lengths: Vec<usize> = stretches.iter().map(Range::len).collect();
     lengths.sort_unstable();
@@ -144,17 +145,17 @@ fn typical(stretches: &[Range<usize>]) -> usize {
     middle.copied().unwrap_or(1)
 }
 
-/// Places next to one another, and the worst of them.
+/// Adjacent places, and the worst of them.
 struct Group {
     places: Range<usize>,
     worst: usize,
     rms: f64,
 }
 
-/// A place beside a worse one belongs to it if so much of its size is left there; less is its slope.
+/// Fraction of the RMS of a worse place from which on its neighbour is merged into it; a smaller one is its slope.
 const BELONGS: f64 = 0.5;
 
-/// The worst places, each with its neighbours.
+/// Returns the worst places, each merged with its neighbours.
 fn different(ranked: &[(f64, usize)], places: &[Range<usize>]) -> Vec<Group> {
     let touches = |one: usize, next: usize| places[one].end == places[next].start;
     let mut groups: Vec<Group> = Vec::new();
@@ -168,7 +169,7 @@ fn different(ranked: &[(f64, usize)], places: &[Range<usize>]) -> Vec<Group> {
                 groups.push(Group { places: index..index + 1, worst: index, rms })
             }
             Some(&into) if rms >= BELONGS * groups[into].rms => {
-                // the one between two joins them
+                // a place between two groups merges them
                 let other = beside.pop().filter(|other| *other != into).map(|other| groups.remove(other));
                 let joined = &mut groups[into].places;
                 for part in std::iter::once(index..index + 1).chain(other.map(|other| other.places)) {
@@ -181,7 +182,7 @@ fn different(ranked: &[(f64, usize)], places: &[Range<usize>]) -> Vec<Group> {
     groups
 }
 
-/// Mean and spread of every channel in every stretch.
+/// Mean and standard deviation of every channel in every stretch.
 struct Backdrop {
     channels: Vec<ChannelBackdrop>,
 }
@@ -209,7 +210,7 @@ impl Backdrop {
         Self { channels: channels.collect() }
     }
 
-    /// The three channels that are furthest from their usual in stretch `index`.
+    /// Describes the three channels that are furthest from their usual values in stretch `index`.
     fn special(&self, index: usize) -> Vec<String> {
         let mut found: Vec<(f64, String)> = Vec::new();
         for channel in &self.channels {
@@ -221,7 +222,7 @@ impl Backdrop {
             }
             if let Some((score, usual)) = score(&channel.deviations, index) {
                 let times = channel.deviations[index] / usual;
-                // a difference that is sure and too small to matter
+                // a significant difference may still be too small to matter
                 if !USUAL.contains(&times) {
                     found.push((
                         score,
@@ -235,7 +236,7 @@ impl Backdrop {
     }
 }
 
-/// Whether it begins soon after a gap or a motion, in words.
+/// Describes the gap or motion that a place begins soon after; none if it does not.
 fn after_a_gap(recording: &Recording, trace: &Trace, place: &Range<usize>) -> Option<String> {
     let stretch = trace.stretches.iter().find(|stretch| stretch.contains(&place.start))?;
     let since_s = (place.start - stretch.start) as f64 * trace.period_s;
@@ -244,7 +245,8 @@ fn after_a_gap(recording: &Recording, trace: &Trace, place: &Range<usize>) -> Op
         .then(|| format!("begins {since_s:.1} s after a gap or motion that ends at {time:.1} s"))
 }
 
-/// How far value `index` lies from the others in robust standard deviations, and their median, if that is far.
+/// Distance of value `index` from the median in robust standard deviations, and that median; none if the distance is
+/// usual.
 fn score(values: &[f64], index: usize) -> Option<(f64, f64)> {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let centre = median(finite());
@@ -253,7 +255,7 @@ fn score(values: &[f64], index: usize) -> Option<(f64, f64)> {
     (score.is_finite() && score > SPECIAL).then_some((score, centre))
 }
 
-/// Not a number of none: a ratio to it is no score.
+/// Median, or NaN if there are no values: a ratio to it is no score.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     median_of(values).unwrap_or(f64::NAN)
 }
@@ -264,7 +266,8 @@ mod tests {
     use super::*;
     use fos_data::recording::{LoadOptions, Source};
 
-    /// Bursts of 5 s, or a row less, every 300 s at 200 Hz; of each a coast leaves `sizes`, from its second quarter on.
+    /// Bursts of 5 s, or a row less, every 300 s at 200 Hz; the residuals of coasts are `sizes`, one per burst, from
+    /// its second quarter on.
     fn in_bursts(sizes: &[f64]) -> (Recording, Trace) {
         let (mut time, mut coast, mut stretches) = (Vec::new(), Vec::new(), Vec::new());
         for (burst, size) in sizes.iter().enumerate() {
@@ -282,7 +285,7 @@ mod tests {
         (recording, Trace { rows, period_s: 0.005, stretches, axes })
     }
 
-    /// A stretch was 10 s, which no burst holds, and the first quarter of a burst has no coast: none was named.
+    /// Regression: no stretch was reported, as no burst holds the 10 s of a stretch and its first quarter has no coast.
     #[test]
     fn the_five_worst_bursts_are_named_each_alone() {
         for bursts in [12, 15, 20, 40] {

@@ -1,4 +1,4 @@
-//! Runs a model over a recording once and keeps what is left of the error: one-step, and from its own history.
+//! Runs a model over a recording once and keeps the residuals: one-step, and of free runs.
 
 use std::ops::Range;
 
@@ -11,44 +11,45 @@ use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::{Feed, Playback};
 use fos_data::interrupt;
 
-/// What is left of the error of every axis.
+/// Residuals of every axis of a model over a recording.
 #[derive(Debug, Clone)]
 pub struct Trace {
-    /// The rows that were judged.
+    /// Evaluated rows of the recording.
     pub rows: Range<usize>,
     /// Sample period, s.
     pub period_s: f64,
-    /// Gap-free stretches of still rows, those of the recording.
+    /// Gap-free stretches of still rows, in rows of the recording.
     pub stretches: Vec<Range<usize>>,
-    /// One per axis of the model.
+    /// One entry per axis of the model.
     pub axes: Vec<AxisTrace>,
 }
 
-/// What is left of the error of one axis, in its unit; one value per judged row, NaN where it is not known.
+/// Residuals of one axis, in its unit; one value per evaluated row, NaN where unknown.
 #[derive(Debug, Clone, Default)]
 pub struct AxisTrace {
     /// Measured error, offset included.
     pub measured: Vec<f64>,
     /// Measured minus one-step prediction, from measured history: the innovation.
     pub one_step: Vec<f64>,
-    /// Measured minus prediction from own history, starting anew from measured history every 60 s.
+    /// Measured minus prediction of a free run, which restarts from measured history every 60 s.
     pub coast: Vec<f64>,
-    /// The same without ever starting anew.
+    /// Measured minus prediction of a free run that is never restarted.
     pub coast_whole: Vec<f64>,
     /// Squared errors after exactly the horizon, one per origin, for each of [`HORIZONS_S`](super::HORIZONS_S).
     pub horizons: [Vec<f64>; 3],
     /// Heading errors, rad, or position errors, m, at the ends of windows without aiding, for each length of
-    /// [`UNAIDED_S`]; of all windows in which the axis was measured.
+    /// [`UNAIDED_S`]; only windows in which the axis was measured throughout.
     pub unaided: [Vec<f64>; UNAIDED_S.len()],
-    /// Rows whose prediction was given with a caution other than warming up or coasting.
+    /// Number of rows whose prediction has a caution other than warming up or coasting.
     pub cautions: usize,
 }
 
-/// Runs `model` over the recording behind `playback`: from its first row, to warm up, and keeps what is left in `rows`.
+/// Runs `model` over the recording behind `playback`, from its first row on to warm up, and keeps the residuals in
+/// `rows`.
 ///
 /// # Errors
 ///
-/// What fos-core finds wrong with the model.
+/// fos-core rejects the model.
 pub fn trace<R: Real>(
     model: &UnitModel,
     playback: &Playback<'_>,
@@ -58,11 +59,11 @@ pub fn trace<R: Real>(
     run::<R>(model, playback, rows, Coasted::AllRows, progress)
 }
 
-/// As [`trace`], but coasts are kept at their horizons alone: `coast` and `coast_whole` are empty.
+/// Runs `model` like [`trace`], but keeps free runs at their horizons only: `coast` and `coast_whole` are empty.
 ///
 /// # Errors
 ///
-/// What fos-core finds wrong with the model.
+/// fos-core rejects the model.
 pub(crate) fn trace_to_horizons<R: Real>(
     model: &UnitModel,
     playback: &Playback<'_>,
@@ -71,11 +72,11 @@ pub(crate) fn trace_to_horizons<R: Real>(
     run::<R>(model, playback, rows, Coasted::Horizons, |_| {})
 }
 
-/// Which coasts there are.
+/// Free runs that are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Coasted {
     Horizons,
-    /// Over all rows too.
+    /// Over all rows and windows as well.
     AllRows,
 }
 
@@ -93,7 +94,7 @@ fn run<R: Real>(
     }
 }
 
-/// One way through a recording.
+/// One pass through a recording.
 struct Run<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> {
     playback: &'p Playback<'a>,
     feed: Feed<'p, 'a, R>,
@@ -177,7 +178,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         self.trace
     }
 
-    /// One row from measured history.
+    /// Predicts one row from measured history.
     fn step(&mut self, row: usize) {
         use fos_core::Validity;
         let at = row - self.trace.rows.start;
@@ -200,10 +201,10 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
     }
 }
 
-/// The coast that never starts anew.
+/// Free run that is never restarted.
 struct Whole<R: Real, const TERMS: usize, const HISTORY: usize> {
     predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
-    /// It goes on as it begins, as long as there is a sample in every row.
+    /// True while it holds its first prediction: the model does, and every row so far has a sample.
     is_held: bool,
     begun: bool,
 }
@@ -236,13 +237,13 @@ impl AxisTrace {
 }
 
 impl Trace {
-    /// The memory that the series of so many rows of so many axes take.
+    /// Memory of the series of `n_rows` rows of `n_axes` axes, bytes.
     pub fn bytes(n_rows: usize, n_axes: usize) -> usize {
         const SERIES: usize = 4;
         n_rows * n_axes * SERIES * size_of::<f64>()
     }
 
-    /// What `corrections` leave of the error in `row`, in one series of each axis.
+    /// Stores the residual after `corrections` in `row`, in one series of each axis.
     #[inline]
     fn keep<R: Real>(
         &mut self,
@@ -257,7 +258,8 @@ impl Trace {
         }
     }
 
-    /// The part of it in `rows` of the recording, but for what is only looked at as a whole.
+    /// Returns the part within `rows` of the recording. `coast_whole`, `horizons`, `unaided` and `cautions`, which
+    /// describe the whole, are empty.
     pub fn within(&self, rows: Range<usize>) -> Self {
         let start = rows.start.clamp(self.rows.start, self.rows.end);
         let rows = start..rows.end.clamp(start, self.rows.end);
@@ -280,7 +282,7 @@ impl Trace {
         }
     }
 
-    /// The finite values of `series` in stretches without a break: what statistics may be computed over.
+    /// Returns the finite values of `series` in contiguous parts, over which statistics may be computed.
     pub fn stretches_of<'s>(&self, series: &'s [f64]) -> Vec<&'s [f64]> {
         let mut parts = Vec::new();
         for stretch in &self.stretches {

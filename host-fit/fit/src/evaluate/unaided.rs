@@ -30,12 +30,12 @@ pub const FEWEST_WINDOWS: usize = 3;
 pub struct UnaidedError {
     /// Length of the windows, s.
     pub window_s: f64,
-    /// Whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS.
+    /// Number of whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS.
     pub windows: usize,
-    /// Heading error at the end of a window, rad; only of a gyro axis.
+    /// Heading error at the end of a window, rad; for a gyro axis only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub heading_rad: Option<RmsInterval>,
-    /// Position error at the end of a window, m; only of an accelerometer axis.
+    /// Position error at the end of a window, m; for an accelerometer axis only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_m: Option<RmsInterval>,
 }
@@ -53,7 +53,7 @@ pub struct RmsInterval {
 }
 
 impl UnaidedError {
-    /// Of the errors at the ends of windows of `window_s`, in their order, rad or m.
+    /// Computes the RMS of the errors at the ends of windows of `window_s`, in their order, rad or m.
     pub(super) fn of(triad: Triad, window_s: f64, ends: &[f64]) -> Self {
         let found = (ends.len() >= FEWEST_WINDOWS).then(|| RmsInterval::of(ends));
         let of = |wanted: Triad| found.filter(|_| triad == wanted);
@@ -65,7 +65,7 @@ impl UnaidedError {
         }
     }
 
-    /// The heading or position error, rad or m; absent where the log is too short.
+    /// Returns the heading or position error, rad or m; none where the log is too short.
     pub fn rms(&self) -> Option<RmsInterval> {
         self.heading_rad.or(self.position_m)
     }
@@ -107,7 +107,7 @@ fn degrees_of_freedom(ends: &[f64]) -> f64 {
 pub(super) struct Integral(Triad);
 
 impl Integral {
-    /// Once for a gyro, twice for an accelerometer; none for another column.
+    /// Returns a single integral for a gyro and a double one for an accelerometer; none for another column.
     pub(super) fn of(column: &str) -> Option<Self> {
         Column::named(column).place().map(|(triad, _)| Self(triad))
     }

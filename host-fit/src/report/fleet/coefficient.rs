@@ -9,68 +9,68 @@ use fos_data::text::number;
 use fos_diagnose::effects::SizeUnit;
 use fos_fleet::{BIAS, PartSummary, Population, REFERENCE_C, UnitRow};
 
-/// A standard deviation whose interval spans more than this factor is hardly known.
+/// Ratio of the bounds of a standard deviation's interval above which a caution is given.
 const WIDE: f64 = 2.0;
 
-/// The scatter between fewer lots is hardly known.
+/// Number of lots below which the scatter between them is given with a caution.
 const FEW_LOTS: usize = 6;
 
 /// Half of a 90 % interval of a normal distribution, in standard deviations.
 pub(super) const NINETY: f64 = 1.645;
 
-/// A coefficient over units; every number is in `unit`.
+/// Coefficient over the units of a part; every number is in `unit`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct CoefficientReport {
-    /// `bias`, or the regressor.
+    /// Name: `bias`, or the regressor.
     pub name: String,
-    /// As in `dps/K`.
+    /// Unit of all numbers, such as `dps/K`.
     pub unit: String,
-    /// Units that the population is of.
+    /// Number of units in the population.
     pub units: usize,
-    /// Lots with a name.
+    /// Number of named lots.
     pub lots: usize,
     /// Mean of the part.
     pub mean: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of `mean`.
     pub mean_interval: [f64; 2],
     /// Standard deviation between units of a lot.
     pub between_units: f64,
-    /// Its 90 % interval.
+    /// 90 % interval of `between_units`.
     pub between_units_interval: [f64; 2],
-    /// Standard deviation between lots; none where they cannot be told.
+    /// Standard deviation between lots; none with fewer than two lots.
     pub between_lots: Option<f64>,
-    /// Its 90 % interval.
+    /// 90 % interval of `between_lots`.
     pub between_lots_interval: [f64; 2],
-    /// How often lots that do not differ would look so different.
+    /// p-value of the observed difference between lots if lots do not differ; none with fewer than two lots.
     pub lots_alike: Option<f64>,
-    /// Standard deviation of an estimate about its unit.
+    /// Standard deviation of an estimate about the value of its unit: the error of a log.
     pub error_of_log: f64,
-    /// Of the variance of estimates: lots, units, error of a log.
+    /// Shares of the variance of estimates: lots, units, error of a log.
     pub shares: [f64; 3],
-    /// What each way of calibrating leaves.
+    /// Remaining error for each way of calibrating.
     pub left: LeftBy,
-    /// When its numbers are not to be trusted, a sentence each.
+    /// Reasons not to trust the numbers, a sentence each.
     pub cautions: Vec<String>,
-    /// Units about the population, and lot by lot.
+    /// Figure of the units about the population, and lot by lot.
     pub figure: Figure,
 }
 
-/// Standard deviation of the error of a unit's coefficient, by what its model has.
+/// Standard deviation of the remaining error of a unit's coefficient, by the value in its model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct LeftBy {
     /// The mean of the part.
     pub part_mean: f64,
-    /// The mean of the unit's lot, over the lots that are known; none where lots cannot be told.
+    /// Mean of the unit's lot, for known lots; none with fewer than two lots.
     pub lot_mean: Option<f64>,
-    /// The estimate of a log as these are.
+    /// Estimate from one log like these.
     pub own_log: f64,
-    /// The same beside the population, for a unit of a lot that is not known.
+    /// Estimate from one log combined with the population, for a unit of an unknown lot.
     pub with_population: f64,
 }
 
-/// The unit of a coefficient, and how much one of it is in SI.
+/// Returns the unit of a coefficient, and its size in SI.
 pub(super) fn unit_of(column: &str, name: &str) -> (String, f64) {
     let unit = SizeUnit::of_axis(Column::named(column));
     let text = match name {
@@ -178,7 +178,7 @@ impl CoefficientReport {
         report
     }
 
-    /// When its numbers are not to be trusted.
+    /// Returns the reasons not to trust the numbers, a sentence each.
     fn doubts(&self) -> Vec<String> {
         let mut found = Vec::new();
         let [low, high] = self.between_units_interval;
@@ -210,7 +210,7 @@ impl CoefficientReport {
     }
 }
 
-/// The order of people: numbers in a name by their size, `W9` before `W10`.
+/// Sort key in natural order: numbers in a name by their value, `W9` before `W10`.
 fn in_order(name: &str) -> Vec<(String, u64)> {
     let mut pieces = vec![(String::new(), 0_u64)];
     let mut was_digit = false;

@@ -1,4 +1,4 @@
-//! What a population says, as plain data; [`html`] only renders it.
+//! Report on a population, as plain data; [`html`] only renders it.
 
 mod coefficient;
 mod odd;
@@ -24,42 +24,42 @@ use fos_data::column::Column;
 use fos_diagnose::study::Tool;
 use fos_fleet::{AxisSummary, BIAS, Fleet, PartSummary, UnitRow};
 
-/// Of units: so large a share that fails, or is odd, is no exception.
+/// Share of units above which failed or odd ones are no longer exceptions.
 const MANY: f64 = 0.1;
 
-/// What a population says.
+/// Report on a population.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct FleetReport {
-    /// The program that wrote it.
+    /// Program that wrote the report.
     pub tool: Tool,
-    /// Where the population was read.
+    /// Path of the population.
     pub path: String,
-    /// What the error may depend on, as it was asked.
+    /// Regressors that the error may depend on, as requested.
     pub regressors: Vec<String>,
-    /// Units were diagnosed too.
+    /// True if units were diagnosed as well.
     pub diagnosed: bool,
-    /// Each part.
+    /// Reports on the parts, sorted by name.
     pub parts: Vec<PartReport>,
 }
 
-/// A part.
+/// Report on one part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct PartReport {
-    /// Its name; empty if the fleet names none.
+    /// Name of the part; empty if the fleet has none.
     pub part: String,
-    /// What was read, and what was not.
+    /// Units that were read, and those that were not.
     pub read: UnitsRead,
-    /// When its numbers are not to be trusted, a sentence each.
+    /// Duplicate logs and reasons not to trust the numbers, a sentence each.
     pub cautions: Vec<String>,
-    /// Of what the differences of units are made; none where no axis has a population.
+    /// Figure of the sources of the differences between units; none where no axis has a population.
     pub variance: Option<Figure>,
-    /// Its axes.
+    /// Axes of the part.
     pub axes: Vec<AxisReport>,
-    /// Units that do not belong, the furthest first.
+    /// Units that deviate significantly from the population, the furthest first.
     pub odd: Vec<OddReport>,
-    /// Why that there is no other odd unit is not conclusive; none where it is.
+    /// Reason why the search for odd units is not conclusive; none if it is conclusive.
     pub not_conclusive: Option<String>,
 }
 
@@ -67,20 +67,20 @@ pub struct PartReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct AxisReport {
-    /// As in the log format, as `gx_rads`.
+    /// Column of the log format, such as `gx_rads`.
     pub column: String,
-    /// As in `gyro x`.
+    /// Name for people, such as `gyro x`.
     pub label: String,
-    /// Why there is no population.
+    /// Reason why there is no population.
     pub without: Option<String>,
-    /// Its coefficients.
+    /// Coefficients of the population.
     pub coefficients: Vec<CoefficientReport>,
-    /// The effects that units were found to have.
+    /// Effects that the diagnoses of units found.
     pub effects: Vec<EffectReport>,
 }
 
 impl FleetReport {
-    /// Of a fleet that was read from `path`, and its rows.
+    /// Builds the report on a fleet that was read from `path`, and its rows.
     pub fn of(fleet: &Fleet, rows: &[UnitRow], path: &Path) -> Self {
         let mut parts: Vec<PartReport> = fleet
             .parts
@@ -134,7 +134,7 @@ impl AxisReport {
     }
 }
 
-/// A panel for each coefficient, with all axes that have it.
+/// Draws a panel for each coefficient, with all axes that have it.
 fn variance(axes: &[AxisReport]) -> Option<Figure> {
     let mut coefficients: Vec<(String, Vec<OfVariance>)> = Vec::new();
     for axis in axes {
@@ -151,7 +151,7 @@ fn variance(axes: &[AxisReport]) -> Option<Figure> {
         .then(|| of_variance("Of what the differences of devices are made", &coefficients))
 }
 
-/// When the numbers of a part are not to be trusted.
+/// Returns the reasons not to trust the numbers of a part, a sentence each.
 fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
     let mut found = Vec::new();
     let share = |units: usize| units as f64 / read.units.max(1) as f64;

@@ -1,4 +1,4 @@
-//! A unit that does not belong, beside what its lot lets expect.
+//! Unit that deviates significantly from its population, compared with the interval of its lot.
 
 use serde::Serialize;
 
@@ -6,27 +6,27 @@ use super::coefficient::{NINETY, unit_of};
 use fos_data::column::Column;
 use fos_fleet::{OddUnit, PartSummary, UnitRow};
 
-/// A unit that does not belong.
+/// Unit that deviates significantly from its population.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct OddReport {
-    /// Its name.
+    /// Name of the unit.
     pub unit: String,
-    /// Its lot.
+    /// Lot of the unit.
     pub lot: Option<String>,
-    /// The axis that shows it best, as in `gyro x`.
+    /// Axis with the smallest p-value, such as `gyro x`.
     pub label: String,
-    /// The coefficient that is furthest there.
+    /// Coefficient that deviates most on that axis.
     pub coefficient: String,
-    /// Its deviation from the population without it, in standard deviations: Student's t.
+    /// Deviation from the population without the unit, in standard deviations: Student's t.
     pub by: f64,
-    /// Probability that a unit that belongs is so far in any of its axes.
+    /// Probability that a unit of the population deviates this far on any of its axes.
     pub p_value: f64,
-    /// The unit of the numbers below.
+    /// Unit of `estimate` and `expected`.
     pub unit_of_size: String,
-    /// Its own estimate, and half of its 90 % interval.
+    /// Estimate from the unit's own log, and half of its 90 % interval.
     pub estimate: Option<[f64; 2]>,
-    /// Where nine of ten units of its lot lie.
+    /// 90 % interval of the units of its lot.
     pub expected: Option<[f64; 2]>,
 }
 

@@ -1,52 +1,52 @@
-//! Which units of a part were read, and which were not.
+//! Units of a part that were read, and those that were not.
 
 use serde::Serialize;
 
 use fos_data::statistics::median_of;
 use fos_fleet::UnitRow;
 
-/// Units that are listed by name; of more, those of the first names.
+/// Largest number of units that are listed by name; of more, those with the first names.
 const LISTED: usize = 100;
 
-/// What was read of a part.
+/// Counts of the units of a part, and ranges of their logs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct UnitsRead {
-    /// Units that were asked.
+    /// Number of units.
     pub units: usize,
-    /// Those that told all.
+    /// Number of units with complete results.
     pub whole: usize,
-    /// Those of which an axis could not be told.
+    /// Number of units with results for some axes only.
     pub partly: usize,
-    /// Those that told nothing.
+    /// Number of units without results.
     pub nothing: usize,
-    /// Lots that are named.
+    /// Number of named lots.
     pub lots: usize,
-    /// Length of the logs: the shortest, the median, the longest, s.
+    /// Shortest, median and longest length of a log, s.
     pub seconds: Option<[f64; 3]>,
     /// Lowest and highest temperature of all logs, °C.
     pub temperature_c: Option<[f64; 2]>,
-    /// By how much the temperature changes in the median log, K.
+    /// Change of temperature within a log, median over the logs, K.
     pub warming_k: Option<f64>,
-    /// The units of which something could not be told.
+    /// Units without complete results, at most 100.
     pub not_read: Vec<NotRead>,
-    /// How many more there are.
+    /// Number of further units without complete results.
     pub more: usize,
 }
 
-/// A unit of which nothing, or not everything, could be told.
+/// Unit without results, or with results for some axes only.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct NotRead {
-    /// Its name.
+    /// Name of the unit.
     pub unit: String,
-    /// Its lot.
+    /// Lot of the unit.
     pub lot: Option<String>,
-    /// Some axes could be told.
+    /// True if some axes have results.
     pub is_partly: bool,
-    /// Why, a line each.
+    /// Reasons, a line each.
     pub reasons: Vec<String>,
-    /// What helps, each once.
+    /// Remedies, each once.
     pub help: Vec<String>,
 }
 

@@ -6,7 +6,7 @@ use minijinja::value::Serde;
 use super::FleetReport;
 use crate::report::template::{RenderError, drawn, of_pages, style};
 
-/// One file that needs nothing else: styles and figures are in it.
+/// Renders the report as one file that contains its styles and figures.
 ///
 /// # Errors
 ///

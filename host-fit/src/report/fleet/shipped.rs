@@ -1,23 +1,23 @@
-//! An effect that a part's models may have.
+//! Effect that the models of a part may include.
 
 use serde::Serialize;
 
 use super::coefficient::NINETY;
 use fos_fleet::EffectShare;
 
-/// An effect on an axis of a part.
+/// Effect on an axis of a part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct EffectReport {
-    /// As in the library.
+    /// Identifier in the library, such as `thermal_lag`.
     pub effect: String,
-    /// Units that have it, and units that were asked.
+    /// Number of units with the effect, and number of diagnosed units.
     pub units: [usize; 2],
-    /// The 90 % interval of the share of all units of the part that have it.
+    /// 90 % interval of the share of all units of the part that have the effect.
     pub share_interval: [f64; 2],
-    /// By how much the error should fall if every unit's model had it, in the mean over all units.
+    /// Predicted reduction if every unit's model had the effect: the mean over all diagnosed units.
     pub mean_reduction: f64,
-    /// What it costs on the device.
+    /// Cost of the effect on the device, in words.
     pub device: String,
 }
 
@@ -33,7 +33,7 @@ impl EffectReport {
     }
 }
 
-/// Of a share (Wilson 1927).
+/// 90 % interval of a share (Wilson 1927).
 fn interval_of([with, asked]: [usize; 2]) -> [f64; 2] {
     if asked == 0 {
         return [0.0, 1.0];
@@ -48,7 +48,7 @@ fn interval_of([with, asked]: [usize; 2]) -> [f64; 2] {
 mod tests {
     use super::interval_of;
 
-    /// Brown, Cai and DasGupta 2001: of 10 none; the end is z²/(n + z²).
+    /// Brown, Cai and DasGupta 2001: for 0 of 10 units, the upper bound is z²/(n + z²).
     #[test]
     fn of_ten_units_without_it_the_share_may_still_be_a_fifth() {
         let [low, high] = interval_of([0, 10]);

@@ -1,4 +1,4 @@
-//! A unit beside its population: what its log says of each coefficient, what its lot lets expect, and both together.
+//! Unit compared with its population: the estimate from its log, the interval of its lot, and both combined.
 
 use serde::Serialize;
 
@@ -6,25 +6,25 @@ use super::coefficient::{NINETY, unit_of};
 use fos_data::column::Column;
 use fos_fleet::{AxisSummary, PartSummary, UnitRow, known_of};
 
-/// A unit.
+/// Report on one unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct UnitReport {
-    /// Its name.
+    /// Name of the unit.
     pub unit: String,
-    /// Its part.
+    /// Part of the unit.
     pub part: String,
-    /// Its lot.
+    /// Lot of the unit.
     pub lot: Option<String>,
-    /// It does not belong.
+    /// True if the unit deviates significantly from its population.
     pub is_odd: bool,
-    /// Length of its log, s.
+    /// Length of the log, s.
     pub seconds: Option<f64>,
-    /// Lowest and highest temperature of its log, °C.
+    /// Lowest and highest temperature in the log, °C.
     pub temperature_c: Option<[f64; 2]>,
-    /// Why it, or an axis of it, tells nothing.
+    /// Reasons why the log or an axis has no results.
     pub failed: Vec<String>,
-    /// The axes of its part.
+    /// Axes that have a population.
     pub axes: Vec<UnitAxis>,
 }
 
@@ -32,34 +32,34 @@ pub struct UnitReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct UnitAxis {
-    /// As in `gyro x`.
+    /// Name for people, such as `gyro x`.
     pub label: String,
-    /// The coefficients of its population.
+    /// Coefficients of the population of the axis.
     pub coefficients: Vec<UnitCoefficient>,
-    /// The effects that a diagnosis found.
+    /// Effects that the diagnosis found.
     pub effects: Vec<String>,
 }
 
-/// A coefficient of a unit: values in `unit`, each with half of its 90 % interval.
+/// Coefficient of a unit: values in `unit`, each with half of its 90 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct UnitCoefficient {
-    /// `bias`, or the regressor.
+    /// Name: `bias`, or the regressor.
     pub name: String,
-    /// As in `dps/K`.
+    /// Unit of the values, such as `dps/K`.
     pub unit: String,
-    /// What its log says; none where it does not tell.
+    /// Estimate from the unit's own log; none where the log does not determine it.
     pub own: Option<[f64; 2]>,
-    /// What its lot lets expect: nine of ten units lie there.
+    /// Middle and half of the 90 % interval of the units of its lot.
     pub expected: [f64; 2],
-    /// Both together, as it ships; of a unit that does not belong its own log alone.
+    /// Own estimate combined with the population, as shipped; for an odd unit its own estimate alone.
     pub together: [f64; 2],
-    /// By how many standard deviations its log is off what is expected.
+    /// Deviation of the own estimate from the expected value, in standard deviations.
     pub by: Option<f64>,
 }
 
 impl UnitReport {
-    /// Of the unit behind `row`, one of the part.
+    /// Builds the report on the unit of `row`, which is one of `part`.
     pub fn of(row: &UnitRow, part: &PartSummary) -> Self {
         let log = row.log.as_ref();
         let is_odd = part.odd.iter().any(|odd| odd.unit == row.unit);
