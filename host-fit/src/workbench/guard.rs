@@ -1,6 +1,6 @@
 //! Access control: only the workbench's own page in a browser on this machine may send requests.
 //!
-//! The danger is not the network, as the server listens on loopback only, but another page in the same browser. Three
+//! The danger is not the network, as the server listens on loopback only by default, but another page in the same browser. Three
 //! checks reject it: the host name of the request (a foreign name that resolves to this machine, "DNS rebinding"), the
 //! origin of the page, and a header that a foreign page cannot send without a preflight request, which is never
 //! answered.

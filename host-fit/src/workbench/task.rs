@@ -117,11 +117,11 @@ impl Task {
             Self::Fit(column) => format!("fitting {}", Column::named(column).label()),
             Self::Examine(column) => format!("comparing {}", Column::named(column).label()),
             Self::Diagnose(column) => {
-                format!("looking for what is missing from {}", Column::named(column).label())
+                format!("diagnosing {}", Column::named(column).label())
             }
             Self::ShareSignal => "looking for a slow signal that axes share".to_owned(),
             Self::Add { column, effect } => format!("adding {effect} to {}", Column::named(column).label()),
-            Self::Undo { column, .. } => format!("taking effects of {} back", Column::named(column).label()),
+            Self::Undo { column, .. } => format!("removing effects of {}", Column::named(column).label()),
         };
         Job::new(words, asked_for)
     }

@@ -156,11 +156,7 @@ impl<'a> Hypotheses<'a> {
         })
     }
 
-    fn of_regressors(
-        &self,
-        effect: &Arc<Effect>,
-        value: Option<f64>,
-    ) -> Result<Hypothesis, RecordingError> {
+    fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
         let all = effect.regressors(self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()

@@ -49,68 +49,68 @@ dependence: Dependence | null, };
 export type AxisEntry = { column: string, label: string, unit: string, sentence: string | null,
 /** Effects that were added, in order. */
 added: Array<string>,
-/** Root of the variance of the 1-s means that are left on unseen data, before the first effect and now, in the
- * unit. */
+/** Root of the variance of the 1-s means of the residual on evaluation data, before the first effect and now, in
+ * `unit`. */
 slow_before: number | null, slow_now: number | null, errors_in: UnitChoice, };
 
-/** An axis with its standing and the units that its numbers are shown in. */
+/** Axis with its standing and the units in which its numbers are shown. */
 export type AxisPage = { standing: Standing | null,
-/** Why there is no model, comparison or diagnosis. */
+/** Reason why there is no model, comparison or diagnosis. */
 failure: string | null,
-/** RMS of the slow error in a free run, in the unit: of the constant mean, and of the model. */
+/** RMS of the slow error in a free run, in the axis' unit: of the constant mean, and of the model. */
 slow_error: [number | null, number | null] | null,
-/** Of each refinement step: whether its effect reduces the error by more than noise. */
+/** One entry per refinement step: true if its effect reduces the error by more than noise. */
 pays: Array<boolean>, units: AxisUnits,
-/** As in the log format, as `gx_rads`. */
+/** Column of the log format, such as `gx_rads`. */
 column: string,
-/** As in `gyro x`. */
+/** Name for people, such as `gyro x`. */
 label: string,
-/** Unit of the column, as `rad/s`. */
+/** Unit of the column, such as `rad/s`. */
 unit: string,
-/** Its model as it is now. */
+/** Summary of the present model. */
 model: ModelSummary | null,
-/** The model as it is now against the field log. */
+/** Comparison of the present model with the log to explain. */
 comparison: AxisComparison | null,
-/** First and last time stamp that the comparison is of, s. */
+/** First and last timestamp of the compared rows, s. */
 judged_s: [number, number] | null,
-/** What is missing from the model as it is now. */
+/** Effects missing from the present model. */
 diagnosis: Diagnosis | null,
-/** One for each finding of the diagnosis. */
+/** One offer for each finding of the diagnosis. */
 offers: Array<Offer>,
-/** Every step of the model, with its errors. */
+/** Every step of the refinement, with the errors of its model. */
 growth: Refinement | null,
-/** The same as a figure. */
+/** Refinement as a figure. */
 staircase: Figure | null, };
 
 /** An axis of a part. */
 export type AxisReport = {
-/** As in the log format, as `gx_rads`. */
+/** Column of the log format, such as `gx_rads`. */
 column: string,
-/** As in `gyro x`. */
+/** Name for people, such as `gyro x`. */
 label: string,
-/** Why there is no population. */
+/** Reason why there is no population. */
 without: string | null,
-/** Its coefficients. */
+/** Coefficients of the population. */
 coefficients: Array<CoefficientReport>,
-/** The effects that units were found to have. */
+/** Effects that the diagnoses of units found. */
 effects: Array<EffectReport>, };
 
 export type AxisSeries = { axis: string, unit: string, from_s: number, to_s: number,
-/** Of the samples, or of the means. */
+/** Period of the samples or of the means, s. */
 period_s: number,
-/** Length of the means, s; none of samples. */
+/** Length of the means, s; none for samples. */
 mean_s: number | null,
-/** Every sample is there; else each entry is a bucket. */
+/** True if every sample is included; otherwise each entry is a bucket. */
 exact: boolean,
-/** Stamps, or middles of buckets, s. */
+/** Timestamps, or middles of buckets, s. */
 time_s: Array<number>,
-/** As logged, less the reference where there is one. */
+/** Logged value, minus the reference where there is one. */
 measured: LowAndHigh,
-/** Measured less what is left; none without a model. */
+/** Measured value minus residual; none without a model. */
 predicted: LowAndHigh | null,
-/** What is left. */
+/** Residual; none without a model. */
 left: LowAndHigh | null,
-/** The same two with the model before any effect was added; none where none was. */
+/** The same two with the model before any effect was added; none if no effect was added. */
 predicted_before: LowAndHigh | null, left_before: LowAndHigh | null,
 /** Temperature and supply voltage, where they are logged. */
 beside: Array<Beside>, };
@@ -150,10 +150,10 @@ sizes: { [key in string]: UnitChoice }, };
 /** Band in which an effect shows. */
 export type Band = "slow" | "wide" | "data" | "stochastic";
 
-/** What a page is told without asking. */
+/** Status that is sent to the page with every change. */
 export type Beat = { revision: number, job: Job | null, };
 
-/** A channel that is drawn under the same time axis. */
+/** Channel that is drawn below on the same time axis. */
 export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
 
 /** Residual in one bin of a channel. */
@@ -177,27 +177,27 @@ rising: Array<Bin>,
 /** Blocks in which the channel falls; for temperatures only. */
 falling: Array<Bin>, };
 
-/** An effect in plain language: texts of the library. */
+/** Effect in plain language: texts of the library. */
 export type Card = {
-/** As in the library, as `thermal_lag`. */
+/** Identifier in the library, such as `thermal_lag`. */
 id: string,
-/** Name, as in a sentence. */
+/** Name as it stands in a sentence. */
 name: string,
-/** In block means, in single samples, in the data themselves, or as noise. */
+/** Band of the error: block means, single samples, the data themselves, or noise. */
 band: Band,
-/** What happens in the sensor. */
+/** Physical mechanism in the sensor. */
 mechanism: string,
-/** The error it makes. */
+/** Equation of the error. */
 equation: string,
-/** How large it is on phone-class parts. */
+/** Typical size on phone-class parts. */
 typical_size: string,
-/** Where that comes from. */
+/** Reference for the typical size. */
 source: string,
-/** Which experiment shows it. */
+/** Experiment that shows the effect. */
 experiment: string,
-/** What in a plot gives it away. */
+/** Signature in a plot. */
 gives_away: string,
-/** What it costs on the device, in words. */
+/** Cost of the correction on the device, in words. */
 device: string, };
 
 /** One stretch of the log in one band. */
@@ -238,44 +238,44 @@ export type CoastError = {
 horizon_s: number,
 /** Mean square error after exactly that time. */
 mse: number,
-/** Standard error of the mean, coasts taken as independent of one another. */
+/** Standard error of the mean, with the coasts taken as independent of one another. */
 standard_error: number,
-/** Coasts that it is the mean of. */
+/** Number of coasts in the mean. */
 origins: number, };
 
-/** A coefficient over units; every number is in `unit`. */
+/** Coefficient over the units of a part; every number is in `unit`. */
 export type CoefficientReport = {
-/** `bias`, or the regressor. */
+/** Name: `bias`, or the regressor. */
 name: string,
-/** As in `dps/K`. */
+/** Unit of all numbers, such as `dps/K`. */
 unit: string,
-/** Units that the population is of. */
+/** Number of units in the population. */
 units: number,
-/** Lots with a name. */
+/** Number of named lots. */
 lots: number,
 /** Mean of the part. */
 mean: number,
-/** Its 90 % interval. */
+/** 90 % interval of `mean`. */
 mean_interval: [number, number],
 /** Standard deviation between units of a lot. */
 between_units: number,
-/** Its 90 % interval. */
+/** 90 % interval of `between_units`. */
 between_units_interval: [number, number],
-/** Standard deviation between lots; none where they cannot be told. */
+/** Standard deviation between lots; none with fewer than two lots. */
 between_lots: number | null,
-/** Its 90 % interval. */
+/** 90 % interval of `between_lots`. */
 between_lots_interval: [number, number],
-/** How often lots that do not differ would look so different. */
+/** p-value of the observed difference between lots if lots do not differ; none with fewer than two lots. */
 lots_alike: number | null,
-/** Standard deviation of an estimate about its unit. */
+/** Standard deviation of an estimate about the value of its unit: the error of a log. */
 error_of_log: number,
-/** Of the variance of estimates: lots, units, error of a log. */
+/** Shares of the variance of estimates: lots, units, error of a log. */
 shares: [number, number, number],
-/** What each way of calibrating leaves. */
+/** Remaining error for each way of calibrating. */
 left: LeftBy,
-/** When its numbers are not to be trusted, a sentence each. */
+/** Reasons not to trust the numbers, a sentence each. */
 cautions: Array<string>,
-/** Units about the population, and lot by lot. */
+/** Figure of the units about the population, and lot by lot. */
 figure: Figure, };
 
 /** A column of a file with its probable channel. */
@@ -299,9 +299,9 @@ caution: string | null, };
 
 /** A channel of a log. */
 export type ColumnSummary = {
-/** Its column, as `gx_rads`. */
+/** Name of the column, such as `gx_rads`. */
 name: string,
-/** Unit that its values are in, as `rad/s`. */
+/** Unit of the values, such as `rad/s`. */
 unit: string, };
 
 /** Another effect that an effect is confused with. */
@@ -422,17 +422,17 @@ parameter: Parameter | null,
 /** Effects that it is confused with, the most similar first. */
 confused_with: Array<ConfusedWith>, };
 
-/** An effect on an axis of a part. */
+/** Effect on an axis of a part. */
 export type EffectReport = {
-/** As in the library. */
+/** Identifier in the library, such as `thermal_lag`. */
 effect: string,
-/** Units that have it, and units that were asked. */
+/** Number of units with the effect, and number of diagnosed units. */
 units: [number, number],
-/** The 90 % interval of the share of all units of the part that have it. */
+/** 90 % interval of the share of all units of the part that have the effect. */
 share_interval: [number, number],
-/** By how much the error should fall if every unit's model had it, in the mean over all units. */
+/** Predicted reduction if every unit's model had the effect: the mean over all diagnosed units. */
 mean_reduction: number,
-/** What it costs on the device. */
+/** Cost of the effect on the device, in words. */
 device: string, };
 
 /** One regressor of an effect. */
@@ -452,9 +452,9 @@ accelerometer_typical?: number | null, };
 
 /** A study in a list. */
 export type Entry = { id: number, name: string,
-/** The worst of its axes. */
+/** Worst outcome of its axes. */
 outcome: Outcome | null, working: boolean,
-/** The axis that is looked at, with what is known of it: what studies are held side by side by. */
+/** Open axis with its results, for comparing studies side by side. */
 axis: AxisEntry | null, };
 
 /** A picture of one or more panels below each other. */
@@ -501,17 +501,17 @@ correction: Array<CorrectionTerm>,
 /** Limits to which inputs are clamped, by the text of the input: the range in which a curve may be extrapolated. */
 limits: { [key in string]: [number, number] }, rms_before?: number, rms_after?: number, rms_reduction?: number, rms_reduction_interval?: [number, number], measured_rms_reduction?: number, };
 
-/** What a population says. */
+/** Report on a population. */
 export type FleetReport = {
-/** The program that wrote it. */
+/** Program that wrote the report. */
 tool: Tool,
-/** Where the population was read. */
+/** Path of the population. */
 path: string,
-/** What the error may depend on, as it was asked. */
+/** Regressors that the error may depend on, as requested. */
 regressors: Array<string>,
-/** Units were diagnosed too. */
+/** True if units were diagnosed as well. */
 diagnosed: boolean,
-/** Each part. */
+/** Reports on the parts, sorted by name. */
 parts: Array<PartReport>, };
 
 /** Axes in which values are given. */
@@ -536,24 +536,24 @@ rests_away: number,
 /** Rows away from gravity. */
 rows_away: number, };
 
-/** Whether the device takes what is exported. */
+/** Acceptance of the exported model by the hubs. */
 export type Hubs = {
-/** Which hub refuses the model, and what to do, in the words of the command line; none if all take it. */
+/** Refusal of a hub and its remedy, in the words of the command line; none if all hubs accept the model. */
 refusal: string | null, };
 
 /** Origin of the numbers of a series. A colour has the same meaning in every figure; the colours are those of Okabe & Ito (Color Universal
  * Design, 2008), distinguishable with any kind of colour vision. */
 export type Ink = "Measured" | "Predicted" | "Residual" | "Floor" | "Bound" | "Other" | { "Step": number } | { "Method": number };
 
-/** What a job is doing. */
+/** Description and progress of a job. */
 export type Job = {
-/** As in `fitting gyro x`. */
+/** Description, such as `fitting gyro x`. */
 what: string,
-/** Steps done. */
+/** Number of steps done; none where it is unknown. */
 done: number | null,
-/** Steps in all; none where that is not known. */
+/** Total number of steps; none where it is unknown. */
 of: number | null,
-/** Somebody waits for it, or for what comes after it: what else could be asked for should wait for the answer. */
+/** True if a user waits for the job, or for a later one: other requests should wait for the answer. */
 asked_for: boolean, };
 
 /** Source of the rows at rest. */
@@ -600,23 +600,21 @@ wide: number,
  * from, in the axis' unit. Absent if the log does not show the bias, and in studies of earlier versions. */
 bias?: number | null, };
 
-/** Standard deviation of the error of a unit's coefficient, by what its model has. */
+/** Standard deviation of the remaining error of a unit's coefficient, by the value in its model. */
 export type LeftBy = {
 /** The mean of the part. */
 part_mean: number,
-/** The mean of the unit's lot, over the lots that are known; none where lots cannot be told. */
+/** Mean of the unit's lot, for known lots; none with fewer than two lots. */
 lot_mean: number | null,
-/** The estimate of a log as these are. */
+/** Estimate from one log like these. */
 own_log: number,
-/** The same beside the population, for a unit of a lot that is not known. */
+/** Estimate from one log combined with the population, for a unit of an unknown lot. */
 with_population: number, };
 
 /** A log that may be opened. */
 export type Listed = {
-/** As it is opened. */
-path: string,
-/** Size. */
-bytes: number, };
+/** Path by which the log is opened. */
+path: string, bytes: number, };
 
 /** Options for reading a log. The default suits a log with the columns of the log format. */
 export type LoadOptions = {
@@ -661,86 +659,86 @@ topic?: string,
 /** Include rows with detected motion although the device should be at rest. */
 keep_moved?: boolean, };
 
-/** A log in a few facts. */
+/** Summary of a log. */
 export type LogSummary = {
-/** Where it was read from. */
+/** Path that the log was read from. */
 path: string,
-/** Digest of the file. */
+/** SHA-256 of the file, hexadecimal; of the first one if there are several. */
 sha256: string,
-/** Samples that were read, of all segments together. */
+/** Number of samples, of all segments together. */
 rows: number,
-/** From the first sample to the last, s. */
+/** Time from the first sample to the last, s. */
 seconds: number,
-/** First stamp, s. */
+/** First timestamp, s. */
 from_s: number,
-/** Last stamp, s. */
+/** Last timestamp, s. */
 to_s: number,
-/** True sample rate, Hz. */
+/** True sampling rate, Hz. */
 rate_hz: number,
-/** Stretches without gaps. */
+/** Number of gap-free segments. */
 segments: number,
-/** Samples missing between them. */
+/** Number of samples missing between the segments. */
 missing: number,
-/** Share of the rows in which the unit is still. */
+/** Share of the rows in which the device is still. */
 still_share: number,
-/** How that is known. */
+/** Source of `still_share`. */
 still_known_by: KnownBy,
-/** Its channels. */
+/** Channels of the log. */
 columns: Array<ColumnSummary>,
-/** As what it was read, how its streams were joined, and what was wrong with it, a line each. */
+/** Notes on quality, a line each: recognised format, alignment of streams, defects, detected motion, cautions. */
 quality: Array<string>,
-/** Where the unit was moved though it was meant to be at rest, as it is shaded wherever the log is drawn over time. */
+/** Detected motion of a device meant to be at rest, shaded wherever the log is drawn over time. */
 moved: Shading, };
 
-/** The lowest and the highest of each bucket; `None` where there is nothing. In f32, which keeps seven digits: more
- * than a screen shows, half the size of what a browser has to read. */
+/** Minimum and maximum of each bucket; `None` without values. An f32 has seven digits, more than a screen shows, and
+ * half the size for the browser to read. */
 export type LowAndHigh = { low: Array<number | null>, high: Array<number | null>, };
 
-/** What is left of the error of one axis with one model. Squares are in the square of the axis' unit. A value is
- * absent where the data are too short for it. */
+/** Errors of one axis with one model. Squared errors are in the square of the axis' unit. A value is absent where the
+ * data are too short for it. */
 export type ModelErrors = {
-/** Its name, as in tables. */
+/** Name of the model, as in tables. */
 model: string,
-/** Mean square of measured − predicted from measured history, on the raw samples. */
+/** Mean square one-step prediction error: measured − predicted from measured history, on the raw samples. */
 one_step_mse: number,
-/** The same from own history after exactly 1 s, 10 s and 60 s. */
+/** Mean square error of a free run after exactly 1 s, 10 s and 60 s. */
 coast: Array<CoastError>,
-/** The same from own history over all judged rows, never starting anew. */
+/** Mean square error of a free run over all evaluated rows, never restarted. */
 coast_whole_mse: number,
-/** Variance of 1-s block means of what is left, one-step, while still. */
+/** Variance of the 1-s block means of the one-step residual, at rest. */
 slow_error_one_step: number | null,
-/** Variance of 1-s block means of what is left, coasting for at most 60 s, while still. */
+/** Variance of the 1-s block means of the residual of free runs of at most 60 s, at rest. */
 slow_error_coast: number | null,
-/** Variance of the samples of what is left, one-step, while still. */
+/** Variance of the samples of the one-step residual, at rest. */
 wide_error_one_step: number,
-/** Variance of the samples of what is left, coasting for at most 60 s, while still. */
+/** Variance of the samples of the residual of free runs of at most 60 s, at rest. */
 wide_error_coast: number,
 /** Heading or position error after a time without aiding; empty for an axis that is neither gyro nor accelerometer,
  * and in studies of earlier versions. */
 unaided: Array<UnaidedError>,
-/** Allan deviation of what is left when coasting for at most 60 s. */
+/** Allan deviation of the residual of free runs of at most 60 s. */
 allan: Array<AllanValue>,
-/** The one-step MSE is below the noise floor: not to be trusted. */
+/** True if the one-step MSE is below the noise floor; such a result is not to be trusted. */
 below_noise_floor: boolean,
-/** Rows whose prediction came with a caution (out of range, stuck, saturated, not finite, …). */
+/** Number of rows whose prediction has a caution (out of range, stuck, saturated, not finite, …). */
 cautions: number, };
 
-/** The model of an axis in words. */
+/** Summary of the model of an axis, for people. */
 export type ModelSummary = {
-/** Physical and stochastic together. */
+/** Number of terms, physical and stochastic together. */
 terms: number,
-/** Candidates that were searched. */
+/** Number of candidates that were searched. */
 candidates: number,
-/** By which method. */
+/** Search method. */
 method: string,
-/** Why the search stopped. */
+/** Reason why the search stopped. */
 stopped: string,
 /** Terms of the stochastic part, in the order of their selection. */
 monomials: Array<string>,
 /** Terms of the physical part. */
 physical: Array<PhysicalTerm>, };
 
-/** A figure, by what the page looks for it by: `residual`, `against:temp_c`. */
+/** Figure with the name by which the page finds it: `residual`, `against:temp_c`. */
 export type NamedFigure = { name: string, figure: Figure, };
 
 /** Noise levels of an axis. */
@@ -765,67 +763,67 @@ block_s: number,
 /** Number of blocks. */
 blocks: number, };
 
-/** A unit of which nothing, or not everything, could be told. */
+/** Unit without results, or with results for some axes only. */
 export type NotRead = {
-/** Its name. */
+/** Name of the unit. */
 unit: string,
-/** Its lot. */
+/** Lot of the unit. */
 lot: string | null,
-/** Some axes could be told. */
+/** True if some axes have results. */
 is_partly: boolean,
-/** Why, a line each. */
+/** Reasons, a line each. */
 reasons: Array<string>,
-/** What helps, each once. */
+/** Remedies, each once. */
 help: Array<string>, };
 
-/** A unit that does not belong. */
+/** Unit that deviates significantly from its population. */
 export type OddReport = {
-/** Its name. */
+/** Name of the unit. */
 unit: string,
-/** Its lot. */
+/** Lot of the unit. */
 lot: string | null,
-/** The axis that shows it best, as in `gyro x`. */
+/** Axis with the smallest p-value, such as `gyro x`. */
 label: string,
-/** The coefficient that is furthest there. */
+/** Coefficient that deviates most on that axis. */
 coefficient: string,
-/** Its deviation from the population without it, in standard deviations: Student's t. */
+/** Deviation from the population without the unit, in standard deviations: Student's t. */
 by: number,
-/** Probability that a unit that belongs is so far in any of its axes. */
+/** Probability that a unit of the population deviates this far on any of its axes. */
 p_value: number,
-/** The unit of the numbers below. */
+/** Unit of `estimate` and `expected`. */
 unit_of_size: string,
-/** Its own estimate, and half of its 90 % interval. */
+/** Estimate from the unit's own log, and half of its 90 % interval. */
 estimate: [number, number] | null,
-/** Where nine of ten units of its lot lie. */
+/** 90 % interval of the units of its lot. */
 expected: [number, number] | null, };
 
-/** An effect that was found, to be added or not. */
+/** Detected effect, offered for addition to the model. */
 export type Offer = {
-/** As in the library, as `thermal_lag`. */
+/** Identifier in the library, such as `thermal_lag`. */
 effect: string,
-/** Whether something of it can be taken off sample by sample. */
+/** True if the effect can be corrected sample by sample and the finding is conclusive. */
 can_be_added: boolean,
-/** What to do instead. */
+/** Reason why the effect cannot be added, or the alternative; none if it can. */
 why_not: string | null,
-/** The physics. */
+/** Physics of the effect. */
 card: Card,
-/** What the model would cost more on the device. */
+/** Additional cost of the model on the device. */
 cost: Cost | null,
-/** What speaks for it. */
+/** Figure of the evidence. */
 evidence: Figure | null, };
 
 /** Outcome for an axis, or the worst of a study's axes; later ones are worse. */
 export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
 
-/** All that a page shows of a study, but for what is drawn sample by sample. */
+/** Everything that a page shows of a study, except time series. */
 export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null,
-/** The logs that were asked for last; absent of an example that is not written yet. */
+/** Logs that were requested last; none for an example that is not written yet. */
 files: LogFiles | null, logs: Summaries | null,
-/** Rows in which the unit was moved count as any others. */
+/** True if rows with detected motion are used like any others. */
 keeps_moved: boolean,
-/** The worst of its axes; an all-clear only once all are diagnosed. */
+/** Worst outcome of its axes; an all-clear only once all are diagnosed. */
 outcome: Outcome | null,
-/** Every axis that can have a model has one: it can be exported. */
+/** True if every axis that can have a model has one, so that the study can be exported. */
 is_whole: boolean, axis: string | null, axes: Array<AxisPage>, commands: Array<string>, };
 
 /** A pair of axes with its content. */
@@ -854,33 +852,33 @@ high: number,
 /** True if values below `low` give the same error, so that an estimate at `low` is only an upper bound. */
 open_below?: boolean, };
 
-/** A part. */
+/** Report on one part. */
 export type PartReport = {
-/** Its name; empty if the fleet names none. */
+/** Name of the part; empty if the fleet has none. */
 part: string,
-/** What was read, and what was not. */
+/** Units that were read, and those that were not. */
 read: UnitsRead,
-/** When its numbers are not to be trusted, a sentence each. */
+/** Duplicate logs and reasons not to trust the numbers, a sentence each. */
 cautions: Array<string>,
-/** Of what the differences of units are made; none where no axis has a population. */
+/** Figure of the sources of the differences between units; none where no axis has a population. */
 variance: Figure | null,
-/** Its axes. */
+/** Axes of the part. */
 axes: Array<AxisReport>,
-/** Units that do not belong, the furthest first. */
+/** Units that deviate significantly from the population, the furthest first. */
 odd: Array<OddReport>,
-/** Why that there is no other odd unit is not conclusive; none where it is. */
+/** Reason why the search for odd units is not conclusive; none if it is conclusive. */
 not_conclusive: string | null, };
 
 /** A term of the physical part. */
 export type PhysicalTerm = {
-/** The product of inputs. */
+/** Product of inputs. */
 term: string,
 /** Coefficient, unit of the axis per unit of the product. */
 coefficient: number, };
 
 /** A population, as `fos fleet report --json` prints it, and its units. */
 export type PopulationPage = { report: FleetReport,
-/** In the order of parts and names. */
+/** Units in the order of parts and names. */
 units: Array<UnitEntry>, };
 
 /** Power over time and frequency. */
@@ -925,13 +923,13 @@ score: number,
 /** Reason for the rejection, if its score alone would have made it a finding. */
 why?: string | null, };
 
-/** What the exported image does on the log that errors are of. */
+/** Result of running the exported image over the evaluation log, or over the log to explain if there is none. */
 export type Replayed = {
 /** Path of the log. */
 log: string, summary: Summary,
-/** The command line that says the same. */
+/** Command line with the same result. */
 command: string,
-/** Size of the image. */
+/** Size of the image, bytes. */
 bytes: number, };
 
 /** An RMS with its 90 % interval. */
@@ -1032,7 +1030,7 @@ read_as?: ReadAs | null, };
 
 /** Standing of one axis. */
 export type Standing = { outcome: Outcome, sentence: string,
-/** What to record so that the tests become possible. */
+/** Data to record so that the tests become possible. */
 record: Array<string>, };
 
 export type StepWithRms = {
@@ -1047,26 +1045,26 @@ cost: Cost, rms_before?: number, rms_after?: number, rms_reduction?: number, rms
 
 /** A stretch of the recording. */
 export type Stretch = {
-/** Begin, s as stamped. */
+/** Timestamp of the first row, s. */
 begin_s: number,
-/** End, s as stamped. */
+/** Timestamp of the last row, s. */
 end_s: number,
 /** Slow error: RMS of the 1-s means of the residual in a free run of at most 60 s, in the axis' unit. */
 rms: number,
-/** Mean of what is left. */
+/** Mean of the residual, in the axis' unit. */
 mean: number,
-/** `rms` over that of the median stretch. */
+/** `rms` divided by that of the median stretch. */
 ratio: number,
-/** What is special there, most striking first; empty if nothing logged is. */
+/** Unusual channels and circumstances of the stretch, most striking first; empty if nothing logged is unusual. */
 special: Array<string>, };
 
-/** The logs of a study in a few facts. */
+/** Summaries of the logs of a study. */
 export type Summaries = {
-/** The log where the model fails. */
+/** Log to explain. */
 field: LogSummary,
-/** A log in which nothing is missing; absent where none was given. */
+/** Reference log; none if not given. */
 quiet: LogSummary | null,
-/** The log that errors are of. */
+/** Evaluation log; none if not given. */
 judged: LogSummary | null, };
 
 /** Counts and digests of a replay. */
@@ -1115,38 +1113,38 @@ name: string, version: string, };
 export type UnaidedError = {
 /** Length of the windows, s. */
 window_s: number,
-/** Whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
+/** Number of whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
 windows: number,
-/** Heading error at the end of a window, rad; only of a gyro axis. */
+/** Heading error at the end of a window, rad; for a gyro axis only. */
 heading_rad?: RmsInterval,
-/** Position error at the end of a window, m; only of an accelerometer axis. */
+/** Position error at the end of a window, m; for an accelerometer axis only. */
 position_m?: RmsInterval, };
 
 /** An axis of a unit. */
 export type UnitAxis = {
-/** As in `gyro x`. */
+/** Name for people, such as `gyro x`. */
 label: string,
-/** The coefficients of its population. */
+/** Coefficients of the population of the axis. */
 coefficients: Array<UnitCoefficient>,
-/** The effects that a diagnosis found. */
+/** Effects that the diagnosis found. */
 effects: Array<string>, };
 
 /** A unit in both systems. */
 export type UnitChoice = { field: ShownUnit, si: ShownUnit, };
 
-/** A coefficient of a unit: values in `unit`, each with half of its 90 % interval. */
+/** Coefficient of a unit: values in `unit`, each with half of its 90 % interval. */
 export type UnitCoefficient = {
-/** `bias`, or the regressor. */
+/** Name: `bias`, or the regressor. */
 name: string,
-/** As in `dps/K`. */
+/** Unit of the values, such as `dps/K`. */
 unit: string,
-/** What its log says; none where it does not tell. */
+/** Estimate from the unit's own log; none where the log does not determine it. */
 own: [number, number] | null,
-/** What its lot lets expect: nine of ten units lie there. */
+/** Middle and half of the 90 % interval of the units of its lot. */
 expected: [number, number],
-/** Both together, as it ships; of a unit that does not belong its own log alone. */
+/** Own estimate combined with the population, as shipped; for an odd unit its own estimate alone. */
 together: [number, number],
-/** By how many standard deviations its log is off what is expected. */
+/** Deviation of the own estimate from the expected value, in standard deviations. */
 by: number | null, };
 
 /** A unit in a list. */
@@ -1154,49 +1152,49 @@ export type UnitEntry = { part: string, unit: string, lot: string | null, };
 
 /** A unit, and its log. */
 export type UnitPage = { report: UnitReport,
-/** Its log, as it is opened; none where it is not in a folder that may be read. */
+/** Path by which its log is opened; none if it is not in a folder that may be read. */
 log: string | null, };
 
-/** A unit. */
+/** Report on one unit. */
 export type UnitReport = {
-/** Its name. */
+/** Name of the unit. */
 unit: string,
-/** Its part. */
+/** Part of the unit. */
 part: string,
-/** Its lot. */
+/** Lot of the unit. */
 lot: string | null,
-/** It does not belong. */
+/** True if the unit deviates significantly from its population. */
 is_odd: boolean,
-/** Length of its log, s. */
+/** Length of the log, s. */
 seconds: number | null,
-/** Lowest and highest temperature of its log, °C. */
+/** Lowest and highest temperature in the log, °C. */
 temperature_c: [number, number] | null,
-/** Why it, or an axis of it, tells nothing. */
+/** Reasons why the log or an axis has no results. */
 failed: Array<string>,
-/** The axes of its part. */
+/** Axes that have a population. */
 axes: Array<UnitAxis>, };
 
-/** What was read of a part. */
+/** Counts of the units of a part, and ranges of their logs. */
 export type UnitsRead = {
-/** Units that were asked. */
+/** Number of units. */
 units: number,
-/** Those that told all. */
+/** Number of units with complete results. */
 whole: number,
-/** Those of which an axis could not be told. */
+/** Number of units with results for some axes only. */
 partly: number,
-/** Those that told nothing. */
+/** Number of units without results. */
 nothing: number,
-/** Lots that are named. */
+/** Number of named lots. */
 lots: number,
-/** Length of the logs: the shortest, the median, the longest, s. */
+/** Shortest, median and longest length of a log, s. */
 seconds: [number, number, number] | null,
 /** Lowest and highest temperature of all logs, °C. */
 temperature_c: [number, number] | null,
-/** By how much the temperature changes in the median log, K. */
+/** Change of temperature within a log, median over the logs, K. */
 warming_k: number | null,
-/** The units of which something could not be told. */
+/** Units without complete results, at most 100. */
 not_read: Array<NotRead>,
-/** How many more there are. */
+/** Number of further units without complete results. */
 more: number, };
 
 /** Effect that could not be tested. */
@@ -1212,8 +1210,8 @@ export type Values = "unstated" | "raw" | { "corrected": string };
 /** Outcome of a diagnosis. */
 export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enough_data";
 
-/** What is shown beside the measurements. */
+/** Predictions that are shown with the measurements. */
 export type ViewKind = "one_step" | "coast" | "slow";
 
-/** What a new study is of. */
+/** Request for a new study: the example, or logs. */
 export type Wanted = { example?: boolean, field?: string | null, quiet?: string | null, judged?: string | null, columns?: Array<string>, rate_hz?: number | null, };
