@@ -49,7 +49,7 @@ pub enum SeriesError {
 /// use fos_fit::fit::FitOptions;
 /// use fos_fit::series::fit_series;
 ///
-/// r(n) = 0.9 r(n − 1) + e(n), e uniform with a standard deviation of 1/√12
+/// // r(n) = 0.9 r(n − 1) + e(n), e uniform with a standard deviation of 1/√12
 /// let mut state = 1_u32;
 /// let mut noise = || { state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); f64::from(state >> 8) / 16_777_216.0 - 0.5 };
 /// let mut r = vec![0.0; 20_000];

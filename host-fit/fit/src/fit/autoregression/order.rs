@@ -27,7 +27,7 @@ impl Criterion {
 /// ```
 /// use fos_fit::fit::autoregression::{Criterion, Method, best_order};
 ///
-/// r(n) = 1.5 r(n − 1) − 0.7 r(n − 2) + e(n), e uniform
+/// // r(n) = 1.5 r(n − 1) − 0.7 r(n − 2) + e(n), e uniform
 /// let mut state = 1_u32;
 /// let mut noise = || { state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223); f64::from(state >> 8) / 16_777_216.0 - 0.5 };
 /// let mut r = vec![0.0; 4000];
