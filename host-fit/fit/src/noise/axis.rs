@@ -45,8 +45,8 @@ pub struct AxisNoise {
     pub step: Option<f64>,
     /// Length of a log that would show more about an undetected random walk, s.
     pub walk_needs_s: Option<f64>,
-    /// Time at rest, s, after which the 90 % interval of a random walk that was seen is expected to be ±20 %; none where it is
-    /// already, or was not seen.
+    /// Time at rest, s, after which the 90 % interval is expected to be ±20 %, of a random walk that is known within a
+    /// factor of 3; none where the interval is that narrow already.
     pub walk_within_20_percent_s: Option<f64>,
     /// Overlapping Allan deviation; no difference spans a gap or a motion.
     pub allan: Vec<AllanPoint>,

@@ -35,6 +35,9 @@ const LONGEST_UNIT: f64 = 6.0;
 /// Standard deviation of an uninformative prior, in logarithms.
 const UNINFORMATIVE: f64 = 100.0;
 
+/// Largest ratio of a random walk to the lower end of its interval from which a recording time is predicted.
+const MAX_WALK_FACTOR: f64 = 3.0;
+
 /// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
 pub const FLICKER_FLOOR: f64 = 0.664_282_9;
 
@@ -250,12 +253,13 @@ impl NoiseEstimate {
         Some(seconds * meets(0.5 * self.walk.high) / meets(self.walk.high))
     }
 
-    /// Time at rest, s, after which the 90 % interval of a random walk is expected to be ±20 %; none where the walk was not
-    /// seen, or where `seconds` at rest suffice.
+    /// Time at rest, s, after which the 90 % interval of a random walk is expected to be ±20 %; none where the walk is not
+    /// known within a factor of 3, or where `seconds` at rest suffice.
     pub(super) fn seconds_for_accurate_walk(&self, seconds: f64) -> Option<f64> {
-        self.walk.value?;
-        let [white, flicker, walk] =
-            [self.white, self.flicker, self.walk].map(|level| level.value.unwrap_or(0.0));
+        // a walk that was hardly seen is too large on average, and a time based on it too short
+        let walk = self.walk.value.zip(self.walk.low).filter(|(walk, low)| *walk < MAX_WALK_FACTOR * low)?.0;
+        // flicker that was not seen may still hide the walk
+        let [white, flicker] = [self.white.at_most(), self.flicker.at_most()];
         let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
         let deviation = 1.2_f64.ln() / RISE.sqrt();
         // a walk shows in means over seconds; finer ones add nothing

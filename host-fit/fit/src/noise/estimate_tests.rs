@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::blocks::Blocks;
-use super::estimate::{Level, estimate};
+use super::estimate::{Level, NoiseEstimate, estimate};
 use super::levels::UnknownLevels;
 use super::model::NoiseLevels;
 use super::noise_tests::blocks_of;
@@ -83,4 +83,22 @@ fn undetected_walk_requires_a_longer_log() {
     let factor = found.seconds_for_walk(480.0).unwrap() / 480.0;
     // half the walk equals white noise after twice the time, flicker after four times
     assert!((2.0..=4.0).contains(&factor), "{factor}");
+}
+
+#[test]
+fn predicts_a_recording_time_only_for_a_walk_known_within_a_factor_of_three() {
+    let known = |value: f64, low: f64, high: f64| Level { value: Some(value), low: Some(low), high };
+    let estimate = NoiseEstimate {
+        white: known(0.01, 0.0099, 0.0101),
+        flicker: Level { value: None, low: None, high: 1e-4 },
+        walk: known(3.16e-5, 1.5e-5, 5e-5),
+    };
+    let needed = estimate.seconds_for_accurate_walk(3600.0).expect("a time");
+    assert!(needed > 3600.0);
+    assert_eq!(estimate.seconds_for_accurate_walk(1.01 * needed), None, "long enough");
+    // flicker that may be there hides a part of the walk
+    let more = NoiseEstimate { flicker: Level { value: None, low: None, high: 1e-3 }, ..estimate };
+    assert!(more.seconds_for_accurate_walk(3600.0).expect("a time") > 1.2 * needed);
+    let hardly = NoiseEstimate { walk: known(3.16e-5, 0.3e-5, 9e-5), ..estimate };
+    assert_eq!(hardly.seconds_for_accurate_walk(3600.0), None, "hardly seen");
 }
