@@ -179,7 +179,8 @@ impl EngineError for AxisError {
             | Self::Candidates { column, .. }
             | Self::Search { column, .. }
             | Self::Autoregression { column, .. }
-            | Self::Model { column, .. } => Location::column(column),
+            | Self::Model { column, .. }
+            | Self::TooManyPoses { column, .. } => Location::column(column),
         })
     }
 }
