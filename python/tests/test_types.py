@@ -23,7 +23,8 @@ def test_what_is_handed_over_has_the_types_that_are_said() -> None:
     assert (type(rate), type(image), corrected.dtype) == (float, bytes, np.float32)
     assert slow is None or slow > 0
     assert [one.window_s for one in unaided] == [1, 10, 60, 600]
-    assert heading is not None and 0 < heading.low < heading.rms < heading.high
+    assert heading is not None
+    assert 0 < heading.low < heading.rms < heading.high
     assert (unaided[3].windows, unaided[3].heading_rad) == (0, None)
     assert columns["gx_rads"].dtype == np.float64
 
