@@ -20,7 +20,7 @@ pub trait Scalar:
     + Neg<Output = Self>
     + 'static
 {
-    /// Float of the models that this scalar evaluates; a float evaluates models of its own type.
+    /// Float of the models that this scalar evaluates; a float evaluates models of that float.
     type Stored: Real;
     /// Float in which the constants of a model are computed when it is built; as precise as the constants are stored.
     /// With f32, a device links no 64-bit arithmetic.

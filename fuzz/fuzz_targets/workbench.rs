@@ -90,7 +90,7 @@ fn from_elsewhere(request: &[u8]) {
     // Headers may keep the connection open.
     let (status, answer) = exchange(raw.as_bytes(), body.as_bytes(), Duration::from_secs(2));
     assert_ne!(status, 500, "{head}: {answer}");
-    // Nobody guesses the port in the host header from this end.
+    // The port in the host header cannot be guessed from this end.
     let of_here = headers.iter().any(|header| header.contains(&BENCH.address.port().to_string()));
     assert!(of_here || !(200..300).contains(&status), "{head}: {status} {answer}");
 }

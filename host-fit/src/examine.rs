@@ -31,7 +31,7 @@ pub struct Examination {
 ///
 /// # Errors
 ///
-/// As for [`compare`].
+/// Errors of [`compare`].
 pub fn examine(
     study: &Study,
     refinement: &Refinement,

@@ -133,7 +133,7 @@ const STAIRCASE: &str = "staircase";
 ///
 /// # Errors
 ///
-/// As for [`check`].
+/// Errors of [`check`].
 pub fn check_staircase(folder: &Path, column: &str) -> Result<(), PlotError> {
     check(folder, column, [STAIRCASE])
 }

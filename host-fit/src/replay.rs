@@ -197,7 +197,7 @@ pub fn replay(
 ///
 /// # Errors
 ///
-/// As for [`replay`].
+/// Errors of [`replay`].
 pub fn summary(
     image: &Image<'_>,
     recording: &Recording,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::figures::compare::capitalised;
 use crate::units::{ShownUnit, Units, three};
 use fos_data::column::Column;
 use fos_diagnose::compare::AxisComparison;
@@ -64,8 +65,7 @@ impl UnaidedRow {
     /// `Heading error after 60 s without aiding: 0.91° → 0.12° (RMS of 14 windows; 90 %: 0.70° … 1.30° → 0.09° … 0.16°)`.
     pub(crate) fn sentence(&self) -> String {
         let Self { window, quantity, windows, .. } = self;
-        let (first, rest) = quantity.split_at(1);
-        let begin = format!("{}{rest} after {window} without aiding", first.to_uppercase());
+        let begin = format!("{} after {window} without aiding", capitalised(quantity));
         let Some([before, after]) = &self.rms else {
             return format!("{begin}: log too short ({windows} of {FEWEST_WINDOWS} windows at rest)");
         };

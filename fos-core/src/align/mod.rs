@@ -33,8 +33,8 @@ pub use slow::{HELD_PERIODS, Held, SLOW_DEPTH};
 ///   x = a + 2⁻²⁴ w (b − a)
 ///   ```
 ///
-///   It is missing where its neighbours are more than 1.5 of its periods apart, because a sample was lost. At a timestamp
-///   of its own it equals that sample bit for bit. Interpolation reduces the variance of white noise by the factor
+///   It is missing where its neighbours are more than 1.5 of its periods apart, because a sample was lost. At the
+///   timestamp of a sample it equals that sample bit for bit. Interpolation reduces the variance of white noise by the factor
 ///   (1 − w)² + w²; see [`Interpolated::weight`].
 /// - A **slow** channel (one value: temperature, supply voltage) holds its newest value at or before t, with its age. It
 ///   is missing when older than [`HELD_PERIODS`] of its periods.

@@ -99,7 +99,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.push_axis(parameters, AxisProgram { physical, stochastic, inputs_used, depth })
     }
 
-    // a function of its own, so that its stack frame and that of the terms do not add up
+    // a separate function, so that its stack frame and that of the terms do not add up
     #[inline(never)]
     fn push_axis(
         &mut self,

@@ -204,7 +204,7 @@ impl<'a> Image<'a> {
         loaded
     }
 
-    // a function of its own, so that its stack frame and that of the parsing do not add up
+    // a separate function, so that its stack frame and that of the parsing do not add up
     #[inline(never)]
     fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,

@@ -104,7 +104,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     }
 
     /// Maps the axes and quantities of the loaded model to those of the sensor.
-    // a function of its own, so that its stack frame and that of the decoding do not add up
+    // a separate function, so that its stack frame and that of the decoding do not add up
     #[inline(never)]
     fn connect(
         &mut self,

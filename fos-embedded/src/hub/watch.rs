@@ -27,7 +27,7 @@ impl<R: Scalar<Stored = f32>> Watch<R> {
         (self.watched, self.left, self.drifted) = (0, TURN, 0);
     }
 
-    // a function of its own, so that its stack frame and that of the decoding do not add up
+    // a separate function, so that its stack frame and that of the decoding do not add up
     #[inline(never)]
     pub(super) fn add(&mut self, parameters: &AxisParameters<f32>, period_s: f64) {
         // never full: at most six axes

@@ -68,7 +68,7 @@ impl Cell {
         let mut names: Vec<&str> = shown.flat_map(Validity::names).collect();
         names.extend(self.faults.iter_names().map(|(name, _)| name));
         names.extend(self.drift.then_some("drift"));
-        names.extend((self.excluded && !self.drift).then_some("left out"));
+        names.extend((self.excluded && !self.drift).then_some("excluded"));
         if names.is_empty() { "not seen".into() } else { names.join(", ") }
     }
 }

@@ -191,8 +191,8 @@ fn stillness_restarts_after_unobserved_time() {
     assert_eq!(still_after(&mut hub), to_stillness, "codes stood still");
 }
 
-#[test]
-fn model_loaded_later_has_the_phase_of_the_warm_up() {
+/// Loads a model of gyro x with a warm-up alone.
+fn load_warm_up(hub: &mut TestHub) {
     let warm_up = Input {
         source: Source::Clock,
         transform: Transform::Decay { tau_s: 5.0 },
@@ -211,15 +211,20 @@ fn model_loaded_later_has_the_phase_of_the_warm_up() {
         inputs: &[warm_up],
         axes: &axes,
     };
+    hub.load_model(&model).expect("a model");
+}
+
+#[test]
+fn model_loaded_later_has_the_phase_of_the_warm_up() {
     let [mut early, mut late] = [TestHub::new(SCALES), TestHub::new(SCALES)];
-    early.load_model(&model).expect("a model");
+    load_warm_up(&mut early);
     let mut random = Random(9);
     for _ in 0..2000 {
         let raw = random.at_rest();
         let [early, late] = [&mut early, &mut late].map(|hub| hub.update(&raw).corrected()[3]);
         assert!(early != late, "one is without a model");
     }
-    late.load_model(&model).expect("a model");
+    load_warm_up(&mut late);
     for _ in 0..500 {
         let raw = random.at_rest();
         let [early, late] = [&mut early, &mut late].map(|hub| *hub.update(&raw));
@@ -232,24 +237,6 @@ fn model_loaded_later_has_the_phase_of_the_warm_up() {
 /// Regression: the count of ticks wrapped, and a model loaded after 248 days at 200 Hz began with a full warm-up.
 #[test]
 fn model_loaded_after_the_tick_counter_wrapped_has_no_warm_up() {
-    let warm_up = Input {
-        source: Source::Clock,
-        transform: Transform::Decay { tau_s: 5.0 },
-        centre: 0.0,
-        scale: 1.0,
-        source_range: Range::new(0.0, 0.0),
-        range: Range::new(0.0, 1.0),
-    };
-    let physical = [Term::new(0.5, &[u(0, 0)])];
-    let axes = [AxisModel { parameters: parameters(Axis::Gx), physical: &physical, stochastic: &[] }];
-    let model = Model {
-        period_s: 0.005,
-        fitted_on: FittedOn::Raw,
-        stillness: None,
-        quantities: &[],
-        inputs: &[warm_up],
-        axes: &axes,
-    };
     let mut hub = TestHub::new(SCALES);
     let mut random = Random(9);
     // the counter is then at its largest value, at 0, and beyond
@@ -257,7 +244,7 @@ fn model_loaded_after_the_tick_counter_wrapped_has_no_warm_up() {
         let output = *hub.update(&RawSample { skipped, ..random.at_rest() });
         assert_eq!(output.tick, tick, "telemetry wraps");
         let mut late = hub.clone();
-        late.load_model(&model).expect("a model");
+        load_warm_up(&mut late);
         let output = *late.update(&random.at_rest());
         assert!(output.validity()[3].is_valid());
         assert!((output.predicted()[3] - OFFSET[3]).abs() < 1e-7, "{tick}: {}", output.predicted()[3]);

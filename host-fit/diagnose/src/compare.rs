@@ -209,7 +209,7 @@ pub struct Judgement {
 ///
 /// # Errors
 ///
-/// As for [`compare`].
+/// Errors of [`compare`].
 pub fn compare_study(
     study: &Study,
     log: &Recording,
@@ -249,7 +249,7 @@ pub fn lags_off(model: &UnitModel, log: &Recording) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// As for [`compare`].
+/// Errors of [`compare`].
 pub fn study_of(
     recording: &Recording,
     stillness: &Stillness,

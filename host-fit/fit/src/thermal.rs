@@ -171,7 +171,7 @@ pub fn about(coefficients: [f64; 4], reference: f64) -> [f64; 4] {
 /// There is no thermometer.
 pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
     match recording.channel(TEMPERATURE) {
-        Ok(channel) => Ok(recording.held_from_first(channel)),
+        Ok(channel) => Ok(recording.held_from_first(channel).into_owned()),
         Err(_) => Err(ThermalError::NoThermometer { log: recording.paths() }),
     }
 }

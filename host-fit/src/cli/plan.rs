@@ -155,17 +155,13 @@ fn print_axis(axis: &OfAxis, units: Units) {
     let mut rows = table(&header);
     for effect in &best.effects {
         let shown = ShownUnit::of_size(&effect.unit, units);
-        let show =
-            |size: Option<f64>| size.map_or_else(|| "–".to_owned(), |size| three(size / shown.divisor));
+        let in_unit = |size: f64| three(size / shown.divisor);
+        let show = |size: Option<f64>| size.map_or_else(|| "–".to_owned(), in_unit);
         let name = match effect.parameter {
             Some(value) => format!("  {} ({})", effect.effect, three(value)),
             None => format!("  {}", effect.effect),
         };
-        let mut row = vec![
-            name,
-            shown.label.clone(),
-            effect.typical.map_or_else(String::new, |_| show(effect.typical)),
-        ];
+        let mut row = vec![name, shown.label.clone(), effect.typical.map_or_else(String::new, in_unit)];
         for recording in &axis.recordings {
             let found = recording.effects.iter().find(|other| other.effect == effect.effect);
             row.push(found.map_or_else(

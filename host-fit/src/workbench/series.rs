@@ -1,7 +1,5 @@
 //! Time series for display: every sample where there is room, else minimum and maximum of each bucket of time.
 
-use std::borrow::Cow;
-
 use serde::Serialize;
 
 use fos_data::column::Column;
@@ -131,13 +129,7 @@ pub(super) fn series(rows: Rows<'_>, joined: Joined, from_s: f64, to_s: f64, wid
     let beside: Vec<_> =
         BESIDE.iter().filter_map(|(column, _)| rows.recording.channel(column).ok()).collect();
     // copies a whole channel for each window only where cells are missing
-    let held: Vec<Cow<'_, [f64]>> = beside
-        .iter()
-        .map(|channel| match channel.values.iter().any(|value| value.is_nan()) {
-            true => rows.recording.held_from_first(channel).into(),
-            false => Cow::Borrowed(&channel.values[..]),
-        })
-        .collect();
+    let held: Vec<_> = beside.iter().map(|channel| rows.recording.held_from_first(channel)).collect();
     let values = |row: usize| {
         let of_beside = |at: usize| held.get(at).map_or(f64::NAN, |values| values[row]);
         let left = Rows::left(rows.trace, row, kind);

@@ -177,7 +177,7 @@ fn features(asked: &[&str]) -> Result<BTreeSet<String>, Box<dyn Error>> {
     Ok(lines)
 }
 
-/// Crates that fos-core and fos-embedded need with default features, and those with features of their own.
+/// Crates that fos-core and fos-embedded need with default features, and those with selected features.
 fn default_features(packages: &[Value]) -> (BTreeSet<&str>, Vec<&str>) {
     let ours =
         packages.iter().filter(|package| package["name"] == "fos-core" || package["name"] == "fos-embedded");

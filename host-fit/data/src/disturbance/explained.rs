@@ -13,7 +13,7 @@ use crate::recording::{Recording, back_filled};
 use crate::statistics::MAD_TO_SD;
 use crate::unit::Unit;
 
-/// A channel changes if its second difference exceeds this many standard deviations of its own noise: noise alone does
+/// A channel changes if its second difference exceeds this many standard deviations of the channel's noise: noise alone does
 /// so once in 16,000 blocks.
 const MIN_SIGMAS: f64 = 4.0;
 

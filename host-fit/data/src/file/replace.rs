@@ -148,7 +148,7 @@ fn new_in(folder: &Path) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Removes leftovers of killed writers in `folder`: files that nobody holds a lock on. Without file locks they stay.
+/// Removes leftovers of killed writers in `folder`: files without a lock. On a file system without locks they stay.
 #[cfg(unix)]
 fn remove_stale(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };

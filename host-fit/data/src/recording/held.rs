@@ -1,5 +1,7 @@
 //! Replacement of missing cells by held values.
 
+use std::borrow::Cow;
+
 use super::channel::Channel;
 use super::{Boundary, Recording};
 
@@ -22,10 +24,13 @@ impl Recording {
 
     /// The same with a value in every row: rows before the first value get that value. NaN only if the channel has no
     /// value at all.
-    pub fn held_from_first(&self, channel: &Channel) -> Vec<f64> {
+    pub fn held_from_first<'c>(&self, channel: &'c Channel) -> Cow<'c, [f64]> {
+        if channel.n_missing() == 0 {
+            return Cow::Borrowed(&channel.values);
+        }
         let mut values = self.held(channel);
         back_filled(&mut values);
-        values
+        Cow::Owned(values)
     }
 
     /// Ranges of rows from one power-on to the next.

@@ -38,8 +38,7 @@ pub fn correction(
 
 /// Returns the mean of a regressor over the log that the effect was found in: there its correction is 0.
 pub(super) fn mean_at_fit(fitted: &Inputs<'_>, regressor: &Regressor) -> Result<f64, RecordingError> {
-    let values = fitted.regressor(regressor)?;
-    Ok(values.iter().sum::<f64>() / values.len().max(1) as f64)
+    Ok(fos_fit::signal::mean(&[&fitted.regressor(regressor)?]))
 }
 
 /// Adds a step about its mean in the log that it was found in; in another log it is a constant.

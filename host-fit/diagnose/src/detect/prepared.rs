@@ -162,7 +162,7 @@ impl Prepared {
     }
 }
 
-fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
+pub(super) fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError {
     let (blocks, length_s) = (reduced.blocks.beyond_levels(), reduced.blocks.length_s);
     DiagnoseError::TooShort { column: column.to_owned(), blocks, length_s }
 }

@@ -12,24 +12,24 @@
 use std::sync::Arc;
 
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
-use fos_fit::noise::{Blocks, Gls, LogLevels, NoiseLevels, densities, dot, minimise};
+use fos_fit::noise::{Blocks, Gls, LogLevels, NoiseLevels, densities, dot, least_where, minimise};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::hypothesis::{Hypotheses, Hypothesis};
-use super::prepared::prior_of;
-use super::question::{DiagnoseError, MIN_BLOCKS};
+use super::prepared::{prior_of, too_short};
+use super::question::{DiagnoseError, MIN_BLOCKS, Question};
 use super::slow::{ACCEPT, INSEPARABLE, INSIDE, SlowSearch};
-use super::testable::lacking;
+use super::testable::Testable;
 use crate::effects::{Detector, Effect, Inputs, Library};
 
 /// Quantile of the normal distribution at 90 %: the probability with which an effect of the stated size is found.
 const NINETY_PERCENT: f64 = 1.281_552;
 
-/// Sizes are searched over this many factors of two on either side of the size with unit information.
+/// Sizes are searched over this many doublings of the size with unit information.
 const MOST_DOUBLINGS: i32 = 20;
 
-/// Relative accuracy of a size, as a factor.
-const EXACT: f64 = 1.01;
+/// Quantile of the normal distribution for a two-sided 90 % interval.
+const TWO_SIDED_90: f64 = 1.644_854;
 
 /// Interval between the samples of a planned recording, s: slow effects are seen in means over seconds.
 const PLANNED_PERIOD_S: f64 = 1.0;
@@ -107,24 +107,19 @@ pub fn visibility(
     library: &Library,
 ) -> Result<Vec<Visibility>, DiagnoseError> {
     let column = recording.axis(target)?.name.clone();
+    let inputs = Inputs::new(recording);
+    let question = Question { quiet: Some(reference), ..Question::new(recording, &column, library) };
+    let Testable { mut effects, known, .. } = Testable::of(&question, &inputs, &column)?;
+    effects.retain(|effect| effect.search == Detector::Terms);
     let quiet = ErrorInBlocks::new(reference, &column, &[])?;
-    let reduced = ErrorInBlocks::new(recording, &column, &[])?;
+    let reduced = ErrorInBlocks::where_known(recording, &column, &[], &known)?;
     for log in [&quiet, &reduced] {
         if log.blocks.beyond_levels() < MIN_BLOCKS {
-            let (blocks, length_s) = (log.blocks.beyond_levels(), log.blocks.length_s);
-            return Err(DiagnoseError::TooShort { column, blocks, length_s });
+            return Err(too_short(&column, log));
         }
     }
     let prior = prior_of(None, &reduced, Some(&quiet))?;
-    let inputs = Inputs::new(recording);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
-    let effects: Vec<Arc<Effect>> = library
-        .effects()
-        .iter()
-        .filter(|effect| effect.search == Detector::Terms)
-        .filter(|effect| lacking(effect, &inputs, &column).is_some_and(|lacks| lacks.is_empty()))
-        .map(|effect| Arc::new(effect.clone()))
-        .collect();
     let given = vec![vec![1.0; reduced.blocks.len()]];
     let search = SlowSearch {
         blocks: &reduced.blocks,
@@ -136,14 +131,14 @@ pub fn visibility(
         free_walk_prior: prior,
         prior,
     };
-    let planned = Planned { search, effects: &effects, column: &column };
+    let planned = Planned { search, levels: NoiseLevels::from_logs(&prior.mean), column: &column };
     effects.iter().filter_map(|effect| planned.visibility(effect).transpose()).collect()
 }
 
 /// A recording with the noise that its axis will have.
 struct Planned<'a> {
     search: SlowSearch<'a>,
-    effects: &'a [Arc<Effect>],
+    levels: NoiseLevels,
     column: &'a str,
 }
 
@@ -160,16 +155,15 @@ impl Planned<'_> {
         };
         let (term, column) = (hypothesis.terms[place], &hypothesis.columns[place]);
         let Some(unit) = effect.unit(term, self.column) else { return Ok(None) };
-        let levels = NoiseLevels::from_logs(&self.search.prior.mean);
-        let information = self.information(column, &[], &levels);
+        let information = self.information(column, &[], &self.levels);
         if information <= 0.0 {
             return Ok(None);
         }
         let alone = hypothesis.with_terms(&[place]);
         let threshold = (ACCEPT + self.search.price(1, &alone, &[])).max(0.0);
         let needed = (threshold.sqrt() + NINETY_PERCENT).powi(2);
-        let detected_from = self.size_with_gain(needed, column, &levels);
-        let rival = self.nearest_rival(effect, &effect.terms[term].regressor, column, &levels)?;
+        let detected_from = self.size_with_gain(needed, column);
+        let rival = self.nearest_rival(effect, &effect.terms[term].regressor, column)?;
         // the difference of the gains is normal about its expectation λ with standard deviation 2√λ
         let apart = NINETY_PERCENT + (NINETY_PERCENT.powi(2) + INSEPARABLE).sqrt();
         let distinguishable_from = match &rival {
@@ -184,7 +178,7 @@ impl Planned<'_> {
             regressor: effect.terms[term].regressor.clone(),
             parameter: value,
             detected_from: detected_from.map(|size| size / unit.si),
-            half_width: 1.644_854 / information.sqrt() / unit.si,
+            half_width: TWO_SIDED_90 / information.sqrt() / unit.si,
             distinguishable_from: distinguishable_from.map(|size| size / unit.si),
             rival: rival.map(|(rival, _)| rival),
             typical: effect.typical(term, self.column),
@@ -196,7 +190,7 @@ impl Planned<'_> {
     /// of a polynomial beside the line.
     fn own_term(&self, effect: &Effect) -> usize {
         let is_another = |regressor: &str| {
-            self.effects.iter().any(|other| {
+            self.search.effects.iter().any(|other| {
                 other.id != effect.id && matches!(&other.terms[..], [only] if only.regressor == regressor)
             })
         };
@@ -212,33 +206,22 @@ impl Planned<'_> {
     }
 
     /// Size, SI, at which the expected gain of `column` is `needed`; none if larger noise levels explain it at any size.
-    fn size_with_gain(&self, needed: f64, column: &[f64], levels: &NoiseLevels) -> Option<f64> {
-        let unit = 1.0 / self.information(column, &[], levels).sqrt();
-        let is_found = |size: f64| self.gain(size, column, levels) >= needed;
-        let first = (0..MOST_DOUBLINGS)
-            .map(|doublings| unit * 2.0_f64.powi(doublings))
-            .find(|size| is_found(*size))?;
-        let (mut low, mut high) = (first / 2.0, first);
-        // ends: the bracket shrinks to its square root
-        while high > EXACT * low {
-            let middle = (low * high).sqrt();
-            if is_found(middle) { high = middle } else { low = middle }
-        }
-        Some(high)
+    fn size_with_gain(&self, needed: f64, column: &[f64]) -> Option<f64> {
+        let unit = 1.0 / self.information(column, &[], &self.levels).sqrt();
+        least_where(unit, MOST_DOUBLINGS, |size| self.gain(size, column) >= needed)
     }
 
     /// Expected gain in −2 ln L of an effect of this size over larger noise levels.
-    fn gain(&self, size: f64, column: &[f64], levels: &NoiseLevels) -> f64 {
+    fn gain(&self, size: f64, column: &[f64]) -> f64 {
         let prior = &self.search.prior;
-        let own = levels.logs();
+        // the prior takes nothing from its own mean
         let deviance = |logs: &LogLevels| {
             let other = NoiseLevels::from_logs(logs);
             size * size * self.information(column, &[], &other)
-                + spectral_divergence(levels, &other, self.search.blocks)
+                + spectral_divergence(&self.levels, &other, self.search.blocks)
                 + prior.deviance(logs)
-                - prior.deviance(&own)
         };
-        minimise(own, deviance).1
+        minimise(prior.mean, deviance).1
     }
 
     /// The effect that is most like `column` at any value of its parameter well inside its range, and the information that
@@ -248,11 +231,10 @@ impl Planned<'_> {
         effect: &Effect,
         regressor: &str,
         column: &[f64],
-        levels: &NoiseLevels,
     ) -> Result<Option<(String, f64)>, DiagnoseError> {
         let mut nearest: Option<(String, f64)> = None;
         let contains = |other: &Effect| other.terms.iter().any(|term| term.regressor == regressor);
-        for other in self.effects.iter().filter(|other| other.id != effect.id && !contains(other)) {
+        for other in self.search.effects.iter().filter(|other| other.id != effect.id && !contains(other)) {
             for value in self.search.hypotheses.grid(other) {
                 if let (Some(parameter), Some(value)) = (&other.parameter, value)
                     && !(INSIDE * parameter.low..parameter.high / INSIDE).contains(&value)
@@ -261,7 +243,7 @@ impl Planned<'_> {
                 }
                 let Hypothesis { columns, .. } = self.search.hypotheses.make(other, value)?;
                 let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-                let information = self.information(column, &columns, levels);
+                let information = self.information(column, &columns, &self.levels);
                 if nearest.as_ref().is_none_or(|(_, least)| information < *least) {
                     nearest = Some((other.id.clone(), information));
                 }

@@ -109,3 +109,22 @@ fn more_cycles_and_more_kelvin_show_more() {
     // one rise hardly separates a lag from other courses
     assert!(sizes(&rise, "thermal_lag")[1] > 3.0 * sizes(&cycles, "thermal_lag")[1]);
 }
+
+#[test]
+fn empty_first_cells_of_the_temperature_are_not_counted() {
+    let mut planned = COURSE.recording(AXIS).expect("a recording");
+    let full = visibility(&planned, &at_rest(), AXIS, &Library::built_in()).expect("an answer");
+    let mut temp_c = planned.channel("temp_c").expect("temperature").values.to_vec();
+    temp_c[..60].fill(f64::NAN);
+    let columns = vec![
+        ("t_s".to_owned(), planned.time_s.clone()),
+        (AXIS.to_owned(), vec![0.0; planned.n_rows()]),
+        ("temp_c".to_owned(), temp_c),
+        ("still".to_owned(), vec![1.0; planned.n_rows()]),
+    ];
+    planned = Recording::from_columns(Source::made_by("empty"), columns, &LoadOptions::default())
+        .expect("a recording");
+    let found = visibility(&planned, &at_rest(), AXIS, &Library::built_in()).expect("an answer");
+    let half_widths = |all: &[Visibility]| of(all, "temp_linear").half_width;
+    assert!((half_widths(&found) / half_widths(&full) - 1.0).abs() < 0.1, "{found:?}");
+}

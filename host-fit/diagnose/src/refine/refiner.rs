@@ -115,7 +115,7 @@ impl<'a> Refiner<'a> {
     ///
     /// # Errors
     ///
-    /// As for [`Refiner::begin`]; or the axis was refined on other logs.
+    /// Errors of [`Refiner::begin`]; or the axis was refined on other logs.
     pub fn resume(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
         match study.refinement_of(column) {
             Some(refinement) if refinement.logs == logs => Ok(refinement.clone()),
@@ -262,7 +262,7 @@ impl<'a> Refiner<'a> {
     ///
     /// # Errors
     ///
-    /// As for [`Refiner::diagnose`] and [`Refiner::add`].
+    /// Errors of [`Refiner::diagnose`] and [`Refiner::add`].
     pub fn add_best(
         &self,
         refinement: &Refinement,

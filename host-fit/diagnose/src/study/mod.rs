@@ -146,7 +146,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// As for [`Study::read`].
+    /// Errors of [`Study::read`].
     pub fn read_to_change(path: &Path) -> Result<(Self, FileVersion), StudyError> {
         let bytes = file::read(path)?;
         let refused = |refused| match (refused, path.display().to_string()) {

@@ -174,7 +174,7 @@ pub fn fit_axis(
 ///
 /// # Errors
 ///
-/// As for [`fit_axis`]; the error of the first axis that has one.
+/// Errors of [`fit_axis`]; the error of the first axis that has one.
 pub fn fit_axes(
     recording: &Recording,
     stillness: &Stillness,

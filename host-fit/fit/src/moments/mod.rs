@@ -73,7 +73,7 @@ impl Moments {
     /// Sums separately over the rows whose target lies in each of `blocks`, for cross-validation: `all -= &blocks[i]`.
     ///
     /// # Errors
-    /// As for [`accumulate`](Self::accumulate).
+    /// Errors of [`accumulate`](Self::accumulate).
     pub fn accumulate_blocks(
         signals: &[&[f64]],
         rows: &Rows,

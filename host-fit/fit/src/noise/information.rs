@@ -5,13 +5,11 @@
 
 use nalgebra::DMatrix;
 
+use super::least::least_where;
 use super::model::NoiseLevels;
 
 /// Times searched: up to so many doublings of a recording's length, 2¹⁶ of which are months.
 const MOST_DOUBLINGS: i32 = 16;
-
-/// Relative accuracy of a length of time.
-const EXACT: f64 = 1.01;
 
 /// Two-sided spectral densities of white noise, flicker and random walk at a frequency in Hz, unit²/Hz (IEEE Std 952).
 pub fn densities(levels: &NoiseLevels, frequency_hz: f64) -> [f64; 3] {
@@ -50,17 +48,7 @@ pub fn log_deviations(levels: &NoiseLevels, seconds: f64, block_s: f64) -> [f64;
 /// Time at rest, s, after which ln K is expected to have at most this standard deviation; none where years would not do.
 pub fn seconds_for_walk_deviation(levels: &NoiseLevels, deviation: f64, block_s: f64) -> Option<f64> {
     let is_enough = |seconds: f64| log_deviations(levels, seconds, block_s)[2] <= deviation;
-    let first = 40.0 * block_s;
-    let enough = (0..MOST_DOUBLINGS)
-        .map(|doublings| first * 2.0_f64.powi(doublings))
-        .find(|seconds| is_enough(*seconds))?;
-    let (mut low, mut high) = (enough / 2.0, enough);
-    // ends: the bracket shrinks to its square root
-    while high > EXACT * low {
-        let middle = (low * high).sqrt();
-        if is_enough(middle) { high = middle } else { low = middle }
-    }
-    Some(high)
+    least_where(40.0 * block_s, MOST_DOUBLINGS, is_enough)
 }
 
 #[cfg(test)]

@@ -8,6 +8,8 @@
 //! | `levels` | the levels, estimated together with a regression |
 //! | `prior` | prior of the levels: data sheet, reference log |
 //! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
+//! | `information` | how long to record for an accuracy of the levels |
+//! | `least` | the least number from which on a condition holds |
 //! | `step` | the noise behind the steps of a coarse converter |
 //! | `thermal_drift` | the drift with temperature, estimated together with the levels |
 //! | `axis` | the same of an axis of a log, with its Allan deviation |
@@ -17,6 +19,7 @@ mod blocks;
 mod estimate;
 mod gls;
 mod information;
+mod least;
 mod levels;
 mod model;
 mod prior;
@@ -37,6 +40,7 @@ pub use blocks::{Block, Blocks, length_for, length_with_levels_for};
 pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
 pub use gls::{Gls, combination, dot};
 pub use information::{densities, log_deviations, seconds_for_walk_deviation};
+pub use least::least_where;
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels, minimise};
 pub use model::{GaussMarkov, NoiseLevels};
 pub use thermal_drift::ThermalDrift;

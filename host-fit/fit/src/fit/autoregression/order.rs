@@ -40,7 +40,7 @@ impl Criterion {
 /// ```
 ///
 /// # Errors
-/// As for [`estimate`](super::estimate), for any of the orders.
+/// Errors of [`estimate`](super::estimate), for any of the orders.
 pub fn best_order(
     method: Method,
     stretches: &[&[f64]],
