@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <future>
 #include <thread>
 
 #include "chre/core/event_loop.h"
@@ -22,6 +23,7 @@ using chre::SystemCallbackType;
 namespace {
 
 const char *nanoapp_file;
+std::promise<void> restarted;
 
 void start_nanoapp()
 {
@@ -45,6 +47,7 @@ void restart_nanoapp(uint16_t, void *, void *)
     if (loop.findNanoappInstanceIdByAppId(FOS_NANOAPP_ID, &instance))
         loop.unloadNanoapp(instance, true);
     start_nanoapp();
+    restarted.set_value();
 }
 
 void in_the_loop(chre::SystemEventCallbackFunction *what)
@@ -57,8 +60,12 @@ void take(const fos::Step &step)
 {
     if (fos::host_takes(step))
         return;
-    if (step.what == "restart")
+    if (step.what == "restart") {
+        // While no nanoapp runs, the player waits for nothing and a busy machine would play the log to its end.
+        restarted = std::promise<void>();
         in_the_loop(restart_nanoapp);
+        restarted.get_future().wait();
+    }
 }
 
 void when_over() { EventLoopManagerSingleton::get()->getEventLoop().stop(); }
