@@ -79,3 +79,40 @@ fn estimates_two_kinds_of_lines_in_any_order() {
         }
     }
 }
+
+/// Temperature in °C of a chamber that cools from 52 °C to −18 °C in 2400 s and heats to 74 °C in 4200 s.
+fn chamber(time_s: f64) -> f64 {
+    if time_s < 2400.0 { 52.0 - 70.0 * time_s / 2400.0 } else { -18.0 + 92.0 * (time_s - 2400.0) / 4200.0 }
+}
+
+/// The step was searched for only under the noise levels of the prior, under which a step elsewhere explains more of the
+/// lag, and none was reported.
+#[test]
+fn finds_step_beside_lag_in_a_chamber() {
+    let n = 6600;
+    let (mut delayed, mut walk) = (chamber(0.0), 0.0);
+    let (white, steps) = (white_noise(1, n), white_noise(2, n));
+    let (mut error, mut temperature) = (Vec::new(), Vec::new());
+    for row in 0..n {
+        let now = chamber(row as f64);
+        delayed += (now - delayed) / 1500.0;
+        walk += 0.001 * steps[row];
+        let bent = (now - 28.0) / 40.0;
+        let drift = -0.6 * bent + 0.45 * bent.powi(2) - 0.08 * bent.powi(3) + 0.02 * (4.0 * bent).sin();
+        let step = 0.03 * f64::from(u8::from(row > 2020));
+        error.push(drift - 0.006 * delayed - step + walk + 0.0046 * white[row]);
+        temperature.push(now);
+    }
+    let time_s = (0..n).map(|row| row as f64).collect();
+    let columns = [("t_s", time_s), ("gx_rads", error), ("temp_c", temperature)];
+    let columns = columns.map(|(name, values)| (name.to_owned(), values)).into();
+    let log =
+        Recording::from_columns(Source::made_by("chamber"), columns, &LoadOptions::default()).expect("a log");
+    let library = Library::built_in();
+    let diagnosis = diagnose(&Question::new(&log, "gx", &library)).expect("a diagnosis");
+    let found: Vec<&str> = diagnosis.findings.iter().map(|finding| finding.effect.as_str()).collect();
+    assert_eq!(found, ["temp_poly", "bias_step"], "{}", diagnosis.sentence);
+    let time_s = diagnosis.findings[1].params["time_s"];
+    // one block of 11 s
+    assert!((time_s - 2020.5).abs() < 11.0, "{time_s}");
+}

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
 use super::error_in_blocks::ErrorInBlocks;
-use super::findings::{sentence, verdict};
+use super::findings::{is_confirmed, sentence, verdict};
 use super::open::{Lead, LeadKind};
 use super::question::{DiagnoseError, is_bias_known};
 use crate::effects::Band;
@@ -15,9 +15,6 @@ use fos_data::recording::Recording;
 
 /// Largest relative increase of the variance that counts as no change.
 const LEAST_RISE: f64 = 0.005;
-
-/// Least share of the predicted reduction that confirms an effect.
-const CONFIRMED: f64 = 0.5;
 
 /// Adds to every finding the reduction measured on `rows` of `judged`, with the findings before it in the model. A slow
 /// effect whose predicted interval excludes 0 and that makes the error worse becomes a lead.
@@ -52,7 +49,7 @@ pub fn with_measured_reduction(
         })
     };
     let mut accepted: Vec<Finding> = Vec::new();
-    let mut is_confirmed = false;
+    let mut has_new_claim = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() {
             accepted.push(finding);
@@ -70,11 +67,10 @@ pub fn with_measured_reduction(
         // the evaluation log may confirm an effect that its own log leaves open; but not a function of the clock, which
         // fits any drift, nor an implausible size
         if finding.shows_against.is_some()
-            && finding.predicted_reduction > 0.0
             && finding.predicted_reduction_interval[0] <= 0.0
-            && reduction >= CONFIRMED * finding.predicted_reduction
+            && is_confirmed(&finding)
         {
-            is_confirmed |= finding.doubt.take().is_some();
+            has_new_claim |= finding.doubt.take().is_some();
         }
         if finding.band == Band::Slow
             && reduction < -LEAST_RISE
@@ -98,7 +94,7 @@ pub fn with_measured_reduction(
         }
     }
     diagnosis.findings = accepted;
-    if (is_confirmed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
+    if (has_new_claim || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);

@@ -24,6 +24,10 @@ const KNOTS: [usize; 3] = [7, 15, 31];
 const THRESHOLDS: usize = 100;
 const PLACES: usize = 16;
 
+/// Least number of periods of an oscillation in the log. Fewer of them may be the legs of a temperature cycle, whose lag or
+/// hysteresis would be withheld for the oscillation.
+const LEAST_PERIODS: usize = 5;
+
 /// Least share of the residual variance from which on a lead affects the verdict.
 const NOTICED: f64 = 0.01;
 
@@ -219,7 +223,7 @@ impl Residual<'_> {
         }
         let span = self.blocks.blocks.last().map_or(0, |last| last.index + 1) as f64;
         // twice as fine as the resolution, so that no oscillation falls between two
-        for step in 6..self.blocks.len().min(MAX_PLACES) {
+        for step in 2 * LEAST_PERIODS..self.blocks.len().min(MAX_PLACES) {
             let per_block = step as f64 / (2.0 * span);
             if per_block > 0.33 {
                 break;

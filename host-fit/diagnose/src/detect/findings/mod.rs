@@ -18,4 +18,4 @@ mod verdict;
 
 pub(super) use assembly::Assembly;
 pub(crate) use doubt::not_identifiable;
-pub(super) use verdict::{listed, sentence, verdict};
+pub(super) use verdict::{is_confirmed, listed, sentence, verdict};

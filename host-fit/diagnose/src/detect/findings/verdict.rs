@@ -10,6 +10,15 @@ use fos_data::text::rounded;
 /// Ratio of gains from which on a finding stands beside an unexplained residual.
 const OUTWEIGHS: f64 = 5.0;
 
+/// Least share of the predicted reduction that confirms an effect.
+const CONFIRMED: f64 = 0.5;
+
+/// Returns true if the reduction measured on the evaluation log confirms the predicted one.
+pub(crate) fn is_confirmed(finding: &Finding) -> bool {
+    let predicted = finding.predicted_reduction;
+    predicted > 0.0 && finding.measured_reduction.is_some_and(|measured| measured >= CONFIRMED * predicted)
+}
+
 /// Returns the outcome; `tested` is true if any slow effect was tested. Keeps the findings that explain far more than
 /// any lead in their band: an effect that is clear by itself is reported although another residual is present, which is
 /// described too.
@@ -21,6 +30,8 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
             LeadKind::Jumps if finding.shows_against.is_some() => 0.0,
             // only against the largest of the jumps
             LeadKind::Jumps if is_step(finding) => lead.gain,
+            // another effect was refuted by the log that confirms this one
+            LeadKind::Refuted if is_confirmed(finding) => 0.0,
             _ => OUTWEIGHS * lead.gain,
         };
         against.map(weight).fold(0.0, f64::max)
@@ -151,5 +162,37 @@ fn with_params(finding: &Finding) -> String {
     match params.is_empty() {
         true => finding.name.clone(),
         false => format!("{} ({})", finding.name, params.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::assembly::bare;
+    use super::*;
+    use crate::effects::Library;
+
+    fn finding(measured_reduction: Option<f64>) -> Finding {
+        let library = Library::built_in();
+        let (gain, predicted_reduction) = (Some(100.0), 0.4);
+        Finding { gain, predicted_reduction, measured_reduction, ..bare(library.get("temp_linear").unwrap()) }
+    }
+
+    fn refuted(gain: f64) -> Lead {
+        let follows = "another effect".to_owned();
+        let (kind, band, decides) = (LeadKind::Refuted, Band::Slow, true);
+        Lead { kind, follows, gain, score: gain, share: 0.0, band, decides }
+    }
+
+    /// A drift with temperature whose reduction the evaluation log confirmed was withheld for a weak effect that the same
+    /// log refuted.
+    #[test]
+    fn refuted_effect_does_not_withhold_a_confirmed_one() {
+        let outcome = |measured| {
+            let mut findings = vec![finding(measured)];
+            (verdict(&mut findings, &[refuted(30.0)], true), findings.len())
+        };
+        assert_eq!(outcome(Some(0.39)), (Verdict::Missing, 1));
+        assert_eq!(outcome(Some(0.1)), (Verdict::Unexplained, 0));
+        assert_eq!(outcome(None), (Verdict::Unexplained, 0));
     }
 }

@@ -1,6 +1,7 @@
 //! Candidates: every effect added to a model, in a first pass with given noise levels, then the best with fitted
 //! levels.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::model::{ACCEPT, SlowSearch, State};
@@ -56,6 +57,8 @@ impl SlowSearch<'_> {
         let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
         self.without_thermal_steps(state, &mut candidates);
+        let mut seen = HashSet::new();
+        candidates.retain(|candidate| seen.insert(candidate.hypothesis.effect.id.clone()));
         Ok(candidates)
     }
 
@@ -65,38 +68,48 @@ impl SlowSearch<'_> {
         let fitted = candidates.iter().map(|candidate| (id(&candidate.hypothesis), candidate.score));
         let behind =
             first_pass.iter().skip(fitted_of(first_pass)).map(|(score, hypothesis)| (id(hypothesis), *score));
-        let scores: Vec<(String, f64)> = fitted.chain(behind).collect();
+        let mut scores: Vec<(String, f64)> = fitted.chain(behind).collect();
+        let mut seen = HashSet::new();
+        scores.retain(|(id, _)| seen.insert(id.clone()));
         let is_silent = |effect: &&Arc<Effect>| scores.iter().all(|(id, _)| *id != effect.id);
         Tried { silent: self.effects.iter().filter(is_silent).cloned().collect(), scores }
     }
 
-    /// Returns every effect at the best value of its parameter on top of `state`, under given noise levels; highest
-    /// score first. Effects whose regressors add nothing are excluded.
+    /// Returns every effect at the best value of its parameter on top of `state`, under the noise levels of the prior, and
+    /// at the best value under the fitted levels where that is another; highest score first. Effects whose regressors
+    /// add nothing are excluded.
+    ///
+    /// The fitted levels are inflated by a missing effect, so that it hardly shows under them. Under those of the prior
+    /// a large slow residual outweighs a sharp change: the step that explains most of it is not where the bias jumps.
     pub(super) fn first_pass(&self, state: &State) -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
-        // at the levels of the prior: those of the null model are inflated by the missing effect
-        let mut levels = NoiseLevels::from_logs(&self.prior.mean);
-        if state.noise != ExtraNoise::None {
-            levels = state.fitted.levels;
-        }
         let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let null = self.at(&accepted, state.noise, levels);
-        let best = |effect: &Arc<Effect>| -> Result<Option<(f64, Hypothesis)>, RecordingError> {
+        let fitted = state.fitted.levels;
+        let mut nulls = vec![self.at(&accepted, state.noise, fitted)];
+        if state.noise == ExtraNoise::None {
+            nulls.insert(0, self.at(&accepted, state.noise, NoiseLevels::from_logs(&self.prior.mean)));
+        }
+        let best = |effect: &Arc<Effect>| -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
             if state.accepted.iter().any(|hypothesis| hypothesis.effect.id == effect.id)
                 && effect.search != Detector::Step
             {
-                return Ok(None);
+                return Ok(Vec::new());
             }
-            let mut best: Option<(f64, Hypothesis)> = None;
-            for value in self.hypotheses.grid(effect) {
-                let hypothesis = self.hypotheses.make(effect, value)?;
-                let (gain, k) = null.gls.gain(&hypothesis.columns());
-                if k == 0 {
-                    continue;
+            let grid = self.hypotheses.grid(effect);
+            let mut best: Vec<(f64, Hypothesis)> = Vec::new();
+            for null in if grid.len() > 1 { &nulls[..] } else { &nulls[..1] } {
+                let mut here: Option<(f64, Hypothesis)> = None;
+                for value in &grid {
+                    let hypothesis = self.hypotheses.make(effect, *value)?;
+                    let (gain, k) = null.gls.gain(&hypothesis.columns());
+                    if k == 0 {
+                        continue;
+                    }
+                    let score = gain - self.price(k, &hypothesis, &accepted);
+                    if here.as_ref().is_none_or(|(other, _)| score > *other) {
+                        here = Some((score, hypothesis));
+                    }
                 }
-                let score = gain - self.price(k, &hypothesis, &accepted);
-                if best.as_ref().is_none_or(|(other, _)| score > *other) {
-                    best = Some((score, hypothesis));
-                }
+                best.extend(here.filter(|(_, here)| best.iter().all(|(_, other)| other.value != here.value)));
             }
             Ok(best)
         };
