@@ -108,9 +108,7 @@ fn device_and_host_agree_on_missing_cells() {
         }
     }
     println!(
-        "attack: missing cells, transforms | {compared} samples of {} transforms with cells missing at both edges, in between and \
-         over a gap: an input on the device and the transform on the host are alike | negative control: a host that \
-         starts at 0 instead is seen in all {control} cases that have a memory",
+        "attack: missing cells, transforms | {compared} samples of {} transforms, with empty cells at both ends, inside and across a gap: the device computes the same inputs as the host | negative control: a host that starts from 0 differs in all {control} cases with memory",
         transforms().len()
     );
 }

@@ -321,9 +321,7 @@ fn statistics_are_finite_for_any_model_and_innovations() {
     let [in_f64, refused_in_f64, _] = count_finite_statistics::<f64>(12);
     assert!(control > 0, "the same check without the refusal finds nothing: {refused} refused");
     println!(
-        "attack: statistics of the monitor | {} models with means, variances and scales over all of f32, 50 innovations of any bits \
-         each, in f32 and f64: every number finite; {} more refused when they are built | negative control: without the refusal \
-         {control} of {refused} give numbers that are not finite",
+        "attack: statistics of the monitor | {} models whose means, variances and scales span all of f32, each with 50 innovations of arbitrary bits in f32 and f64: every statistic is finite; {} more models are refused when they are built | negative control: without that refusal, {control} of {refused} produce values that are not finite",
         models + in_f64,
         refused + refused_in_f64
     );

@@ -247,7 +247,7 @@ mod tests {
         let missed = misses(gives_up);
         assert!(missed.len() > 20, "{missed:?}");
         println!(
-            "attack: stuck at any length | a value held for a thousandth to half of a log, beside steps of 0.01 to 2 standard deviations: found each time, to a tenth of its length | negative control: a rule that gives up above a fiftieth misses {}",
+            "attack: stuck at any length | one value repeated for 0.1 % to 50 % of a log whose resolution is 0.01 to 2 standard deviations: detected every time, with its length to 10 % | negative control: a rule limited to 2 % of the log misses {}",
             missed.len(),
         );
     }

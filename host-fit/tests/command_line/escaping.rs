@@ -342,11 +342,7 @@ fn escapes_foreign_text_in_every_output() {
 
     let noticed = raw_text_is_noticed(&text, plain_page, plain_markdown);
     println!(
-        "attack: escaping | {} characters, among them every control character, those of Unicode that order, hide or end lines, and what \
-         is special to C, Rust, HTML, SVG, Markdown, JSON and shells, in {studies} studies (every string of one, alone and wherever it \
-         stands; {taken} are sound and were exported to C and Rust), names of files and columns, cells, labels, effects, cases and \
-         arguments: {} command lines of {} subcommands, with and without colours, {} kB printed, 2 reports, {pictures} pictures; {}; \
-         nothing in them does anything | negative control: the same text as it is, noticed in {noticed}",
+        "attack: escaping | {} characters, among them all control characters, Unicode characters that reorder, hide or end lines, and special characters of C, Rust, HTML, SVG, Markdown, JSON and shells, in {studies} studies (every string alone and in every position; {taken} are valid and were exported to C and Rust) and in file names, column names, cells, labels, effects, cases and arguments: {} command lines of {} subcommands, with and without colors, {} kB of output, 2 reports, {pictures} figures; {}; no text is executed or interpreted | negative control: unescaped text, detected in {noticed}",
         text.chars().count(),
         runs.runs,
         runs.subcommands.len(),
@@ -354,7 +350,7 @@ fn escapes_foreign_text_in_every_output() {
         if checks::compiler() {
             "C preprocessed and compared token by token"
         } else {
-            "C left out, as there is no cc"
+            "C not compared: no C compiler found"
         }
     );
 }

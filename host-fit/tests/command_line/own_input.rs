@@ -466,9 +466,7 @@ fn no_output_replaces_an_input() {
     }
     assert_eq!(found_out, SPELLINGS.len());
     println!(
-        "attack: own input | {tried} command lines whose output is what they read ({} subcommands, {} outputs; as it is, by another way, \
-         by a symbolic and by a hard link): all refused with exit code 1, every input unchanged; {replaced} copies that are other files replaced \
-         | negative control: a comparison of names would let {of_names} of {tried} through; a writer that does not ask was found out {found_out} of {} times",
+        "attack: own input | {tried} command lines whose output is one of their inputs ({} subcommands, {} outputs; same path, another path, symbolic link, hard link): all refused with exit code 1, all inputs unchanged; {replaced} copies that are separate files are replaced | negative control: a comparison of names would accept {of_names} of {tried}; a writer without the check is detected {found_out} of {} times",
         LINES.iter().map(Line::subcommand).collect::<BTreeSet<_>>().len(),
         LINES.iter().map(|line| (line.subcommand(), line.output)).collect::<BTreeSet<_>>().len(),
         SPELLINGS.len()

@@ -335,7 +335,7 @@ fn every_command_answers_or_refuses_random_tables() {
         .collect();
     assert!(failed.is_empty(), "{}", failed.join("\n"));
     println!(
-        "attack: random tables | {} tables (rates of 0.1 Hz to 10 kHz, columns, empty cells, timestamps, values) through 12 command lines: each answers or refuses with what to do, within {CPU_S} s of processor time and {} MB | negative control: a panic, a loop and a refusal without help are noticed",
+        "attack: random tables | {} tables (rates of 0.1 Hz to 10 kHz, columns, empty cells, timestamps, values) through 12 command lines: each gives a result, or an error with a remedy, within {CPU_S} s of processor time and {} MB | negative control: a panic, an endless loop and an error without a remedy are detected",
         tables.unwrap_or(TABLES),
         MEMORY_KB / 1000,
     );

@@ -184,7 +184,7 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
         assert_eq!(unknown_words(before, &options).len(), 1, "{before}");
     }
     println!(
-        "attack: options in messages | every message of the libraries: an option in it is one of the program's {}, shown by its flag | negative control: 3 messages in words of a library are noticed",
+        "attack: options in messages | all messages of the libraries: every option in them is one of the program's {} and is printed as a flag | negative control: 3 messages with library names are detected",
         options.len(),
     );
 }

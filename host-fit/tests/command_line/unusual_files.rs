@@ -228,15 +228,10 @@ fn unusual_files_are_read_or_rejected_with_a_remedy() {
             !rejects_within_little_memory(folder.path(), b"t_s,gx_rads\n", b"1,2\n"),
             "the limit is none"
         );
-        format!(
-            "3 texts of 160 MB without a row in them refused within {} MB of address space",
-            LIMIT_KB / 1000
-        )
+        format!("3 texts of 160 MB without a row are refused within {} MB of address space", LIMIT_KB / 1000)
     };
     println!(
-        "attack: unusual files | {} kinds of file: {read} read in full, {} refused with what they are and what to do; {memory} | \
-         negative control: the words for one fit none of the others, {told_apart} pairs, nor a damaged file; 160 MB of rows, which are \
-         kept, do not get by with that memory",
+        "attack: unusual files | {} kinds of file: {read} are read completely, {} are refused with their kind and a remedy; {memory} | negative control: no message fits another kind of file ({told_apart} pairs) or a damaged file; 160 MB of rows, which must be stored, exceed that memory",
         files.len(),
         refused.len()
     );

@@ -274,9 +274,7 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();
     assert!(noticed * 2 > wrong.len(), "{wrong:?}");
     println!(
-        "attack: every effect | {} effects, {} logs: fitted, named, added, exported, run in f32 over a third log; what is left of the \
-         slow error is at most {worst:.3} of that before (of steps about the bias) | negative control: the whole step on top of the mean \
-         of its log is above 0.5 in {noticed} of {} logs",
+        "attack: every effect | {} effects in {} logs are fitted, identified, added, exported and run in f32 over a third log; the remaining slow error is at most {worst:.3} of the original (for steps: about the bias) | negative control: adding the whole step to the mean of its log leaves more than 0.5 in {noticed} of {} logs",
         runs.iter().map(|(effect, _)| &effect.id).collect::<BTreeSet<_>>().len(),
         outcomes.len(),
         wrong.len()

@@ -94,9 +94,7 @@ fn unfitted_rows_have_no_influence() {
     }
     assert_eq!(noticed, 3, "the ways that follow the temperature");
     println!(
-        "attack: fitted rows | {} ways to fit, a log of which the half that is not fitted is multiplied, shifted, stuck and spiked \
-         in every column: model and report are equal byte for byte | negative control: half a kelvin in one of {} fitted rows \
-         is seen in all {noticed} that follow the temperature",
+        "attack: fitted rows | {} ways to fit, on a log whose other half is scaled, shifted, stuck and spiked in every column: model and report are identical byte for byte | negative control: a change of 0.5 K in one of {} fitted rows is detected in all {noticed} that depend on temperature",
         ways.len(),
         ROWS / 2
     );

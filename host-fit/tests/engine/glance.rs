@@ -179,9 +179,7 @@ fn plausible_logs_cause_no_warning() {
         .collect();
     assert!(warnings.is_empty(), "{warnings:#?}");
     println!(
-        "attack: at a glance | {} sound logs of {} simulated units: nothing is said; a stuck axis, stamps out of order, another \
-         rate than stated are refused, a wild sample is left out, and it, units, copies, pooled rates and noises are said | negative \
-         control: the mean that one sample of −32768 moves by 3 standard deviations is that of a fit which keeps it",
+        "attack: sound logs | {} valid logs of {} simulated devices give no warning; a stuck axis, reversed timestamps and a wrong stated rate are refused; an outlier is excluded; outliers, wrong units, copied axes, resampling and unusual noise are reported | negative control: a single sample of −32768 moves the mean of a fit that includes it by 3 standard deviations",
         3 * plans.len(),
         plans.len()
     );

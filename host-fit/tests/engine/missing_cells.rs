@@ -119,10 +119,7 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
     }
     assert!(control > 0, "numbers near zero in the first cells are seen");
     println!(
-        "attack: missing cells, diagnosis | {same} logs of {} cases with first and last cells of every slow channel empty, or all \
-         but one a second: the effects named are those of the whole log; every slow effect of the library is found, rejected with \
-         its score or listed as not tested | negative control: 0.1 in the first cells, about what the empty ones were taken for, is seen in \
-         {control} of {} cases",
+        "attack: missing cells, diagnosis | {same} logs of {} cases, with the first and last cells of every slow channel empty, or with one value per second: the reported effects are those of the complete log; every slow effect of the library is found, rejected with its score, or listed as not tested | negative control: 0.1 in the first cells, about the value once assumed for empty ones, is detected in {control} of {} cases",
         cases.len(),
         cases.len()
     );

@@ -203,11 +203,7 @@ fn each_orientation_has_a_constant_and_mixed_models_are_flagged() {
 
     let Simulated { held, rigs, effects } = simulated_logs();
     println!(
-        "attack: two poses | {fits} fits of accelerometers over two poses, 8° to 180° apart, in the frame of the first, no rest led away from gravity; \
-         {refused} of one axis alone, which cannot tell them, refused by name with a way out that works; \
-         {held} simulated logs in one pose, {effects} kinds of effects on their accelerometers among them, are not | negative control: the model that comes of two poses without \
-         the guard turns |a| = 9.81 m/s² into {turned_into:.2} and all else calls it valid: {} of {} rests are flagged in the replay and by the hub; \
-         {rigs} of {rigs} rigs that turn are told from one pose",
+        "attack: two orientations | {fits} fits of accelerometers in two orientations, 8° to 180° apart, are in the frame of the first, and no rest deviates from gravity; {refused} fits of one axis alone, which cannot separate orientation from bias, are refused with a remedy; {held} simulated logs in one orientation, with {effects} kinds of accelerometer effects, are accepted | negative control: a model fitted to two orientations without this check turns |a| = 9.81 m/s² into {turned_into:.2}, which every other check accepts: {} of {} rests are flagged in the replay and by the hub; {rigs} of {rigs} turning rigs are detected",
         outputs.len(),
         outputs.len(),
     );

@@ -129,25 +129,34 @@ pub(super) fn median_of_known(values: &[f64]) -> f64 {
 /// Lower limit of the scatter, below which an estimate comes from too few values.
 const MIN_SCATTER: f64 = 0.1;
 
-/// Usual energy of one axis on one time scale.
+/// Usual energy of one axis on one time scale, window by window.
 #[derive(Debug)]
 pub(super) struct Usual {
     level: Vec<f64>,
-    scatter: f64,
+    /// Windows without and with vibration scatter differently.
+    is_shaken: Vec<bool>,
+    scatter: [f64; 2],
 }
 
 impl Usual {
-    /// Scatter of the energy about `level`, window by window.
-    pub(super) fn about(level: Vec<f64>, log_energy: &[f64]) -> Self {
-        let off: Vec<f64> =
-            log_energy.iter().zip(&level).map(|(energy, level)| (energy - level).abs()).collect();
-        let scatter = (MAD_TO_SD * median_of_known(&off)).max(MIN_SCATTER);
-        Self { level, scatter }
+    /// Scatter of the energy about `level`.
+    pub(super) fn about(level: Vec<f64>, is_shaken: Vec<bool>, log_energy: &[f64]) -> Self {
+        let scatter = [false, true].map(|shaken| {
+            let windows = log_energy.iter().zip(&level).zip(&is_shaken);
+            let off: Vec<f64> = windows
+                .filter(|(_, is_shaken)| **is_shaken == shaken)
+                .map(|((energy, level), _)| (energy - level).abs())
+                .collect();
+            // the maximum with NaN is the other value
+            (MAD_TO_SD * median_of_known(&off)).max(MIN_SCATTER)
+        });
+        Self { level, is_shaken, scatter }
     }
 
     /// Excess of the energy of a window above its level, in standard deviations; 0 if below or unknown.
     pub(super) fn excess(&self, window: usize, log_energy: f64) -> f64 {
-        let above = (log_energy - self.level[window]) / self.scatter;
+        let scatter = self.scatter[usize::from(self.is_shaken[window])];
+        let above = (log_energy - self.level[window]) / scatter;
         if above.is_finite() { above.max(0.0) } else { 0.0 }
     }
 

@@ -64,26 +64,19 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_referenc
         let energies: Vec<Vec<f64>> =
             in_parallel(&means, |means| scale.log_energy(means, &recording.segments));
         let is_vibration = level == 0 || block_s <= VIBRATION_BLOCK_S;
-        let levels: Vec<Vec<f64>> = match is_vibration {
+        let usual: Vec<Usual> = match is_vibration {
             true => {
                 let piece = (PIECE_S / (scale.stride as f64 * period_s)).ceil() as usize;
-                in_parallel(&energies, |energy| local_level(energy, piece))
+                in_parallel(&energies, |energy| {
+                    Usual::about(local_level(energy, piece), vec![false; energy.len()], energy)
+                })
             }
             false => energies
                 .iter()
                 .zip(&leaking)
-                .map(|(energy, (of, leak))| {
-                    let leak_at =
-                        |window: usize| leak[(window * scale.stride / of.stride).min(leak.len() - 1)];
-                    let usual: Vec<f64> =
-                        energy.iter().enumerate().map(|(window, energy)| energy - leak_at(window)).collect();
-                    let middle = median_of_known(&usual);
-                    (0..energy.len()).map(|window| middle + leak_at(window)).collect()
-                })
+                .map(|(energy, leak)| usual_motion(&scale, energy, leak))
                 .collect(),
         };
-        let usual: Vec<Usual> =
-            energies.iter().zip(levels).map(|(energy, level)| Usual::about(level, energy)).collect();
         let excess = |window: usize| {
             usual.iter().zip(&energies).map(move |(usual, energy)| usual.excess(window, energy[window]))
         };
@@ -116,6 +109,19 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_referenc
         shaken: lasting,
         explained: explained::joined(explained, joined),
     }
+}
+
+/// Usual energy on a scale of motion: that of the windows without vibration, plus at most as much as the vibration exceeds
+/// its minimum. Only these windows determine it: a shaker that runs for most of a log hardly reaches the slow scales, and
+/// its pauses are no motion.
+fn usual_motion(scale: &Scale, log_energy: &[f64], (of, leak): &(Scale, Vec<f64>)) -> Usual {
+    let leak_at = |window: usize| leak[(window * scale.stride / of.stride).min(leak.len() - 1)];
+    let windows = 0..log_energy.len();
+    let is_shaken: Vec<bool> = windows.clone().map(|window| leak_at(window) > SHAKEN).collect();
+    let steady = windows.clone().filter(|window| !is_shaken[*window]);
+    let middle =
+        median_of_known(&steady.map(|window| log_energy[window] - leak_at(window)).collect::<Vec<_>>());
+    Usual::about(windows.map(|window| middle + leak_at(window)).collect(), is_shaken, log_energy)
 }
 
 /// Marks the middle half of windows above the limit, of their neighbours while these have an excess too, and a margin on

@@ -555,7 +555,7 @@ mod tests {
         assert!(!is_free_of_order(&rich_table(), first_in_the_file));
         let decoys = column_words::DECOYS.to_vec();
         println!(
-            "attack: choice among columns | 40 orders of {} columns are mapped alike; none of {} words beside a gyro's is taken for the measurement | negative control: with the first candidate in the file the order decides, and {} columns with the words linear, filtered and raw are taken",
+            "attack: choice among columns | {} columns in 40 orders give the same mapping; a gyro column qualified by any of {} words is not taken for the measurement | negative control: a rule that takes the first candidate depends on the order, and accepts {} columns qualified as linear, filtered or raw",
             rich_table().len(),
             decoys.len() - deceived_by(&decoys, mapping).len(),
             deceived_by(&["linear", "filtered", "raw"], first_in_the_file).len(),

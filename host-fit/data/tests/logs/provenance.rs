@@ -183,7 +183,7 @@ fn every_format_states_sensor_corrections_and_axes() {
         first_wrong(&without_provenance(&read(&folder, case, ColumnMap::default())), &case.expected).is_some()
     };
     println!(
-        "attack: provenance | {} logs of {} formats and their instances: sensor, corrections and axes come out of the reader and of a stored study as the programs' documents state them | negative control: with the provenance cut from the study {} of the {stated} that state one are noticed",
+        "attack: provenance | {} logs of {} formats and their instances: sensor, corrections and axes in the reader's result and in the stored study match the documentation of the programs | negative control: with the provenance removed from the study, {} of the {stated} that have one are detected",
         cases.len(),
         KNOWN_FORMATS.len(),
         cases.iter().filter(with_cut).count(),

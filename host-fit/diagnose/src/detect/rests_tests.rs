@@ -116,7 +116,7 @@ fn tilt_during_pause_is_not_a_bias_step() {
     let answer = with_question(&tilted_in_pause(0.0, 0.5), "ax", diagnose).expect("a diagnosis");
     assert_eq!(effects(&answer), ["bias_step"]);
     println!(
-        "attack: orientation across pauses | tilts of 0.5 and 5 degrees within a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
+        "attack: orientation across pauses | tilts of 0.5° and 5° during a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
         effects(&answer).join(", "),
     );
 }

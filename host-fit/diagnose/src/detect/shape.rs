@@ -14,6 +14,9 @@ const KURTOSIS_ERRORS_OF_NOISE: f64 = 4.2;
 /// Block means beyond this many standard deviations are part of a jump.
 const FAR_OUT: f64 = 3.0;
 
+/// Share of the variance of normal noise beyond [`FAR_OUT`] standard deviations: 2·(3·φ(3) + Q(3)).
+const FAR_OUT_SHARE: f64 = 0.0293;
+
 /// Least score of a change of the noise level.
 const LEVEL_ACCEPT: f64 = 15.0;
 
@@ -33,6 +36,8 @@ pub(super) enum ResidualAnomaly {
         kurtosis: f64,
         /// Sum of the squares of the extreme block means, in standard deviations.
         gain: f64,
+        /// Share of the variance of the whitened block means that the extreme ones have, beyond that of normal noise.
+        share: f64,
     },
     /// The noise level of the samples changes.
     Level {
@@ -79,8 +84,12 @@ pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Resi
     let kurtosis = moment(4) / (moment(2) * moment(2)) - 3.0;
     let squares = whitened.iter().map(|u| (u - mean).powi(2) / moment(2));
     let gain: f64 = squares.filter(|square| *square > FAR_OUT * FAR_OUT).sum();
-    (gain > least && kurtosis > errors * (24.0 / n).sqrt())
-        .then_some(ResidualAnomaly::Jumps { kurtosis, gain })
+    let share = (gain / n - FAR_OUT_SHARE).max(0.0);
+    (gain > least && kurtosis > errors * (24.0 / n).sqrt()).then_some(ResidualAnomaly::Jumps {
+        kurtosis,
+        gain,
+        share,
+    })
 }
 
 /// Finds a change of the noise level of `target` that the other axes do not have; vibration shows in all of them.

@@ -457,7 +457,7 @@ mod tests {
         assert!(fitted > 0);
         let far = refuse_divergent("gx_rads", &trace_of([0.1, -4.5, 0.1], vec![0.5]));
         println!(
-            "attack: divergent models | {fitted} models of every kind of data stay, tracked and after 1, 10 and 60 s of their own output, near the rows that they were fitted to | negative control: a trace twice the range of the error away is {}",
+            "attack: divergent models | {fitted} models of all kinds of data stay near the fitted rows, both tracking and after free runs of 1, 10 and 60 s | negative control: a prediction that is off by twice the range of the error is {}",
             if far.is_err() { "refused" } else { "accepted" },
         );
     }

@@ -196,7 +196,7 @@ fn regression_cost_is_linear_in_rests() {
     // negative control: one column per rest
     assert!(ratio(true) > 6.0);
     println!(
-        "attack: rests | a regression over 100 rests, each with a level of its own, takes {:.1} times the products of one over 50, and comes to the same as with a column for each | negative control: with a column for each it takes {:.1} times",
+        "attack: rests | a regression over 100 rests with a level each takes {:.1} times the multiplications of one over 50 rests, and gives the same result as a column per rest | negative control: with a column per rest it takes {:.1} times as many",
         ratio(false),
         ratio(true),
     );

@@ -149,7 +149,7 @@ fn degenerate_fleets_round_trip_with_finite_numbers() {
         population.scatter[1].units = f64::NAN;
     }
     println!(
-        "attack: degenerate fleets | {} fleets of equal rows, copies, one temperature, one to three devices and random ones: every number that is written is finite, and what is written is read | negative control: a scatter that is not a number is noticed {} times",
+        "attack: degenerate fleets | {} fleets (equal rows, copies, a single temperature, one to three devices, random): every number written is finite, and every file written can be read | negative control: a scatter that is not finite is detected {} times",
         cases.len(),
         failures("noticed", &fleet, &rows, str::to_owned).len(),
     );

@@ -458,7 +458,7 @@ mod tests {
             }
         }
         println!(
-            "attack: units in headers | {stated} headers of every known program's table with a unit of its own: read in it, and stated | negative control: {refused} headers with a unit that does not exist are refused"
+            "attack: units in headers | {stated} headers, covering the table of every known program with each unit: values are converted from the unit in the header, and the unit is reported | negative control: {refused} headers with an unknown unit are refused"
         );
     }
 

@@ -205,7 +205,7 @@ fn chooses_the_offset_nearest_to_zero_for_a_steady_swing() {
         }
     }
     println!(
-        "attack: equal optima of clocks | {swings} steady swings of 1 to 4 Hz: of the offsets that explain them the nearest to zero is taken, and that the motion repeats is stated | negative control: {noticed} offsets a period off, which explain as much, are noticed"
+        "attack: equal optima of clocks | {swings} steady oscillations of 1 to 4 Hz: of the offsets that fit equally well, the one nearest to zero is chosen, and the ambiguity is reported | negative control: {noticed} offsets that are wrong by one period fit equally well and are detected"
     );
 }
 

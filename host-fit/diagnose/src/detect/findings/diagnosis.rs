@@ -18,6 +18,10 @@ const MAX_STEPS: usize = 2;
 /// Least relative change of an unexplained noise level that affects the verdict.
 const NOTICED_LEVEL: f64 = 0.05;
 
+/// Least share of the variance of the residual in jumps that affects the verdict: 13 % of the RMS. Sensors at rest have
+/// block means beyond three standard deviations more often than normal noise.
+const NOTICED_JUMPS: f64 = 0.25;
+
 /// Least duty cycle of interference that affects the verdict.
 const LEAST_DUTY: f64 = 0.01;
 
@@ -132,14 +136,14 @@ impl Assembly<'_> {
 
 fn lead_of(anomaly: &ResidualAnomaly) -> Lead {
     match anomaly {
-        ResidualAnomaly::Jumps { kurtosis, gain } => Lead {
+        ResidualAnomaly::Jumps { kurtosis, gain, share } => Lead {
             kind: LeadKind::Jumps,
             follows: format!("jumps at irregular times (excess kurtosis {kurtosis:.1} of the residual)"),
             gain: *gain,
             score: *kurtosis,
-            share: 0.0,
+            share: *share,
             band: Band::Slow,
-            decides: true,
+            decides: *share >= NOTICED_JUMPS,
         },
         ResidualAnomaly::Level { follows, spread, score } => Lead {
             kind: LeadKind::Level,

@@ -84,6 +84,10 @@ fn merged(found: Vec<Line>) -> Vec<Line> {
     lines
 }
 
+/// Standard errors by which the power of a band must exceed that share. The power of noise in the band of a wandering line
+/// scatters by more than a hundredth of the line's.
+const SHARED_ERRORS: f64 = 2.0;
+
 /// Returns for each line whether another axis shows it too, which means motion. On an axis of the same unit from a
 /// tenth of the amplitude on, on one of another unit if it stands out of the noise.
 pub(crate) fn shared(
@@ -99,8 +103,12 @@ pub(crate) fn shared(
         let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
         let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
         if same_unit {
+            // Σ|X|²/n over the band is n·A²/4
+            let floor = &periodogram.floor[band.clone()];
+            let error = periodogram.deviation(floor);
             let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
-            excess * 4.0 / periodogram.samples as f64 > SHARED * line.amplitude * line.amplitude
+            let least = SHARED * line.amplitude.powi(2) * periodogram.samples as f64 / 4.0;
+            excess > least + SHARED_ERRORS * error
         } else {
             periodogram.stands_out(&band)
         }

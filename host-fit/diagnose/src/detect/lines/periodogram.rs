@@ -34,6 +34,9 @@ pub(super) struct Periodogram {
     pub(super) floor: Vec<f64>,
     pub(super) resolution_hz: f64,
     pub(super) samples: usize,
+    /// Independent ordinates per ordinate: the known share of the log. Where samples are missing, neighbours resemble each
+    /// other.
+    independent: f64,
     /// First ordinate of the search.
     first: usize,
 }
@@ -52,7 +55,8 @@ impl Periodogram {
         let resolution_hz = 1.0 / (n as f64 * series.period_s);
         let first = ((lowest_hz(series.period_s) / resolution_hz).ceil() as usize).max(1);
         let floor = floor(&power, first, (MEDIAN_OVER_HZ / resolution_hz) as usize);
-        Some(Self { power, floor, resolution_hz, samples: series.known, first })
+        let independent = series.known as f64 / n as f64;
+        Some(Self { power, floor, resolution_hz, samples: series.known, independent, first })
     }
 
     /// Returns the ordinates of the best band with a sufficient score.
@@ -74,7 +78,7 @@ impl Periodogram {
                 if width > 1 && width as f64 > BAND_SHARE * stretch(start, self.most_ordinates()) as f64 {
                     continue;
                 }
-                let gain = gain(sums[start + width] - sums[start], width);
+                let gain = self.gain(sums[start + width] - sums[start], width);
                 if gain - self.price() < ACCEPT || !self.is_above_both_sides(start..start + width) {
                     continue;
                 }
@@ -102,7 +106,7 @@ impl Periodogram {
         };
         let level = level(below).max(level(above));
         let sum: f64 = self.power[band.clone()].iter().sum();
-        gain(sum / level, band.len()) - self.price() >= ACCEPT
+        self.gain(sum / level, band.len()) - self.price() >= ACCEPT
     }
 
     fn most_ordinates(&self) -> usize {
@@ -141,7 +145,7 @@ impl Periodogram {
                 (band.start as f64 - margin) * self.resolution_hz,
                 (band.end as f64 + margin) * self.resolution_hz,
             ),
-            score: gain(sum, band.len()) - self.price(),
+            score: self.gain(sum, band.len()) - self.price(),
             duty: 1.0,
         }
     }
@@ -149,19 +153,24 @@ impl Periodogram {
     /// Returns true if a given band has more power than noise reaches once in a thousand times.
     pub(super) fn stands_out(&self, band: &Range<usize>) -> bool {
         let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
-        !band.is_empty() && gain(sum, band.len()) > STANDS_OUT
+        !band.is_empty() && self.gain(sum, band.len()) > STANDS_OUT
+    }
+
+    /// Returns the standard deviation of the power of noise in a band with this floor; that of an ordinate is its mean.
+    pub(super) fn deviation(&self, floor: &[f64]) -> f64 {
+        (floor.iter().map(|floor| floor.powi(2)).sum::<f64>() / self.independent).sqrt()
+    }
+
+    /// Returns 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against a mean of 1.
+    fn gain(&self, sum: f64, width: usize) -> f64 {
+        let mean = sum / width as f64;
+        let count = (width as f64 * self.independent).max(1.0);
+        if mean > 1.0 { 2.0 * count * (mean - 1.0 - mean.ln()) } else { 0.0 }
     }
 }
 
 /// Twice the logarithm of odds of a thousand to one.
 const STANDS_OUT: f64 = 13.8;
-
-/// 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against a mean of 1.
-fn gain(sum: f64, width: usize) -> f64 {
-    let width = width as f64;
-    let mean = sum / width;
-    if mean > 1.0 { 2.0 * width * (mean - 1.0 - mean.ln()) } else { 0.0 }
-}
 
 /// Number of ordinates for the noise floor around `start`, at most `most`.
 fn stretch(start: usize, most: usize) -> usize {

@@ -56,7 +56,7 @@ impl SlowSearch<'_> {
         let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(&accepted, state, hypothesis.clone());
         let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-        self.without_thermal_steps(state, &mut candidates);
+        self.remove_thermal_steps(state, &mut candidates);
         let mut seen = HashSet::new();
         candidates.retain(|candidate| seen.insert(candidate.hypothesis.effect.id.clone()));
         Ok(candidates)

@@ -1,5 +1,5 @@
-//! Exclusion of bias steps at a reversal of the temperature, and of warm-ups while it falls: there hysteresis or a lag
-//! explains what seems to follow the clock.
+//! Exclusion of bias steps at a reversal of the temperature, and of warm-ups while it falls: there hysteresis, a lag or
+//! the temperature itself explains what seems to follow the clock.
 //!
 //! A package with stick-slip yields after the temperature has come back by a few kelvin, often at once, and repeats it
 //! on the next loop, which a step does not do.
@@ -24,27 +24,33 @@ const OUTWEIGHS: f64 = 5.0;
 const COOLING: f64 = 2.0;
 
 impl SlowSearch<'_> {
-    /// Removes steps at reversals of the temperature unless they outweigh hysteresis, and warm-ups while it falls.
-    pub(super) fn without_thermal_steps(&self, state: &State, candidates: &mut Vec<Candidate>) {
+    /// Removes steps at reversals of the temperature unless they outweigh hysteresis.
+    pub(super) fn remove_thermal_steps(&self, state: &State, candidates: &mut Vec<Candidate>) {
         let Some(temperature) = self.hypotheses.logged_means(TEMPERATURE) else { return };
         let reversing = reversing(&temperature);
         let hysteresis = candidates.iter().filter(|candidate| is_hysteresis(&candidate.hypothesis.effect));
         let best = hysteresis.map(|candidate| candidate.score).fold(0.0, f64::max);
         let is_explained = state.accepted.iter().any(|accepted| is_hysteresis(&accepted.effect));
-        candidates.retain(|candidate| {
-            let (effect, value) = (&candidate.hypothesis.effect, candidate.hypothesis.value);
-            match value {
-                Some(time_s) if effect.search == Detector::Step => {
-                    let is_thermal = is_explained || candidate.score < OUTWEIGHS * best;
-                    !(is_thermal && reversing[self.blocks_at(time_s)].contains(&true))
-                }
-                Some(tau_s) if is_warm_up(effect) => {
-                    let last = self.blocks_at(tau_s).start.min(temperature.len() - 1);
-                    temperature[0] - temperature[last] < COOLING
-                }
-                _ => true,
+        candidates.retain(|candidate| match candidate.hypothesis.value {
+            Some(time_s) if candidate.hypothesis.effect.search == Detector::Step => {
+                let is_thermal = is_explained || candidate.score < OUTWEIGHS * best;
+                !(is_thermal && reversing[self.blocks_at(time_s)].contains(&true))
             }
+            _ => true,
         });
+    }
+
+    /// Returns true for a warm-up during which the temperature falls. It is not reported, but remains a rival of what is,
+    /// since the log cannot exclude it.
+    pub(super) fn is_cooling_warm_up(&self, candidate: &Candidate) -> bool {
+        let Some(tau_s) = candidate.hypothesis.value.filter(|_| is_warm_up(&candidate.hypothesis.effect))
+        else {
+            return false;
+        };
+        self.hypotheses.logged_means(TEMPERATURE).is_some_and(|temperature| {
+            let last = self.blocks_at(tau_s).start.min(temperature.len() - 1);
+            temperature[0] - temperature[last] >= COOLING
+        })
     }
 
     /// Returns the blocks before and after a time, s after the first sample.

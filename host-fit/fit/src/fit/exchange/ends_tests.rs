@@ -50,9 +50,7 @@ fn refinement_terminates_on_all_data() {
         without_end.count()
     };
     println!(
-        "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): \
-         {} refinements of FOS by 5 stop rules from 3 pools make at most {} moves | negative control: with one rule to take terms out \
-         and another to add them, {} of the refinements still go on after {MAX_MOVES} moves",
+        "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): {} refinements of FOS, from 3 candidate pools with 5 stopping rules, take at most {} moves | negative control: with different rules for removing and adding terms, {} refinements have not ended after {MAX_MOVES} moves",
         kinds.len(),
         refinements.len(),
         refinements.iter().map(|refinement| refinement.moves).max().unwrap(),

@@ -377,7 +377,7 @@ mod tests {
         let mut in_the_wrong_order = logged(|vector| vector);
         in_the_wrong_order[0].iter_mut().for_each(|value| *value = (*value + 0.25) / 1.5);
         println!(
-            "attack: corrections undone | offsets, scales, temperature tables and mountings of 5 instances, applied by formulas of the test: what the reader says it undid is undone to the last digits, and nothing else | negative control: scale and offset in the wrong order leave {:.2} m/s²",
+            "attack: corrections undone | offsets, scale factors, temperature tables and mountings of 5 instances, applied by independent formulas: each reported reversal restores the raw values to rounding error, and nothing else changes | negative control: reversing scale and offset in the wrong order leaves {:.2} m/s²",
             furthest(&in_the_wrong_order),
         );
     }
