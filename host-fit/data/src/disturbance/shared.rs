@@ -177,3 +177,21 @@ fn mark_shaken(shaken: &mut [bool], scale: &Scale, axes: &[(Scale, Vec<f64>)], l
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The usual energy was too low by the excess of the vibration, and the pauses of a shaker were excluded as sway.
+    #[test]
+    fn pauses_of_vibration_are_usual() {
+        let scale = Scale::new(6, 0.005);
+        let leak: Vec<f64> = (0..100).map(|window| if window % 5 == 0 { 0.0 } else { 3.0 }).collect();
+        let energy: Vec<f64> = (0..100).map(|window| 0.01 * f64::from(window % 7)).collect();
+        let usual = usual_motion(&scale, &energy, &(scale, leak));
+        for window in (0..100).step_by(5) {
+            assert!((usual.level()[window] - 0.03).abs() < 0.011, "{}", usual.level()[window]);
+            assert!(usual.excess(window, energy[window]) < 1.0);
+        }
+    }
+}
