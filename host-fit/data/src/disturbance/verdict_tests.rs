@@ -290,7 +290,7 @@ fn rejects_a_log_in_continuous_motion() {
         check(&log.read(true)).unwrap();
     }
     println!(
-        "attack: motion all along | 3 drives, one of which is marked as still: refused, with the measured motion and the remedy | negative control: with `--keep-moved`, {} of 3 are read as at rest",
+        "attack: motion all along | 3 drives, one of which is marked as still: refused, with the measured motion and the remedy | negative control: with motion kept, {} of 3 are read as at rest",
         [vehicle(30, 300.0, 1.0), vehicle(31, 120.0, 0.4), vehicle(32, 300.0, 1.0)]
             .iter()
             .filter(|log| check(&log.read(true)).is_ok())

@@ -103,12 +103,9 @@ pub(crate) fn shared(
         let bin = |hz: f64| (hz / periodogram.resolution_hz) as usize;
         let band = bin(line.band_hz.0)..(bin(line.band_hz.1) + 1).min(periodogram.power.len());
         if same_unit {
-            // Σ|X|²/n over the band is n·A²/4
-            let floor = &periodogram.floor[band.clone()];
-            let error = periodogram.deviation(floor);
-            let excess: f64 = band.map(|bin| periodogram.power[bin] - periodogram.floor[bin]).sum();
-            let least = SHARED * line.amplitude.powi(2) * periodogram.samples as f64 / 4.0;
-            excess > least + SHARED_ERRORS * error
+            let certain =
+                periodogram.power_over_floor(&band) - SHARED_ERRORS * periodogram.noise_deviation(&band);
+            periodogram.square_of_amplitude(certain) > SHARED * line.amplitude * line.amplitude
         } else {
             periodogram.stands_out(&band)
         }

@@ -130,9 +130,6 @@ impl Periodogram {
         let total: f64 = band.clone().map(over).sum();
         let centre: f64 = band.clone().map(|bin| over(bin) * bin as f64).sum::<f64>() / total;
         let margin = (band.len() / 2).max(2) as f64;
-        let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
-        // Σ|X|²/n over the band is n·A²/4
-        let excess: f64 = band.clone().map(|bin| self.power[bin] - self.floor[bin]).sum();
         Line {
             frequency_hz: centre * self.resolution_hz,
             frequency_error: band.len() as f64 * self.resolution_hz / 12.0_f64.sqrt(),
@@ -140,25 +137,38 @@ impl Periodogram {
             // white noise of variance s has σ_A² = 2s/n
             amplitude_error: (2.0 * self.floor[band.start] / self.samples as f64).sqrt(),
             phase: 0.0,
-            amplitude: 2.0 * (excess.max(0.0) / self.samples as f64).sqrt(),
+            amplitude: self.square_of_amplitude(self.power_over_floor(band)).max(0.0).sqrt(),
             band_hz: (
                 (band.start as f64 - margin) * self.resolution_hz,
                 (band.end as f64 + margin) * self.resolution_hz,
             ),
-            score: self.gain(sum, band.len()) - self.price(),
+            score: self.gain_over_floor(band) - self.price(),
             duty: 1.0,
         }
     }
 
     /// Returns true if a given band has more power than noise reaches once in a thousand times.
     pub(super) fn stands_out(&self, band: &Range<usize>) -> bool {
-        let sum: f64 = band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum();
-        !band.is_empty() && self.gain(sum, band.len()) > STANDS_OUT
+        !band.is_empty() && self.gain_over_floor(band) > STANDS_OUT
     }
 
-    /// Returns the standard deviation of the power of noise in a band with this floor; that of an ordinate is its mean.
-    pub(super) fn deviation(&self, floor: &[f64]) -> f64 {
-        (floor.iter().map(|floor| floor.powi(2)).sum::<f64>() / self.independent).sqrt()
+    /// Returns the power of a band minus that of its noise.
+    pub(super) fn power_over_floor(&self, band: &Range<usize>) -> f64 {
+        band.clone().map(|bin| self.power[bin] - self.floor[bin]).sum()
+    }
+
+    /// Returns A² of a line A·sin(ωt + φ) with this power: Σ|X|²/n over its band is n·A²/4.
+    pub(super) fn square_of_amplitude(&self, power: f64) -> f64 {
+        4.0 * power / self.samples as f64
+    }
+
+    fn gain_over_floor(&self, band: &Range<usize>) -> f64 {
+        self.gain(band.clone().map(|bin| self.power[bin] / self.floor[bin]).sum(), band.len())
+    }
+
+    /// Returns the standard deviation of the power of the noise in a band; that of an ordinate is its mean.
+    pub(super) fn noise_deviation(&self, band: &Range<usize>) -> f64 {
+        (self.floor[band.clone()].iter().map(|floor| floor.powi(2)).sum::<f64>() / self.independent).sqrt()
     }
 
     /// Returns 2·log-likelihood ratio of a band of `width` unit exponentials that sum to `sum` against a mean of 1.

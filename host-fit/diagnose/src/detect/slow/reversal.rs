@@ -6,7 +6,7 @@
 
 use super::candidates::Candidate;
 use super::model::{SlowSearch, State};
-use crate::detect::hypothesis::span;
+use crate::detect::hypothesis::{Hypothesis, span};
 use crate::detect::shape::TEMPERATURE;
 use crate::effects::{Detector, Effect};
 
@@ -40,13 +40,14 @@ impl SlowSearch<'_> {
         });
     }
 
-    /// Returns true for a warm-up during which the temperature falls. It is not reported, but remains a rival of what is,
-    /// since the log cannot exclude it.
-    pub(super) fn is_cooling_warm_up(&self, candidate: &Candidate) -> bool {
-        let Some(tau_s) = candidate.hypothesis.value.filter(|_| is_warm_up(&candidate.hypothesis.effect))
-        else {
-            return false;
-        };
+    /// Returns the best candidate that may be reported. A warm-up while the temperature falls is not; it remains a rival of
+    /// what is, since the log cannot exclude it.
+    pub(super) fn best_reported(&self, candidates: Vec<Candidate>) -> Option<Candidate> {
+        candidates.into_iter().find(|candidate| !self.is_cooling_warm_up(&candidate.hypothesis))
+    }
+
+    fn is_cooling_warm_up(&self, Hypothesis { effect, value, .. }: &Hypothesis) -> bool {
+        let Some(tau_s) = value.filter(|_| is_warm_up(effect)) else { return false };
         self.hypotheses.logged_means(TEMPERATURE).is_some_and(|temperature| {
             let last = self.blocks_at(tau_s).start.min(temperature.len() - 1);
             temperature[0] - temperature[last] >= COOLING

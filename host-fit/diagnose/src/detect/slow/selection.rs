@@ -33,7 +33,7 @@ impl SlowSearch<'_> {
                 _ => beside = round_results.scores,
             }
             let noise = self.best_noise(&state);
-            let best = candidates.into_iter().find(|candidate| !self.is_cooling_warm_up(candidate));
+            let best = self.best_reported(candidates);
             let best_score = best.as_ref().map_or(f64::NEG_INFINITY, |candidate| candidate.score);
             match (best, noise) {
                 (_, Some((noise, fitted, score))) if score >= ACCEPT && score > best_score => {
@@ -89,8 +89,7 @@ impl SlowSearch<'_> {
             let (without, current) = self.without(state, place);
             let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
             let own = self.candidate(&rest, &without, current.clone())?;
-            let mut better = self.candidates(&without)?.into_iter();
-            let better = better.find(|candidate| !self.is_cooling_warm_up(candidate));
+            let better = self.best_reported(self.candidates(&without)?);
             let winner = match better {
                 Some(better) if better.score > own.score + 0.5 => better,
                 _ => own,
