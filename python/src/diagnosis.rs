@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fos_data::recording::{Recording as Log, RecordingError};
-use fos_diagnose::detect::{self, Finding, Question, with_measured_reduction};
+use fos_diagnose::detect::{self, Finding, Question};
 use fos_diagnose::effects::{Effect, Library};
 use fos_diagnose::refine::{Evidence, evidence_without_model, line_spectrum};
 use pyo3::prelude::*;
@@ -67,10 +67,11 @@ pub(crate) fn diagnose(
     let log = |recording: &Recording| Arc::clone(&recording.log);
     let (field, quiet, judged) = (log(field), quiet.map(log), judged.map(log));
     work::run(py, || {
-        let diagnosis = detect::diagnose(&Question {
+        let diagnosis = detect::diagnose_and_measure(&Question {
             field: &field,
             quiet: quiet.as_deref(),
             judged: judged.as_deref(),
+            judged_from: 0,
             target: &target,
             sheet: None,
             full_scale,
@@ -78,10 +79,6 @@ pub(crate) fn diagnose(
             library: &library,
             given: &[],
         })?;
-        let diagnosis = match &judged {
-            Some(judged) => with_measured_reduction(diagnosis, &field, judged, &(0..judged.n_rows()))?,
-            None => diagnosis,
-        };
         let mut speaks = Vec::new();
         for finding in &diagnosis.findings {
             let evidence = evidence_without_model(&field, &target, &diagnosis.findings, finding)?;

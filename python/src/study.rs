@@ -95,7 +95,7 @@ impl Refused {
     }
 }
 
-/// Fits `axes` of the logs, which are used together and never spliced.
+/// Fits `axes` of the logs, which are used together.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,

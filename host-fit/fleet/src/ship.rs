@@ -142,10 +142,19 @@ pub fn known_of(row: &UnitRow, column: &str, population: &Population, odd: bool)
     }
     let (values, covariance) = population.prior(lot);
     let mut known = Estimate { names: population.names.clone(), values, covariance };
-    for (place, name) in population.names.iter().enumerate() {
-        if let Some((own, of_own)) = own.and_then(|own| Some((own, own.place(name)?))) {
-            known.values[place] = own.values[of_own];
-            known.covariance[place][place] = own.covariance[of_own][of_own];
+    let Some(own) = own else { return known };
+    let places: Vec<Option<usize>> = population.names.iter().map(|name| own.place(name)).collect();
+    for (first, of_first) in places.iter().enumerate() {
+        if let Some(of_first) = of_first {
+            known.values[first] = own.values[*of_first];
+        }
+        for (second, of_second) in places.iter().enumerate() {
+            // what its own log says is independent of the population
+            known.covariance[first][second] = match (of_first, of_second) {
+                (Some(of_first), Some(of_second)) => own.covariance[*of_first][*of_second],
+                (None, None) => known.covariance[first][second],
+                _ => 0.0,
+            };
         }
     }
     known

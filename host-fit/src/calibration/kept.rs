@@ -48,7 +48,7 @@ impl KeptOutcomes {
     ///
     /// # Errors
     ///
-    /// A file operation fails.
+    /// A file operation fails, or the file is not one of outcomes.
     pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, FileError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);
@@ -60,8 +60,9 @@ impl KeptOutcomes {
             Err(error) => return Err(FileError::reading(&path)(error)),
         };
         let mut lines = left.lines();
-        let same =
-            lines.next().and_then(|line| serde_json::from_str::<Heading>(line).ok()) == Some(heading.clone());
+        let found = lines.next().map(serde_json::from_str::<Heading>).transpose();
+        let found = found.map_err(|_| FileError::writing(&path)(ErrorKind::AlreadyExists.into()))?;
+        let same = found.as_ref() == Some(&heading);
         // The last line may be truncated.
         let done = lines.filter(|_| same).filter_map(|line| serde_json::from_str::<Outcome>(line).ok());
         let done: BTreeMap<usize, Outcome> = done.map(|outcome| (outcome.case, outcome)).collect();
@@ -137,5 +138,9 @@ mod tests {
         assert_eq!(but_times(&whole), but_times(&again));
         // Outcomes of other cases are not reused.
         assert!(kept(2).is_empty());
+        // Another file is not overwritten.
+        fs::write(&path, "my notes\n").unwrap();
+        assert!(KeptOutcomes::beside(&outcomes, &cases(1), &library).is_err());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "my notes\n");
     }
 }

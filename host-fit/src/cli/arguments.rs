@@ -181,7 +181,7 @@ pub(super) fn is_study(path: &Path) -> bool {
         && String::from_utf8_lossy(&begin).contains("fos-study/")
 }
 
-/// Reads several logs of one device as one recording, never spliced.
+/// Reads several logs of one device as one recording.
 pub(super) fn read_all(logs: &[PathBuf], options: &LoadOptions) -> Result<Recording, Failure> {
     let recordings = logs.iter().map(|log| load_log(log, options)).collect::<Result<Vec<_>, _>>()?;
     Ok(Recording::join(recordings)?)

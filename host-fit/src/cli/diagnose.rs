@@ -15,7 +15,7 @@ use super::output::{
 use super::refinement::{LogArguments, column_of, read_logs};
 use super::units::{Printed, three};
 use fos_diagnose::detect::{
-    Diagnosis, Finding, Question, Size, Verdict, diagnose, with_measured_reduction, with_shared_signal,
+    Diagnosis, Finding, Question, Size, Verdict, diagnose_and_measure, with_shared_signal,
 };
 use fos_diagnose::effects::{Band, Library};
 use fos_diagnose::study::Study;
@@ -79,18 +79,17 @@ impl Diagnose {
         let field = self.reading.read(&self.of)?;
         let quiet = self.logs.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
         let judged = self.logs.judge.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        // once for all axes
+        let judged = judged.as_ref().map(|judged| judged.led_in_by(&field));
         let axes = super::arguments::axes(&field, self.axis.as_deref().unwrap_or("all"))?;
         let of_axis = |axis: &String| -> Result<Diagnosis, Failure> {
-            let diagnosis = diagnose(&Question {
+            Ok(diagnose_and_measure(&Question {
                 quiet: quiet.as_ref(),
-                judged: judged.as_ref(),
+                judged: judged.as_ref().map(|(log, _)| &**log),
+                judged_from: judged.as_ref().map_or(0, |(_, from)| *from),
                 full_scale: self.full_scale,
                 ..Question::new(&field, axis, library)
-            })?;
-            Ok(match &judged {
-                Some(judged) => with_measured_reduction(diagnosis, &field, judged, &(0..judged.n_rows()))?,
-                None => diagnosis,
-            })
+            })?)
         };
         let mut answers = Vec::new();
         let mut refused = Vec::new();

@@ -24,7 +24,8 @@ pub(super) struct LogArguments {
     /// A log of the same device without the missing effect; by default the log that the study was fitted to
     #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
     pub(super) quiet: Option<PathBuf>,
-    /// The evaluation log: a later log that nothing is fitted to; by default the last two fifths of the log to explain
+    /// The evaluation log: a later log that nothing is fitted to; by default the last two fifths of the log to explain.
+    /// If it begins where the log to explain ends, lags and hysteresis continue
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
     pub(super) judge: Option<PathBuf>,
 }

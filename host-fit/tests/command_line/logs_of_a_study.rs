@@ -35,7 +35,7 @@ fn study_finds_its_logs_from_any_folder_and_after_a_move() {
         assert_eq!(but_paths(&again), but_paths(&compared), "from {from:?}");
     }
     // including the log of its refinement
-    let added = ["add", "studies/unit.json", "temp_rate", "--from", "logs/field.parquet"];
+    let added = ["add", "studies/unit.json", "temp_linear", "--from", "logs/field.parquet"];
     done(&work, &added);
     done(&work.join("studies"), &["diagnose", "unit.json"]);
 

@@ -107,7 +107,7 @@ const LINES: [Line; 35] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_rate --from {from} --reference {quiet} --evaluate-on {judge} --effect {effect_files} --map-file {map_file} --figures figures",
+        words: "add {study} temp_linear --from {from} --reference {quiet} --evaluate-on {judge} --effect {effect_files} --map-file {map_file} --figures figures",
         inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
     },
     Line {
@@ -315,7 +315,7 @@ fn prepare(folder: &Path) {
     let fit = ["fit", "log.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
     done(folder, &[&fit[..], &["-o", "unit.json"]].concat());
     fs::copy(folder.join("unit.json"), folder.join("refined.json")).expect("copied");
-    done(folder, &["add", "refined.json", "temp_rate", "--from", "field.parquet"]);
+    done(folder, &["add", "refined.json", "temp_linear", "--from", "field.parquet"]);
     done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
     write("turned.csv", turned_log().as_bytes());
     write("map.toml", b"[columns]\ngx_rads = \"gx_rads\"\n");

@@ -102,6 +102,7 @@ fn identifies_a_hidden_effect_from_telemetry() {
         field: &log,
         quiet: Some(&quiet),
         judged: None,
+        judged_from: 0,
         target: "gx_rads",
         sheet: None,
         full_scale: None,

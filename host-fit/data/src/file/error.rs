@@ -36,6 +36,7 @@ fn help(action: &str, error: &io::Error) -> &'static str {
             "\nhelp: nothing can be written there: name another folder"
         }
         ErrorKind::NotFound => "\nhelp: is the folder there?",
+        ErrorKind::AlreadyExists => "\nhelp: another file has this name: rename it, or name another folder",
         _ => "\nhelp: write elsewhere; what was there before is as it was",
     }
 }

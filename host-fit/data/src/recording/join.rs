@@ -1,5 +1,7 @@
-//! Concatenates several recordings of one device without splicing: filters and lags restart at each boundary.
+//! Concatenates several recordings of one device. Filters and lags restart at each boundary, unless a recording begins
+//! where the one before it ends: the device ran on, as with a logger that starts a new file every hour.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::{Boundary, Quality, Recording, RecordingError};
@@ -8,9 +10,35 @@ use super::{Boundary, Quality, Recording, RecordingError};
 /// they are as far off in time as a model can bear.
 const SAME_RATE: f64 = 0.02;
 
+/// Longest time from the end of a recording to the start of one that continues it, in sampling periods: no device
+/// restarts within a few samples.
+const LONGEST_STEP: f64 = 10.0;
+
 impl Recording {
-    /// Concatenates recordings: the channels that all of them have, with a segment boundary between any two. Times
-    /// continue from one to the next.
+    /// Returns true if `next` begins, by its timestamps, where this recording ends.
+    pub fn is_continued_by(&self, next: &Self) -> bool {
+        self.periods_to(next).is_some()
+    }
+
+    /// Returns this recording after `before` and the number of rows of `before`, if it continues that; else this
+    /// recording and 0. A model evaluated on both has its states where this recording begins.
+    pub fn led_in_by(&self, before: &Self) -> (Cow<'_, Self>, usize) {
+        let joined = before.is_continued_by(self).then(|| Self::join(vec![before.clone(), self.clone()]));
+        match joined {
+            Some(Ok(joined)) => (Cow::Owned(joined), before.n_rows()),
+            _ => (Cow::Borrowed(self), 0),
+        }
+    }
+
+    /// Number of sampling periods from the last row to the first of `next`, if `next` continues this recording.
+    fn periods_to(&self, next: &Self) -> Option<u64> {
+        let step_s = next.time_s.first()? - self.time_s.last()?;
+        let periods = step_s / self.rate.period_s;
+        (periods > 0.5 && periods <= LONGEST_STEP).then(|| periods.round() as u64)
+    }
+
+    /// Concatenates recordings: the channels that all of them have, with a segment boundary between any two unless one
+    /// continues the other. Times continue from one to the next.
     ///
     /// # Errors
     /// The list is empty, or the recordings have different rates, sensors or corrections, or no channel in common.
@@ -33,7 +61,7 @@ impl Recording {
             });
         }
         self.refuse_other_sensor(&next)?;
-        let rows = self.n_rows();
+        let (rows, periods) = (self.n_rows(), self.periods_to(&next));
         self.channels.retain(|channel| next.channels.iter().any(|other| same(channel, other)));
         if self.channels.is_empty() {
             return Err(RecordingError::NothingInCommon { path: next.paths(), others: self.paths() });
@@ -51,16 +79,26 @@ impl Recording {
 
         let last_s = self.time_s.last().copied().unwrap_or(0.0);
         let first_s = next.time_s.first().copied().unwrap_or(0.0);
-        self.time_s.extend(next.time_s.iter().map(|time_s| last_s + self.rate.period_s + time_s - first_s));
-        let tick = self.segments.last().map_or(0, |segment| segment.tick + segment.rows.len() as u64);
-        self.segments.extend(next.segments.into_iter().map(|mut segment| {
+        let shift_s = if periods.is_some() { 0.0 } else { last_s + self.rate.period_s - first_s };
+        self.time_s.extend(next.time_s.iter().map(|time_s| time_s + shift_s));
+        let missing = periods.map_or(0, |periods| periods - 1);
+        let tick =
+            self.segments.last().map_or(0, |segment| segment.tick + segment.rows.len() as u64) + missing;
+        for mut segment in next.segments {
             segment.rows = segment.rows.start + rows..segment.rows.end + rows;
             segment.tick += tick;
             if segment.boundary == Boundary::Start {
-                segment.boundary = Boundary::Recording;
+                match (periods, self.segments.last_mut()) {
+                    (Some(1), Some(last)) => {
+                        last.rows.end = segment.rows.end;
+                        continue;
+                    }
+                    (Some(_), _) => (segment.boundary, segment.missing_before) = (Boundary::Gap, missing),
+                    (None, _) => segment.boundary = Boundary::Recording,
+                }
             }
-            segment
-        }));
+            self.segments.push(segment);
+        }
         self.memo = Default::default();
         self.still = match (self.still.take(), next.still) {
             (Some(mut still), Some(more)) => {
@@ -133,6 +171,31 @@ mod tests {
         // two fifths of the rows at the other period
         let period_s = 0.6 / 100.0 + 0.4 / 101.0;
         assert!((joined.rate.period_s - period_s).abs() < 1e-12);
+    }
+
+    /// A thermal lag restarted in the second file of a logger that had merely begun a new file.
+    #[test]
+    fn recording_that_begins_where_another_ends_continues_it() {
+        let from = |start_s: f64| {
+            let time_s = (0..30).map(|row| start_s + 0.01 * f64::from(row)).collect();
+            let columns = vec![("t_s".to_owned(), time_s), ("gx_rads".to_owned(), vec![1.5; 30])];
+            Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
+        };
+        let joined = |start_s: f64| {
+            let joined = Recording::join(vec![from(5.0), from(start_s)]).unwrap();
+            let segments =
+                joined.segments.iter().map(|s| (s.rows.clone(), s.boundary, s.missing_before, s.tick));
+            (segments.collect::<Vec<_>>(), joined.time_s[30])
+        };
+        assert!(from(5.0).is_continued_by(&from(5.3)) && !from(5.0).is_continued_by(&from(5.0)));
+        assert_eq!(joined(5.3), (vec![(0..60, Boundary::Start, 0, 0)], 5.3));
+        assert_eq!(joined(5.32).0[1], (30..60, Boundary::Gap, 2, 32));
+        // a minute later the device may have been off; and stamps that start again at 0 tell nothing
+        for start_s in [0.0, 65.3] {
+            let (segments, time_s) = joined(start_s);
+            assert_eq!(segments[1], (30..60, Boundary::Recording, 0, 30));
+            assert!((time_s - 5.3).abs() < 1e-9);
+        }
     }
 
     #[test]

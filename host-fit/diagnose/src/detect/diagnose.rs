@@ -43,10 +43,16 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     if let Searched::Found(zone) = zone {
         prepared.faults.push(Fault::DeadZone(zone));
     }
+    let stairs = prepared.hides_slow_effects();
+    let lines = match stairs {
+        true => Vec::new(),
+        false => lines(question, &prepared.column, &prepared.reduced, prepared.shaken)?,
+    };
+    // in block means a line of a few hertz is an oscillation of minutes
+    prepared.reduced.means = lines::means_without(&lines, &prepared.reduced, question.field);
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
     let inputs = Inputs::new(question.field);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
-    let stairs = prepared.hides_slow_effects();
     let hidden = stairs || prepared.is_short();
     let mut untested = prepared.testable.untested.clone();
     let mut effects = Vec::new();
@@ -56,7 +62,6 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         effects.extend(tested.cloned());
         untested.extend(attitude_effects);
     }
-    let lines = if stairs { Vec::new() } else { lines(question, column, reduced, *shaken)? };
     let pass =
         |given: &[Vec<f64>], effects: &[Arc<Effect>]| -> Result<(SlowResult, LeftOver), DiagnoseError> {
             let slow = SlowSearch { given, ..prepared.search(&hypotheses, effects) }.run()?;
@@ -80,6 +85,12 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         true => None,
         false => telegraph::instead(&prepared, &slow, &left),
     };
+    if let Some(lead) =
+        telegraph.as_ref().and_then(|found| telegraph::decided(found, &prepared, question.field))
+    {
+        telegraph = None;
+        left = LeftOver { leads: vec![lead], anomalies: Vec::new(), instead: true };
+    }
     if let Some(found) = &telegraph {
         let with_telegraph = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
         let again = pass(&with_telegraph, &effects)?;

@@ -74,6 +74,16 @@ impl ErrorInBlocks {
         Self::over(recording, column, faults, length_s, |_| true)
     }
 
+    /// Reduces `column` from row `from` on in blocks of `length_s`.
+    pub(super) fn in_blocks_from(
+        recording: &Recording,
+        column: &str,
+        length_s: f64,
+        from: usize,
+    ) -> Result<Self, RecordingError> {
+        Self::over(recording, column, &[], length_s, |row| row >= from)
+    }
+
     fn over(
         recording: &Recording,
         column: &str,

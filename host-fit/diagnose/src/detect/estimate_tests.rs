@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_testkit::noise::white_noise;
 
-use super::{Question, diagnose, estimate, with_measured_reduction};
+use super::{Question, diagnose, diagnose_and_measure, estimate, with_measured_reduction};
 use crate::effects::{Effect, Library};
 
 /// A gyro at `rate_hz` with white noise of 0.0015 rad/s, and a temperature of 25 ± 5 °C that begins at `phase`. `error`
@@ -41,6 +41,45 @@ fn predicted_reduction_of_a_step_matches_the_measured_one_beside_a_drift() {
         println!("{}: predicted {predicted:.3}, measured {measured:.3}", finding.effect);
         assert!((predicted - measured).abs() < 0.05, "{}: {predicted} for {measured}", finding.effect);
     }
+}
+
+/// A log in two files: in the second the lag began anew, at the temperature of its first row, and its error counted about
+/// another mean.
+#[test]
+fn lag_continues_in_an_evaluation_log_that_follows() {
+    let (n, rate_hz, tau_s) = (1500 * 10, 10.0, 120.0);
+    let mut lagging = 25.0;
+    let noise = white_noise(7, n);
+    let rows: Vec<[f64; 3]> = (0..n)
+        .map(|row| {
+            let time_s = row as f64 / rate_hz;
+            let temperature = 25.0 + 15.0 * (time_s / 190.0).sin();
+            lagging += (temperature - lagging) / (tau_s * rate_hz);
+            [time_s, 2e-4 * lagging + 0.0015 * noise[row], temperature]
+        })
+        .collect();
+    let part = |name: &str, rows: &[[f64; 3]], shift_s: f64| {
+        let column = |at: usize| rows.iter().map(|row| row[at]).collect::<Vec<f64>>();
+        let time_s = column(0).iter().map(|time_s| time_s - shift_s).collect();
+        let columns = [("t_s", time_s), ("gx_rads", column(1)), ("temp_c", column(2))];
+        let columns = columns.map(|(name, values)| (name.to_owned(), values)).into();
+        Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).expect("a log")
+    };
+    let library = Library::built_in();
+    let fitted = part("fitted", &rows[..9000], 0.0);
+    let lag = |shift_s: f64| {
+        let evaluation = part("evaluation", &rows[9000..], shift_s);
+        let question = Question { judged: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
+        let mut findings = diagnose_and_measure(&question).expect("a diagnosis").findings;
+        let place = findings.iter().position(|finding| finding.effect == "thermal_lag").expect("the lag");
+        findings.swap_remove(place)
+    };
+    let (follows, begins_anew) = (lag(0.0), lag(900.0));
+    let [low, high] = follows.predicted_reduction_interval;
+    let (measured, other) = (follows.measured_reduction, begins_anew.measured_reduction);
+    let (measured, other) = (measured.expect("measured"), other.expect("measured"));
+    println!("measured {measured:.3}, predicted {low:.3} … {high:.3}; begun anew {other:.3}");
+    assert!(measured > 0.9 && measured > other && (low..high).contains(&measured));
 }
 
 /// The columns of the evaluation log were compared with those of the fitted log about their mean: this log went "263 times

@@ -1,13 +1,15 @@
 //! Validation of findings on another log: an effect that makes the error worse there is rejected.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::answer::{Diagnosis, Finding, Verdict};
 use super::correction::{correction, is_step};
+use super::diagnose::diagnose;
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{is_confirmed, sentence, verdict};
 use super::open::{Lead, LeadKind};
-use super::question::{DiagnoseError, is_bias_known};
+use super::question::{DiagnoseError, Question, is_bias_known, keeps_bias};
 use crate::effects::Band;
 use crate::rms::rms_reduction;
 use fos_data::disturbance;
@@ -16,8 +18,25 @@ use fos_data::recording::Recording;
 /// Largest relative increase of the variance that counts as no change.
 const LEAST_RISE: f64 = 0.005;
 
+/// Diagnoses the missing effects of an axis, and measures their reductions if there is an evaluation log. One that begins
+/// where the log to explain ends is evaluated after it, so that lags and hysteresis have their states.
+///
+/// # Errors
+///
+/// Errors of [`diagnose`].
+pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let Some(judged) = question.judged else { return diagnose(question) };
+    let (log, from) = match question.judged_from {
+        0 => judged.led_in_by(question.field),
+        from => (Cow::Borrowed(judged), from),
+    };
+    let diagnosis = diagnose(&Question { judged: Some(&log), judged_from: from, ..*question })?;
+    with_measured_reduction(diagnosis, question.field, &log, &(from..log.n_rows()))
+}
+
 /// Adds to every finding the reduction measured on `rows` of `judged`, with the findings before it in the model. A slow
-/// effect whose predicted interval excludes 0 and that makes the error worse becomes a lead.
+/// effect that makes the error worse than predicted becomes a lead if its predicted interval excludes 0, else it is not
+/// conclusive.
 ///
 /// # Errors
 ///
@@ -31,6 +50,7 @@ pub fn with_measured_reduction(
     let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
     let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
     let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
+    let continues = keeps_bias(judged, &diagnosis.target, rows.start);
     let residual_of =
         |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
             let taken = correction(findings, field, log)?;
@@ -40,8 +60,9 @@ pub fn with_measured_reduction(
         let residual = residual_of(&reduced, judged, findings)?;
         Ok(match as_of.band {
             Band::Wide => reduced.wide_variance(&residual, rows),
-            // a step is constant here: its error counts from the bias of the log in which it was found
-            _ if is_step(as_of) => {
+            // the error counts from the bias of the log in which the effect was found, if that is known here; a step is a
+            // constant
+            _ if continues || is_step(as_of) => {
                 let bias = own.slow_mean(&residual_of(&own, field, findings)?, &(0..field.n_rows()));
                 reduced.slow_variance(&residual, rows) + (reduced.slow_mean(&residual, rows) - bias).powi(2)
             }
@@ -49,13 +70,13 @@ pub fn with_measured_reduction(
         })
     };
     let mut accepted: Vec<Finding> = Vec::new();
-    let mut has_new_claim = false;
+    let mut has_changed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() {
             accepted.push(finding);
             continue;
         }
-        if is_step(&finding) && !is_bias_known(judged, &diagnosis.target) {
+        if is_step(&finding) && !continues && !is_bias_known(judged, &diagnosis.target) {
             accepted.push(finding);
             continue;
         }
@@ -70,31 +91,31 @@ pub fn with_measured_reduction(
             && finding.predicted_reduction_interval[0] <= 0.0
             && is_confirmed(&finding)
         {
-            has_new_claim |= finding.doubt.take().is_some();
+            has_changed |= finding.doubt.take().is_some();
         }
-        if finding.band == Band::Slow
-            && reduction < -LEAST_RISE
-            && finding.predicted_reduction_interval[0] > 0.0
-        {
-            diagnosis.leads.push(Lead {
-                kind: LeadKind::Refuted,
-                follows: format!(
-                    "{} in this log, but it increases the RMS on the evaluation log by {:.0} %",
-                    finding.name,
-                    -100.0 * rms_reduction(reduction)
-                ),
-                gain: finding.gain.unwrap_or(0.0),
-                score: finding.score.unwrap_or(0.0),
-                share: finding.predicted_reduction,
-                band: finding.band,
-                decides: true,
-            });
-        } else {
-            accepted.push(finding);
+        let least = finding.predicted_reduction_interval[0];
+        if finding.band == Band::Slow && reduction < least.min(-LEAST_RISE) {
+            let growth = -100.0 * rms_reduction(reduction);
+            let growth = format!("it increases the RMS on the evaluation log by {growth:.0} %");
+            if least > 0.0 {
+                diagnosis.leads.push(Lead {
+                    kind: LeadKind::Refuted,
+                    follows: format!("{} in this log, but {growth}", finding.name),
+                    gain: finding.gain.unwrap_or(0.0),
+                    score: finding.score.unwrap_or(0.0),
+                    share: finding.predicted_reduction,
+                    band: finding.band,
+                    decides: true,
+                });
+                continue;
+            }
+            has_changed |= finding.doubt.is_none();
+            finding.doubt.get_or_insert(growth);
         }
+        accepted.push(finding);
     }
     diagnosis.findings = accepted;
-    if (has_new_claim || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
+    if (has_changed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);

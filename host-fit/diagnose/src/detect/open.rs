@@ -180,7 +180,7 @@ impl Residual<'_> {
     /// Returns the curves to try: free curves, thresholds and dips of every logged quantity, products of two, slow
     /// oscillations.
     fn curves(&self) -> Vec<Curve> {
-        let quantities = self.quantities();
+        let quantities = quantities(self.recording, self.blocks, self.target);
         let mut curves = Vec::new();
         for Quantity { name, unit, mean, deviation, values } in &quantities {
             let real = |value: f64| format!("{:.4} {unit}", mean + deviation * value);
@@ -239,39 +239,70 @@ impl Residual<'_> {
         }
         curves
     }
+}
 
-    /// Returns every logged quantity that varies and is not of the target's triad.
-    fn quantities(&self) -> Vec<Quantity> {
-        let triad_of = |name: &str| Column::named(name).place().map(|(triad, _)| triad);
-        let triad = triad_of(self.target);
-        let is_same_triad = |name: &str| triad.is_some() && triad_of(name) == triad || name == self.target;
-        let channels = self.recording.channels().iter();
-        let channels =
-            channels.filter(|channel| !is_same_triad(&channel.name) && !channel.column().is_of_model());
-        channels
-            .filter_map(|channel| {
-                let held = self.recording.held_from_first(channel);
-                let means = self.blocks.means(&held);
-                let mean = fos_fit::signal::mean(&[&means]);
-                let means = centred(means);
-                let deviation = (dot(&means, &means) / means.len() as f64).sqrt();
-                if deviation < least_motion(&channel.name) {
-                    return None;
-                }
-                if channel.column().place().is_some() && has_few_values(&means, deviation) {
-                    return None;
-                }
-                let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-                (deviation > 1e-9 * size).then(|| Quantity {
-                    name: channel.name.clone(),
-                    unit: Column::named(&channel.name).unit().label(),
-                    mean,
-                    deviation,
-                    values: means.iter().map(|value| value / deviation).collect(),
-                })
+/// Least share of either level of a course that one side of a threshold must hold.
+const DECIDES: f64 = 0.93;
+
+/// Describes the threshold of a logged quantity that decides a course of two levels in block means; `None` if none does.
+pub(super) fn threshold_of(
+    recording: &Recording,
+    blocks: &Blocks,
+    target: &str,
+    course: &[f64],
+) -> Option<String> {
+    let upper: Vec<bool> = course.iter().map(|value| *value > 0.0).collect();
+    let count = |wanted: bool| upper.iter().filter(|state| **state == wanted).count().max(1) as f64;
+    let weight = [1.0 / count(false), 1.0 / count(true)];
+    let best = quantities(recording, blocks, target).into_iter().filter_map(|quantity| {
+        let mut order: Vec<usize> = (0..upper.len()).collect();
+        order.sort_by(|a, b| quantity.values[*a].total_cmp(&quantity.values[*b]));
+        // shares of the two levels below each threshold
+        let mut below = [0.0, 0.0];
+        let mut best = (0.0, 0);
+        for (place, block) in order.iter().enumerate() {
+            below[usize::from(upper[*block])] += weight[usize::from(upper[*block])];
+            let held = below[0].min(1.0 - below[1]).max(below[1].min(1.0 - below[0]));
+            best = if held > best.0 { (held, place) } else { best };
+        }
+        let value = quantity.mean + quantity.deviation * quantity.values[*order.get(best.1)?];
+        Some((best.0, format!("whether {} is above {value:.4} {}", quantity.name, quantity.unit)))
+    });
+    let (held, follows) = best.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (held >= DECIDES).then_some(follows)
+}
+
+/// Returns every logged quantity that varies and is not of the target's triad.
+fn quantities(recording: &Recording, blocks: &Blocks, target: &str) -> Vec<Quantity> {
+    let triad_of = |name: &str| Column::named(name).place().map(|(triad, _)| triad);
+    let triad = triad_of(target);
+    let is_same_triad = |name: &str| triad.is_some() && triad_of(name) == triad || name == target;
+    let channels = recording.channels().iter();
+    let channels =
+        channels.filter(|channel| !is_same_triad(&channel.name) && !channel.column().is_of_model());
+    channels
+        .filter_map(|channel| {
+            let held = recording.held_from_first(channel);
+            let means = blocks.means(&held);
+            let mean = fos_fit::signal::mean(&[&means]);
+            let means = centred(means);
+            let deviation = (dot(&means, &means) / means.len() as f64).sqrt();
+            if deviation < least_motion(&channel.name) {
+                return None;
+            }
+            if channel.column().place().is_some() && has_few_values(&means, deviation) {
+                return None;
+            }
+            let size = held.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            (deviation > 1e-9 * size).then(|| Quantity {
+                name: channel.name.clone(),
+                unit: Column::named(&channel.name).unit().label(),
+                mean,
+                deviation,
+                values: means.iter().map(|value| value / deviation).collect(),
             })
-            .collect()
-    }
+        })
+        .collect()
 }
 
 /// Upper bound of the scatter of the block means of a device at rest, in the unit of the axis: 1 °/s, and gravity

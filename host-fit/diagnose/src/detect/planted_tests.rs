@@ -38,6 +38,50 @@ fn identifies_creep_telegraph_noise_noise_level_and_dead_zone() {
     }
 }
 
+/// Where the temperature hardly changes, the drift of the scale factor fits as well with the same number of separable
+/// coefficients, and was preferred as the first effect of temperature.
+#[test]
+fn scale_factor_error_at_one_temperature_is_no_drift_of_the_scale_factor() {
+    for seed in [41, 42, 43, 44] {
+        let found = answer("sf_error", None, Setup::RateTable, seed);
+        assert_eq!(first(&found), "sf_error", "seed {seed}: {}", found.sentence);
+    }
+}
+
+/// Its band on another axis held more than the noise floor by chance, and the line was attributed to motion of both.
+#[test]
+fn wandering_line_of_one_axis_is_no_motion() {
+    for seed in [11, 47, 48] {
+        let found = answer("drifting_line", None, Setup::RateTable, seed);
+        assert_eq!(first(&found), "drifting_line", "seed {seed}: {}", found.sentence);
+    }
+}
+
+/// In block means of 2.5 s it is an oscillation with a period of 9.2 s.
+#[test]
+fn line_below_a_hertz_is_no_slow_oscillation() {
+    let found = answer("spectral_line", Some(0.6917), Setup::Desk, 50);
+    assert_eq!((found.verdict, first(&found)), (Verdict::Missing, "spectral_line"), "{:?}", found.leads);
+}
+
+/// The fit started at a far smaller deviation and ended as a random walk.
+#[test]
+fn gauss_markov_noise_of_seconds_is_no_random_walk() {
+    for seed in [23, 24] {
+        let found = answer("gauss_markov", Some(7.0), Setup::RateTable, seed);
+        assert_eq!(first(&found), "gauss_markov", "seed {seed}: {}", found.sentence);
+    }
+}
+
+#[test]
+fn switching_by_a_logged_channel_is_not_random() {
+    for seed in [51, 52, 53] {
+        let found = answer("outside:threshold", None, Setup::PoseRig, seed);
+        let names: Vec<&str> = found.findings.iter().map(|finding| finding.effect.as_str()).collect();
+        assert!(!names.contains(&"random_telegraph"), "seed {seed}: {}", found.sentence);
+    }
+}
+
 #[test]
 fn measures_levels_and_dwells_of_telegraph_noise() {
     let found = answer("random_telegraph", Some(30.0), Setup::Bench, 32);

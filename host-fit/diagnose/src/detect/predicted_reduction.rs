@@ -32,9 +32,9 @@ pub(super) struct PredictedReduction {
 
 /// A slow effect in the blocks of a log.
 pub(super) struct SlowEffect {
-    /// True if the effect is a constant in every later log. Its error is then a mean square about the bias of the log
-    /// it was found in rather than a variance.
-    pub(super) is_step: bool,
+    /// True if its error is a mean square about the bias of the log it was found in rather than a variance: the
+    /// evaluation continues that log, or the effect is a constant in every later one.
+    pub(super) is_about_fit: bool,
     /// The finding.
     pub(super) found: Truth,
     /// Alternatives to the finding.
@@ -73,17 +73,23 @@ pub(super) struct PredictedReductions<'a> {
     /// Regression that determines the noise levels.
     pub(super) regression: &'a Regression<'a>,
     pub(super) fitted: &'a Fitted,
+    /// Duration of the log that was fitted, s, if the evaluation continues it.
+    pub(super) continues_s: Option<f64>,
 }
 
 impl PredictedReductions<'_> {
-    /// Returns the blocks in which the error of a log is drawn.
+    /// Returns the blocks in which the error of a log is drawn, from row `from` on.
     ///
     /// # Errors
     ///
     /// The column is missing.
-    pub(super) fn blocks(log: &Recording, column: &str) -> Result<ErrorInBlocks, RecordingError> {
+    pub(super) fn blocks(
+        log: &Recording,
+        column: &str,
+        from: usize,
+    ) -> Result<ErrorInBlocks, RecordingError> {
         let seconds = (log.duration_s() / SLOW_BLOCK_S / MAX_BLOCKS).ceil().max(1.0);
-        ErrorInBlocks::in_blocks_of(log, column, &[], seconds * SLOW_BLOCK_S)
+        ErrorInBlocks::in_blocks_from(log, column, seconds * SLOW_BLOCK_S, from)
     }
 
     /// Predicts the reduction by `effect` while those of `later` findings are still in the error.
@@ -114,18 +120,21 @@ impl PredictedReductions<'_> {
                 let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                 let scatter = DVector::from_fn(drawn.coefficients.len(), |_, _| normal());
                 let units: Vec<f64> = (0..n).map(|_| normal()).collect();
-                (levels, drawn, scatter, units)
+                // a random walk over T ends with a variance of T/3 about its mean
+                let drift = self.continues_s.map_or(0.0, |seconds| (seconds / 3.0).sqrt() * normal());
+                (levels, drawn, scatter, units, drift)
             })
             .collect();
-        let mut reductions: Vec<f64> = in_parallel(drawn, |(levels, drawn, scatter, units)| {
+        let mut reductions: Vec<f64> = in_parallel(drawn, |(levels, drawn, scatter, units, drift)| {
             interrupt::check();
             let coefficients = &drawn.coefficients + &drawn.factor * scatter;
-            let noise = levels.realisation(blocks, &units);
+            let mut noise = levels.realisation(blocks, &units);
+            noise.iter_mut().for_each(|value| *value += levels.walk * drift);
             let truth = combination(&drawn.columns, coefficients.as_slice(), n);
             let before: Vec<f64> = (0..n).map(|b| noise[b] + missing[b] + truth[b]).collect();
             let after: Vec<f64> = (0..n).map(|b| before[b] - correction[b]).collect();
             let within = levels.white.powi(2) * (1.0 / SLOW_BLOCK_S - 1.0 / blocks.length_s).max(0.0);
-            let error = |left: &[f64]| match effect.is_step {
+            let error = |left: &[f64]| match effect.is_about_fit {
                 true => within + left.iter().map(|value| value * value).sum::<f64>() / n as f64,
                 false => within + self.log.variance_in(left, 0..n),
             };

@@ -14,6 +14,8 @@ pub struct Question<'a> {
     pub quiet: Option<&'a Recording>,
     /// Evaluation log, whose inputs determine the predicted reduction. By default the log to explain.
     pub judged: Option<&'a Recording>,
+    /// First row of the evaluation log that is evaluated. Those before it only set the states of lags and hysteresis.
+    pub judged_from: usize,
     /// Column to explain.
     pub target: &'a str,
     /// Noise of the axis according to the data sheet.
@@ -34,6 +36,7 @@ impl<'a> Question<'a> {
             field,
             quiet: None,
             judged: None,
+            judged_from: 0,
             target,
             sheet: None,
             full_scale: None,
@@ -114,6 +117,12 @@ pub enum DiagnoseError {
 /// a component of gravity that depends on the orientation.
 pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
     log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
+}
+
+/// Returns true if an axis has the bias of the rows before `from` in the rows of `log` from there on: the device ran on,
+/// and no orientation changed. The error there counts about that bias, which a later log may not have.
+pub(crate) fn keeps_bias(log: &Recording, column: &str, from: usize) -> bool {
+    from > 0 && (is_bias_known(log, column) || log.turns.is_empty())
 }
 
 /// Least number of blocks for slow effects: below 60 the search over twenty effects has no power.

@@ -8,9 +8,11 @@ use fos_fit::noise::{Blocks, Fitted, LevelPrior, NoiseLevels, Regression};
 use fos_fit::signal::{centred, mean, variance};
 
 use super::left_over::{INSTEAD, LeftOver};
+use super::open::{self, Lead, LeadKind};
 use super::prepared::Prepared;
 use super::slow::{ACCEPT, Found, SlowResult};
-use crate::effects::Detector;
+use crate::effects::{Band, Detector};
+use fos_data::recording::Recording;
 
 /// Least number of transitions in each direction: one up and one down may be a temporary fault.
 const MIN_EACH_WAY: usize = 2;
@@ -69,6 +71,22 @@ impl Telegraph {
         let is_step = |found: &Found| found.hypothesis.effect.search == Detector::Step;
         beside.noise_gain < NOISE_SHARE * self.gain && !beside.found.iter().any(is_step)
     }
+}
+
+/// Returns the lead to a logged quantity whose threshold decides the level: what another quantity switches is not random.
+pub(super) fn decided(found: &Telegraph, prepared: &Prepared, recording: &Recording) -> Option<Lead> {
+    let reduced = &prepared.reduced;
+    let follows = open::threshold_of(recording, &reduced.blocks, &prepared.column, &found.course)?;
+    let explained = found.difference[0].powi(2) * variance(&[&found.course]);
+    Some(Lead {
+        kind: LeadKind::Course,
+        follows,
+        gain: found.gain,
+        score: found.score,
+        share: (explained / variance(&[&reduced.means])).min(1.0),
+        band: Band::Slow,
+        decides: true,
+    })
 }
 
 /// Residual of a log after everything that follows a logged quantity.

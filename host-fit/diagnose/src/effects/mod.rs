@@ -407,10 +407,10 @@ impl Effect {
             .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
     }
 
-    /// Returns true if a term is a function of this column.
-    pub(crate) fn follows(&self, column: &str) -> bool {
+    /// Returns true if every term is a function of this column alone.
+    pub(crate) fn follows_alone(&self, column: &str) -> bool {
         let is_input = |input: &str| input.trim().split(':').next() == Some(column);
-        self.terms.iter().any(|term| term.regressor.split(['*', '+']).any(is_input))
+        !self.terms.is_empty() && self.terms.iter().all(|term| term.regressor.split(['*', '+']).all(is_input))
     }
 
     /// Returns the regressors for a target column and a value of the parameter, each with the index of its term.

@@ -20,7 +20,7 @@ const PARTS: usize = 8;
 const TWO_SIDED_95: f64 = 1.96;
 
 /// Error of the evaluation log: its mean minus that of the log to explain, if both biases are known, and the RMS about
-/// it.
+/// it. If it continues that log, the RMS is about the bias of that log and contains the mean.
 struct Errors {
     mean: Option<f64>,
     rms: f64,
@@ -81,10 +81,12 @@ impl Refiner<'_> {
         };
         let mean = reduced.slow_mean(&left, &rows) - field.slow_mean(&left_of_field, &all);
         let is_known = is_bias_known(judged, column) && is_bias_known(self.field(), column);
+        let continues = self.continues(column);
         Ok(Errors {
-            mean: is_known.then_some(mean),
+            mean: (is_known && !continues).then_some(mean),
             rms: match band {
                 Band::Wide => reduced.wide_variance(&left, &rows).sqrt(),
+                _ if continues => reduced.slow_variance(&left, &rows).sqrt().hypot(mean),
                 _ => reduced.slow_variance(&left, &rows).sqrt(),
             },
             deviation: (parts(&field, &left_of_field, &all) + parts(&reduced, &left, &rows)).sqrt(),

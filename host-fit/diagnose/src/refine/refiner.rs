@@ -21,7 +21,7 @@ use super::identifiable;
 use super::terms;
 use crate::detect::{
     DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction,
-    diagnose, estimate, is_bias_known, is_step, with_measured_reduction,
+    diagnose, estimate, is_bias_known, is_step, keeps_bias, with_measured_reduction,
 };
 use crate::effects::{Band, Detector, Effect, Library};
 use crate::physical::physical;
@@ -40,7 +40,7 @@ pub struct Refiner<'a> {
     pub(super) field: Cow<'a, Recording>,
     quiet: Option<&'a Recording>,
     /// Evaluation log, and the rows of it that were not fitted.
-    judged: &'a Recording,
+    judged: Cow<'a, Recording>,
     judged_rows: Range<usize>,
     library: &'a Library,
     /// Both logs without detected motion; `None` if there is none.
@@ -49,7 +49,8 @@ pub struct Refiner<'a> {
 }
 
 impl<'a> Refiner<'a> {
-    /// `judged` is a separate evaluation log; without one the last part of `field` is reserved.
+    /// `judged` is a separate evaluation log; without one the last part of `field` is reserved. One that begins where
+    /// `field` ends is evaluated after it, so that lags and hysteresis have their states.
     pub fn new(
         field: &'a Recording,
         quiet: Option<&'a Recording>,
@@ -58,10 +59,14 @@ impl<'a> Refiner<'a> {
     ) -> Self {
         let cut = (FITTED_SHARE * field.n_rows() as f64) as usize;
         let (field, judged, judged_rows) = match judged {
-            Some(judged) => (Cow::Borrowed(field), judged, 0..judged.n_rows()),
-            None => (Cow::Owned(field.first_rows(cut)), field, cut..field.n_rows()),
+            Some(judged) => {
+                let (judged, from) = judged.led_in_by(field);
+                let rows = from..judged.n_rows();
+                (Cow::Borrowed(field), judged, rows)
+            }
+            None => (Cow::Owned(field.first_rows(cut)), Cow::Borrowed(field), cut..field.n_rows()),
         };
-        let (field_at_rest, judged_at_rest) = (at_rest(&field), at_rest(judged));
+        let (field_at_rest, judged_at_rest) = (at_rest(&field), at_rest(&judged));
         Self { field, quiet, judged, judged_rows, library, field_at_rest, judged_at_rest }
     }
 
@@ -169,9 +174,10 @@ impl<'a> Refiner<'a> {
             value: added.finding.params.values().next().copied(),
         });
         let given: Vec<Given> = given.collect();
-        let question = Question { given: &given, ..self.question(&field, &refinement.column, self.library) };
+        let library = self.library_with(refinement);
+        let question = Question { given: &given, ..self.question(&field, &refinement.column, &library) };
         let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
-        let judged = self.without(refinement, &added, self.judged)?;
+        let judged = self.without(refinement, &added, &self.judged)?;
         let field_residual = self.without_base(refinement, &added)?;
         let mut diagnosis =
             with_measured_reduction(diagnose(&question)?, &field_residual, &judged, &self.judged_rows)?;
@@ -202,12 +208,8 @@ impl<'a> Refiner<'a> {
         effect: &Effect,
         diagnosis: &Diagnosis,
     ) -> Result<RefinementStep, RefineError> {
-        let mut library = self.library.clone();
-        let mut wanted: Vec<String> = Vec::new();
-        for added in refinement.added() {
-            library.add(added.effect.clone());
-            wanted.push(added.effect.id.clone());
-        }
+        let library = self.library_with(refinement);
+        let mut wanted: Vec<String> = refinement.added().map(|added| added.effect.id.clone()).collect();
         // there may be several lines and several steps
         let repeats = effect.search.is_repeatable();
         if wanted.contains(&effect.id) && !repeats {
@@ -247,10 +249,12 @@ impl<'a> Refiner<'a> {
         let measured_reduction = match finding.band {
             Band::Wide => 1.0 - after.wide / before.wide,
             // a step is a constant in every later log and contributes no variance
-            _ if is_step(&finding) => match (before.bias, after.bias) {
-                (Some(was), Some(is)) => 1.0 - (after.slow + is * is) / (before.slow + was * was),
-                _ => 0.0,
-            },
+            _ if is_step(&finding) && !self.continues(&refinement.column) => {
+                match (before.bias, after.bias) {
+                    (Some(was), Some(is)) => 1.0 - (after.slow + is * is) / (before.slow + was * was),
+                    _ => 0.0,
+                }
+            }
             _ => 1.0 - after.slow / before.slow,
         };
         let added = Added { effect: effect.clone(), finding, measured_reduction };
@@ -270,8 +274,9 @@ impl<'a> Refiner<'a> {
     ) -> Result<Vec<RefinementStep>, RefineError> {
         let mut refinement = refinement.clone();
         let (mut steps, mut refused) = (Vec::new(), Vec::new());
-        // terminates after MAX_AUTO_EFFECTS: each step reduced the error on rows that were not fitted, but the next estimates all
-        // again; a rejected finding is not tried again
+        // effects that cancel in part reduce the error only together: the steps up to the least error are kept
+        let (mut left, mut least, mut kept) = (1.0, 1.0, 0);
+        // terminates after MAX_AUTO_EFFECTS; a rejected finding is not tried again before another is added
         while steps.len() < MAX_AUTO_EFFECTS {
             let diagnosis = self.diagnose(&refinement)?;
             let worth_adding = diagnosis.findings.iter().filter(|finding| {
@@ -302,18 +307,29 @@ impl<'a> Refiner<'a> {
                 step => step?,
             };
             progress(&diagnosis, Some(&step));
-            // no reduction on data that were not fitted: not worth its cost
-            if step.added.as_ref().is_some_and(|added| added.measured_reduction <= 0.0) {
-                break;
-            }
+            left *= step.added.as_ref().map_or(1.0, |added| 1.0 - added.measured_reduction);
+            // beside it they may be determined
+            refused.clear();
             refinement.steps.push(step.clone());
             steps.push(step);
+            if left < least {
+                (least, kept) = (left, steps.len());
+            }
         }
+        steps.truncate(kept);
         Ok(steps)
     }
 
+    /// Returns the library with the effects of the model as they were when they were added.
+    fn library_with(&self, refinement: &Refinement) -> Library {
+        let mut library = self.library.clone();
+        refinement.added().for_each(|added| library.add(added.effect.clone()));
+        library
+    }
+
     fn question<'q>(&'q self, field: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
-        Question { quiet: self.quiet, judged: Some(self.judged), ..Question::new(field, column, library) }
+        let (judged, judged_from) = (Some(&*self.judged), self.judged_rows.start);
+        Question { quiet: self.quiet, judged, judged_from, ..Question::new(field, column, library) }
     }
 
     /// Returns the log to explain after the physical part of the initial model and `found` are subtracted.
@@ -422,7 +438,7 @@ impl<'a> Refiner<'a> {
 
     /// Returns the evaluation log without detected motion.
     pub(super) fn judged(&self) -> &Recording {
-        self.judged_at_rest.as_ref().unwrap_or(self.judged)
+        self.judged_at_rest.as_ref().unwrap_or(&self.judged)
     }
 
     /// Returns the rows of the evaluation log that were not fitted.
@@ -482,15 +498,19 @@ impl<'a> Refiner<'a> {
         let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
         let (reduced, left) = self.reduced_without(base, findings, self.judged())?;
         let rows = &self.judged_rows;
-        let moved = || {
-            let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
-            reduced.slow_mean(&left, rows) - bias
-        };
+        let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
+        let moved = reduced.slow_mean(&left, rows) - bias;
+        let about = if self.continues(column) { moved } else { 0.0 };
         Ok(Left {
-            slow: reduced.slow_variance(&left, rows),
+            slow: reduced.slow_variance(&left, rows) + about.powi(2),
             wide: reduced.wide_variance(&left, rows),
-            bias: is_bias_known(self.judged, column).then(moved),
+            bias: is_bias_known(&self.judged, column).then_some(moved),
         })
+    }
+
+    /// Returns true if the axis has the bias of the log to explain in the evaluated rows.
+    pub(super) fn continues(&self, column: &str) -> bool {
+        keeps_bias(self.judged(), column, self.judged_rows.start)
     }
 
     fn step(
@@ -500,15 +520,15 @@ impl<'a> Refiner<'a> {
         left: Left,
     ) -> Result<RefinementStep, RefineError> {
         let column = model.axes[0].column.clone();
-        let known = known_rows(self.judged, &column);
+        let known = known_rows(&self.judged, &column);
         let mut judged = model.clone();
-        let (level, is_bias_known) = self.level(&model, self.judged, self.judged_rows.clone())?;
+        let (level, is_bias_known) = self.level(&model, &self.judged, self.judged_rows.clone())?;
         if !is_bias_known {
             // another orientation has another constant
             (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
         }
-        let in_one_pose = self.in_one_pose(&model, self.judged, self.judged_at_rest.as_ref(), level)?;
-        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(self.judged), &judged, &known)?;
+        let in_one_pose = self.in_one_pose(&model, &self.judged, self.judged_at_rest.as_ref(), level)?;
+        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(&self.judged), &judged, &known)?;
         let trace = trace::<f64>(&judged, &playback, self.judged_rows.clone(), |_| {})?;
         let name = match &added {
             None => "before".to_owned(),

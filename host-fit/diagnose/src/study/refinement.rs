@@ -75,7 +75,8 @@ pub struct Added {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct Left {
-    /// Variance of the 1-s means.
+    /// Mean square of the 1-s means: about their mean, or, if the evaluation rows continue the log to explain, about the
+    /// bias of that.
     pub slow: f64,
     /// Variance of the samples.
     pub wide: f64,

@@ -592,7 +592,8 @@ export type LeadKind = "course" | "jumps" | "level" | "intermittent" | "refuted"
 
 /** Residual of the physical part, in the square of the axis' unit. */
 export type Left = {
-/** Variance of the 1-s means. */
+/** Mean square of the 1-s means: about their mean, or, if the evaluation rows continue the log to explain, about the
+ * bias of that. */
 slow: number,
 /** Variance of the samples. */
 wide: number,

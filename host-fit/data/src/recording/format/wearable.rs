@@ -124,7 +124,13 @@ fn stamps(blocks: &[(i64, f64, usize, f64)]) -> Vec<i64> {
 
 /// Nanoseconds since 1970 of a date and a time of day by the logger's own clock; `None` for an impossible one.
 pub(super) fn ns_since_1970([year, month, day]: [i64; 3], [hour, minute, second]: [i64; 3]) -> Option<i64> {
-    let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        2 => 28 + i64::from(is_leap),
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    };
+    let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=days).contains(&day);
     let is_time = (0..24).contains(&hour) && (0..60).contains(&minute) && (0..=60).contains(&second);
     if !(is_date && is_time) {
         return None;
@@ -145,7 +151,15 @@ mod tests {
         // `date -u -d '2000-03-01 00:00:00' +%s`, and one past a leap day in 2024
         assert_eq!(ns_since_1970([2000, 3, 1], [0, 0, 0]), Some(951_868_800 * 1_000_000_000));
         assert_eq!(ns_since_1970([2024, 2, 29], [23, 59, 59]), Some(1_709_251_199 * 1_000_000_000));
-        for wrong in [[2024, 13, 1], [2024, 0, 1], [0, 1, 1], [2024, 1, 0]] {
+        for wrong in [
+            [2024, 13, 1],
+            [2024, 0, 1],
+            [0, 1, 1],
+            [2024, 1, 0],
+            [2023, 2, 29],
+            [2100, 2, 29],
+            [2024, 4, 31],
+        ] {
             assert_eq!(ns_since_1970(wrong, [0, 0, 0]), None);
         }
         assert_eq!(ns_since_1970([2024, 1, 1], [24, 0, 0]), None);

@@ -148,8 +148,16 @@ fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
     })
 }
 
-/// Returns the reason if the predicted reduction includes 0.
+/// Score from which on an effect exists whatever it reduces: odds of e³⁰ after every penalty. Lower scores occur in long
+/// logs whose slow noise differs from the model of it.
+const CERTAIN: f64 = 60.0;
+
+/// Returns the reason if the predicted reduction includes 0. The noise of the evaluation log widens its interval, which
+/// leaves an effect with a high score in no doubt.
 fn reduction_includes_zero(finding: &Finding) -> Option<String> {
+    if finding.score.is_some_and(|score| score >= CERTAIN) {
+        return None;
+    }
     let [low, high] = finding.predicted_reduction_interval;
     (low <= 0.0).then(|| {
         format!(

@@ -12,7 +12,7 @@ use crate::detect::hypothesis::Hypothesis;
 use crate::detect::leverage;
 use crate::detect::limits;
 use crate::detect::predicted_reduction::{PredictedReduction, PredictedReductions, SlowEffect, Truth};
-use crate::detect::question::{DiagnoseError, is_bias_known};
+use crate::detect::question::{DiagnoseError, is_bias_known, keeps_bias};
 use crate::detect::slow::{Estimate, Found};
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
@@ -137,7 +137,9 @@ impl Assembly<'_> {
             regressors.all(|regressor| is_logged(&inputs, regressor))
         });
         let log: &Recording = judged.unwrap_or(self.question.field);
-        let mut in_blocks = PredictedReductions::blocks(log, self.column)?;
+        let from = if judged.is_some() { self.question.judged_from } else { 0 };
+        let continues = keeps_bias(log, self.column, from);
+        let mut in_blocks = PredictedReductions::blocks(log, self.column, from)?;
         in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let blocks = &in_blocks.blocks;
         let other = judged.map(Inputs::new);
@@ -178,6 +180,7 @@ impl Assembly<'_> {
                 corrected.push(column);
             }
             let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
+            let is_about_fit = is_step || continues;
             let mut alternatives = Vec::new();
             for other in &found.alternatives {
                 if !other.hypothesis.regressors.iter().all(|regressor| is_logged(inputs, regressor)) {
@@ -190,7 +193,7 @@ impl Assembly<'_> {
                     odds: other.odds,
                 });
             }
-            effects.push(SlowEffect { is_step, found: found_so, alternatives, corrected });
+            effects.push(SlowEffect { is_about_fit, found: found_so, alternatives, corrected });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {
@@ -202,8 +205,12 @@ impl Assembly<'_> {
             regressors: &regressors,
             prior: &self.slow.prior,
         };
-        let reductions =
-            PredictedReductions { log: &in_blocks, regression: &regression, fitted: &self.slow.fitted };
+        let reductions = PredictedReductions {
+            log: &in_blocks,
+            regression: &regression,
+            fitted: &self.slow.fitted,
+            continues_s: continues.then(|| self.question.field.duration_s()),
+        };
         let reduction = |at: usize| {
             let learnt = order[at].hypothesis.columns();
             let beyond = leverage::beyond(&learnt, &effects[at].corrected).filter(|_| judged.is_some());

@@ -1,9 +1,12 @@
 //! Sequential search for lines: each coherent line is subtracted before the next search; and comparison with other
 //! axes.
 
+use realfft::num_complex::Complex;
+
 use super::line::{Line, duty};
 use super::periodogram::{Periodogram, WIDEST_HZ};
 use super::series::{Series, slow_blocks};
+use super::sine::subtracted;
 use crate::detect::error_in_blocks::ErrorInBlocks;
 use fos_data::recording::Recording;
 
@@ -18,6 +21,19 @@ const SHARED: f64 = 0.01;
 /// Finds lines in the spectrum of a reduced log.
 pub(crate) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
     find(recording, reduced.blocks.known(), &reduced.error)
+}
+
+/// Returns the block means of a reduced log without the sines of its coherent lines.
+pub(crate) fn means_without(lines: &[Line], reduced: &ErrorInBlocks, recording: &Recording) -> Vec<f64> {
+    let coherent = || lines.iter().filter(|line| line.coherent);
+    if coherent().next().is_none() {
+        return reduced.means.clone();
+    }
+    let without = coherent().fold(reduced.error.clone(), |error, line| {
+        let phasor = Complex::from_polar(line.amplitude, line.phase);
+        subtracted(&error, recording, line.frequency_hz, phasor)
+    });
+    reduced.blocks.means(&without)
 }
 
 /// Finds lines in `error`, one value per row, in the rows that `known` marks.
@@ -84,9 +100,9 @@ fn merged(found: Vec<Line>) -> Vec<Line> {
     lines
 }
 
-/// Standard errors by which the power of a band must exceed that share. The power of noise in the band of a wandering line
-/// scatters by more than a hundredth of the line's.
-const SHARED_ERRORS: f64 = 2.0;
+/// Standard errors by which the power of a band must exceed that share: the band of a wandering line has a thousand
+/// ordinates of noise, whose floor is known to a few per cent, and there are five other axes.
+const SHARED_ERRORS: f64 = 4.0;
 
 /// Returns for each line whether another axis shows it too, which means motion. On an axis of the same unit from a
 /// tenth of the amplitude on, on one of another unit if it stands out of the noise.

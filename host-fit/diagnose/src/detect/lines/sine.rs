@@ -79,7 +79,12 @@ impl Series {
 }
 
 /// Subtracts a sine of this phasor from `error`, one value per row.
-fn subtracted(error: &[f64], recording: &Recording, frequency_hz: f64, phasor: Complex<f64>) -> Vec<f64> {
+pub(super) fn subtracted(
+    error: &[f64],
+    recording: &Recording,
+    frequency_hz: f64,
+    phasor: Complex<f64>,
+) -> Vec<f64> {
     let mut without = error.to_vec();
     for segment in &recording.segments {
         for row in segment.rows.clone() {

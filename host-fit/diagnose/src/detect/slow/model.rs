@@ -69,7 +69,7 @@ impl SlowSearch<'_> {
     }
 
     /// Returns the given regressors and those of these hypotheses.
-    fn regressors<'h>(&'h self, accepted: &[&'h Hypothesis]) -> Vec<&'h [f64]> {
+    pub(super) fn regressors<'h>(&'h self, accepted: &[&'h Hypothesis]) -> Vec<&'h [f64]> {
         let given = self.given.iter().map(Vec::as_slice);
         given.chain(accepted.iter().flat_map(|hypothesis| hypothesis.columns())).collect()
     }
@@ -118,7 +118,9 @@ impl SlowSearch<'_> {
         self.at(&all, noise, levels).deviance
     }
 
-    /// Returns the penalty of `k` coefficients and of the parameter search, on top of the effects of `accepted`.
+    /// Returns the penalty of `k` coefficients and of the parameter search, on top of the effects of `accepted`. A term
+    /// that the log cannot separate from the others counts, unless the effect is any subset of its terms: where the
+    /// temperature does not vary, a drift of the scale factor explains what a scale factor error explains.
     pub(in crate::detect) fn price(
         &self,
         k: usize,
@@ -129,15 +131,16 @@ impl SlowSearch<'_> {
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
         let clock = if hypothesis.effect.follows_clock_alone() { CLOCK_PRICE } else { 0.0 };
         let n = self.blocks.len() as f64;
+        let k = if hypothesis.effect.any_terms { k } else { k.max(hypothesis.columns.len()) };
         k as f64 * n.ln() + 2.0 * grid.ln() + parameter + clock - self.rebate(hypothesis, accepted)
     }
 
-    /// Reduction of the penalty for the first effect of temperature: the odds that the part drifts visibly, which grow
-    /// with the span of the temperature. A random walk estimated from the same log explains a monotonic drift nearly as
-    /// well.
+    /// Reduction of the penalty for the first drift of the bias with temperature: the odds that the part drifts
+    /// visibly, which grow with the span of the temperature. A random walk estimated from the same log explains a
+    /// monotonic drift nearly as well.
     fn rebate(&self, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
-        let follows = |hypothesis: &Hypothesis| hypothesis.effect.follows(TEMPERATURE);
-        if !follows(hypothesis) || accepted.iter().any(|other| follows(other)) {
+        let drifts = |hypothesis: &Hypothesis| hypothesis.effect.follows_alone(TEMPERATURE);
+        if !drifts(hypothesis) || accepted.iter().any(|other| drifts(other)) {
             return 0.0;
         }
         let means = self.hypotheses.logged_means(TEMPERATURE);

@@ -20,33 +20,46 @@ impl SlowSearch<'_> {
         let start = state.fitted.levels;
         let walk = self.fit(&accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
         let walk_score = state.fitted.deviance - walk.deviance - price - of_axes;
-        let deviation = (fos_fit::signal::variance(&[&state.fitted.gls.residual]).sqrt() * start.flicker)
-            .max(start.flicker);
+        // a slow process leaves little in the whitened residual, and effects that are still missing leave more in the other
+        let whitened = fos_fit::signal::variance(&[&state.fitted.gls.residual]).sqrt();
+        let deviations =
+            [whitened.max(1.0) * start.flicker, self.residual_deviation(&accepted, &state.fitted)];
         let longest = self.blocks.len() as f64 * self.blocks.length_s / 5.0;
         let processes = GAUSS_MARKOV_STARTS_S
             .into_iter()
             .filter(|tau_s| (2.0 * self.blocks.length_s..longest).contains(tau_s))
             .map(|tau_s| {
-                let process = GaussMarkov { deviation, tau_s };
-                self.fit(
-                    &accepted,
-                    ExtraNoise::GaussMarkov(process),
-                    NoiseLevels::from_logs(&self.prior.mean),
-                )
+                let base = NoiseLevels::from_logs(&self.prior.mean);
+                let deviance = |process: GaussMarkov| {
+                    let levels = NoiseLevels { gauss_markov: Some(process), ..base };
+                    self.at(&accepted, ExtraNoise::GaussMarkov(process), levels).deviance
+                };
+                let [one, other] = deviations.map(|deviation| GaussMarkov { deviation, tau_s });
+                let process = if deviance(one) <= deviance(other) { one } else { other };
+                self.fit(&accepted, ExtraNoise::GaussMarkov(process), base)
             });
-        let process = processes.min_by(|a, b| a.deviance.total_cmp(&b.deviance));
-        let process = process.and_then(|fitted| {
-            // a shorter process is white noise in block means, which already has a level
-            let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
+        // a shorter process is white noise in block means, which already has a level
+        let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
+        let processes = processes.filter_map(|fitted| {
             let process = fitted.levels.gauss_markov.filter(is_slow)?;
             let score = state.fitted.deviance - fitted.deviance - 2.0 * price - of_axes;
             Some((ExtraNoise::GaussMarkov(process), fitted, score))
         });
+        let process = processes.max_by(|a, b| a.2.total_cmp(&b.2));
         let walk = (ExtraNoise::Walk, walk, walk_score);
         match process {
             Some(process) if process.2 > walk.2 => Some(process),
             _ => Some(walk),
         }
+    }
+
+    /// Returns the standard deviation of the block means without the accepted effects.
+    fn residual_deviation(&self, accepted: &[&Hypothesis], fitted: &Fitted) -> f64 {
+        let (regressors, coefficients) = (self.regressors(accepted), fitted.gls.coefficients());
+        let explained =
+            |i: usize| coefficients.iter().zip(&regressors).map(|(c, column)| c * column[i]).sum::<f64>();
+        let residual: Vec<f64> = (0..self.y.len()).map(|i| self.y[i] - explained(i)).collect();
+        fos_fit::signal::variance(&[&self.blocks.about_levels(&residual, 0..residual.len())]).sqrt()
     }
 
     /// Penalty for testing every axis of the log.

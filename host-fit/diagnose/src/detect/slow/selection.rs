@@ -12,6 +12,9 @@ use fos_data::recording::RecordingError;
 /// Largest number of findings of one search.
 pub(crate) const MAX_FOUND: usize = 4;
 
+/// Number of times that each of several given effects is estimated again beside the others.
+const PASSES: usize = 2;
+
 impl SlowSearch<'_> {
     /// Runs the search.
     ///
@@ -66,12 +69,16 @@ impl SlowSearch<'_> {
                 state.fitted = best.fitted;
             }
         }
-        // the first effects were estimated without the later ones
+        // the first effects were estimated without the later ones: a parameter may be far off
         let again = if wanted.len() > 1 { state.accepted.len() } else { 0 };
-        for place in 0..again {
+        for place in (0..PASSES).flat_map(|_| 0..again) {
             let (without, current) = self.without(&state, place);
+            let effect = Arc::clone(&current.effect);
+            let alone = SlowSearch { effects: std::slice::from_ref(&effect), ..*self };
             let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
-            let again = self.candidate(&rest, &without, current)?;
+            let own = self.candidate(&rest, &without, current)?;
+            let again = alone.candidates(&without)?.into_iter().next();
+            let again = again.filter(|again| again.score > own.score).unwrap_or(own);
             state.accepted[place] = again.hypothesis;
             let all: Vec<&Hypothesis> = state.accepted.iter().collect();
             state.fitted = self.fit(&all, state.noise, again.fitted.levels);
