@@ -233,7 +233,7 @@ def fit(
     """Fits nonlinear autoregressive models of the error of one or more axes, and evaluates them on the remaining rows.
 
     Args:
-        recordings: A log, or several of one unit, which are taken one after the other; one that begins where another ends continues it.
+        recordings: A log, or several of one unit, in order; one that begins where another ends continues it.
         axes: As `gx`, a column, or several; all that there are if not given.
         physical: Inputs of the physical part, which also holds in motion: `temp_c`, `temp_c:lowpass(60)`,
             `clock:decay(200)`.
