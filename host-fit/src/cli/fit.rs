@@ -25,7 +25,8 @@ use fos_fit::signal::wavelet::Denoising;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos fit reference.csv.gz --axis all -o unit.json")]
 pub(super) struct Fit {
-    /// The log, in any format that `fos formats` lists. Several logs of one device are fitted together; one that begins where another ends continues it
+    /// The log, in any format that `fos formats` lists. Several logs of one device are fitted together; one that begins
+    /// where another ends continues it
     #[arg(required = true)]
     log: Vec<PathBuf>,
     /// gx, a column, several with commas, or all

@@ -48,6 +48,26 @@ fn rejects_an_inconsistent_study_with_the_reason() {
     }
 }
 
+/// An effect without a parameter that every log with a temperature determines.
+const RATE: &str = r#"
+id = "warming"
+name = "rate of temperature change over 4 s"
+band = "slow"
+targets = "any"
+mechanism = "A gradient over the die."
+equation = "p(n) = c · (T(n) − LP₄(T)(n)) / 4 s"
+typical_size = "not known"
+source = "none"
+experiment = "Ramps at two rates."
+gives_away = "It follows the slope of the temperature."
+device = "One low-pass and one multiplication a sample."
+
+[[terms]]
+regressor = "temp_c:rate(4)"
+gyro = "dps/(K/s)"
+gyro_typical = 16.0
+"#;
+
 #[test]
 fn study_stores_the_options_of_its_logs() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -85,8 +105,10 @@ fn study_stores_the_options_of_its_logs() {
     done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
     done(folder, &["undo", "unit.json"]);
     done(folder, &["add", "unit.json", "temp_linear", "--from", "log.csv"]);
-    let refused = fails(folder, 1, &["add", "unit.json", "bias_ramp", "--from", "below/../log.csv"]);
-    assert!(refused.contains("bias_ramp is not identifiable from this log"), "{refused}");
+    fs::write(folder.join("rate.toml"), RATE).expect("written");
+    let second = ["add", "unit.json", "warming", "--from", "below/../log.csv", "--effect", "rate.toml"];
+    let added = done(folder, &second);
+    assert!(added.contains("temp_linear") && added.contains("warming"), "{added}");
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.data.read.columns.specs(), ["gx_rads=\"gyro:x\""]);
     assert_eq!(study.refinements[0].logs.read, study.data.read);

@@ -38,8 +38,8 @@ fn identifies_creep_telegraph_noise_noise_level_and_dead_zone() {
     }
 }
 
-/// Where the temperature hardly changes, the drift of the scale factor fits as well with the same number of separable
-/// coefficients, and was preferred as the first effect of temperature.
+/// The drift of the scale factor fits as well with the same number of separable coefficients if the temperature hardly
+/// changes, and was preferred as the first effect of temperature.
 #[test]
 fn scale_factor_error_at_one_temperature_is_no_drift_of_the_scale_factor() {
     for seed in [41, 42, 43, 44] {
