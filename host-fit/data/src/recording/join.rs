@@ -15,22 +15,18 @@ const SAME_RATE: f64 = 0.02;
 const LONGEST_STEP: f64 = 10.0;
 
 impl Recording {
-    /// Returns true if `next` begins, by its timestamps, where this recording ends.
-    pub fn is_continued_by(&self, next: &Self) -> bool {
-        self.periods_to(next).is_some()
-    }
-
     /// Returns this recording after `before` and the number of rows of `before`, if it continues that; else this
     /// recording and 0. A model evaluated on both has its states where this recording begins.
     pub fn led_in_by(&self, before: &Self) -> (Cow<'_, Self>, usize) {
-        let joined = before.is_continued_by(self).then(|| Self::join(vec![before.clone(), self.clone()]));
+        let joined = before.periods_to(self).map(|_| Self::join(vec![before.clone(), self.clone()]));
         match joined {
             Some(Ok(joined)) => (Cow::Owned(joined), before.n_rows()),
             _ => (Cow::Borrowed(self), 0),
         }
     }
 
-    /// Number of sampling periods from the last row to the first of `next`, if `next` continues this recording.
+    /// Number of sampling periods from the last row to the first of `next`, if `next` begins, by its timestamps, where
+    /// this recording ends.
     fn periods_to(&self, next: &Self) -> Option<u64> {
         let step_s = next.time_s.first()? - self.time_s.last()?;
         let periods = step_s / self.rate.period_s;
@@ -187,7 +183,8 @@ mod tests {
                 joined.segments.iter().map(|s| (s.rows.clone(), s.boundary, s.missing_before, s.tick));
             (segments.collect::<Vec<_>>(), joined.time_s[30])
         };
-        assert!(from(5.0).is_continued_by(&from(5.3)) && !from(5.0).is_continued_by(&from(5.0)));
+        assert!(from(5.0).periods_to(&from(5.3)).is_some() && from(5.0).periods_to(&from(5.0)).is_none());
+        assert_eq!([5.3, 5.0].map(|start_s| from(start_s).led_in_by(&from(5.0)).1), [30, 0]);
         assert_eq!(joined(5.3), (vec![(0..60, Boundary::Start, 0, 0)], 5.3));
         assert_eq!(joined(5.32).0[1], (30..60, Boundary::Gap, 2, 32));
         // a minute later the device may have been off; and stamps that start again at 0 tell nothing

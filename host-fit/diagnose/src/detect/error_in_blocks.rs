@@ -157,6 +157,11 @@ impl ErrorInBlocks {
         signal::mean(&[&inside.map(|(_, mean)| mean).collect::<Vec<f64>>()])
     }
 
+    /// Returns the mean square of the block means of a residual about `bias`, over the blocks that begin in `rows`.
+    pub(crate) fn slow_mean_square(&self, residual: &[f64], rows: &Range<usize>, bias: f64) -> f64 {
+        self.slow_variance(residual, rows) + (self.slow_mean(residual, rows) - bias).powi(2)
+    }
+
     /// Returns the variance of the samples of a residual, over the used rows in `rows`.
     pub fn wide_variance(&self, residual: &[f64], rows: &Range<usize>) -> f64 {
         let counts = |row: &usize| self.blocks.known()[*row] && residual[*row].is_finite();

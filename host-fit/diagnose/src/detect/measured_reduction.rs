@@ -64,7 +64,7 @@ pub fn with_measured_reduction(
             // constant
             _ if continues || is_step(as_of) => {
                 let bias = own.slow_mean(&residual_of(&own, field, findings)?, &(0..field.n_rows()));
-                reduced.slow_variance(&residual, rows) + (reduced.slow_mean(&residual, rows) - bias).powi(2)
+                reduced.slow_mean_square(&residual, rows, bias)
             }
             _ => reduced.slow_variance(&residual, rows),
         })

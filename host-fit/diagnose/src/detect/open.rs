@@ -163,13 +163,7 @@ impl Residual<'_> {
     /// Returns the share of the residual variance of block means that the additional regressors explain.
     fn share(&self, gls: &Gls, regressors: &[&[f64]]) -> f64 {
         let left = |gls: &Gls, regressors: &[&[f64]]| -> Vec<f64> {
-            let coefficients = gls.coefficients();
-            let left: Vec<f64> = (0..self.y.len())
-                .map(|i| {
-                    self.y[i]
-                        - coefficients.iter().zip(regressors).map(|(c, column)| c * column[i]).sum::<f64>()
-                })
-                .collect();
+            let left = gls.unexplained(self.y, regressors);
             self.blocks.about_levels(&left, 0..left.len())
         };
         let before = fos_fit::signal::variance(&[&left(&self.fitted.gls, self.regressors)]);

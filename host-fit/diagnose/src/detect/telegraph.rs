@@ -105,13 +105,7 @@ impl Residual<'_> {
             return None;
         }
         let null = self.fit(&[]);
-        let coefficients = null.gls.coefficients();
-        let residual: Vec<f64> = (0..self.y.len())
-            .map(|i| {
-                let explained = coefficients.iter().zip(self.regressors).map(|(c, column)| c * column[i]);
-                self.y[i] - explained.sum::<f64>()
-            })
-            .collect();
+        let residual = null.gls.unexplained(self.y, self.regressors);
         let courses = WINDOWS.iter().filter_map(|share| decoded(&residual, *share));
         let mut best: Option<(f64, Decoded)> = None;
         for decoded in courses {

@@ -402,15 +402,17 @@ impl Effect {
 
     /// Returns true if no term needs a logged quantity.
     pub fn follows_clock_alone(&self) -> bool {
-        self.terms
-            .iter()
-            .all(|term| term.regressor.split(['*', '+']).all(|input| input.trim().starts_with("clock:")))
+        self.needs_only("clock")
     }
 
-    /// Returns true if every term is a function of this column alone.
+    /// Returns true if there are terms and every one is a function of this column alone.
     pub(crate) fn follows_alone(&self, column: &str) -> bool {
+        !self.terms.is_empty() && self.needs_only(column)
+    }
+
+    fn needs_only(&self, column: &str) -> bool {
         let is_input = |input: &str| input.trim().split(':').next() == Some(column);
-        !self.terms.is_empty() && self.terms.iter().all(|term| term.regressor.split(['*', '+']).all(is_input))
+        self.terms.iter().all(|term| term.regressor.split(['*', '+']).all(is_input))
     }
 
     /// Returns the regressors for a target column and a value of the parameter, each with the index of its term.

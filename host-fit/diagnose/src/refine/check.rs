@@ -68,28 +68,24 @@ impl Refiner<'_> {
 
     /// Returns the errors of the evaluation log after the physical part of `base` and `findings` are subtracted.
     fn errors(&self, base: &UnitModel, findings: &[Finding], band: Band) -> Result<Errors, RefineError> {
-        let (column, judged, rows) = (&base.axes[0].column, self.judged(), self.judged_rows());
-        let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
-        let (reduced, left) = self.reduced_without(base, findings, judged)?;
-        let all = 0..left_of_field.len();
-        let parts = |reduced: &ErrorInBlocks, left: &[f64], rows: &Range<usize>| {
+        let (column, rows) = (&base.axes[0].column, self.judged_rows());
+        let field = self.reduced_without(base, findings, self.field())?;
+        let judged = self.reduced_without(base, findings, self.judged())?;
+        let left = self.left_in(column, &field, &judged);
+        let all = 0..field.1.len();
+        let parts = |(reduced, left): &(ErrorInBlocks, Vec<f64>), rows: &Range<usize>| {
             let length = rows.len().div_ceil(PARTS).max(1);
             let ends = |start: usize| (start + length).min(rows.end);
             let starts = rows.clone().step_by(length);
             let means = starts.map(|start| reduced.slow_mean(left, &(start..ends(start))));
             signal::variance(&[&means.filter(|mean| mean.is_finite()).collect::<Vec<f64>>()])
         };
-        let mean = reduced.slow_mean(&left, &rows) - field.slow_mean(&left_of_field, &all);
-        let is_known = is_bias_known(judged, column) && is_bias_known(self.field(), column);
-        let continues = self.continues(column);
+        // the RMS of a log that continues contains it
+        let has_mean = is_bias_known(self.field(), column) && !self.continues(column);
         Ok(Errors {
-            mean: (is_known && !continues).then_some(mean),
-            rms: match band {
-                Band::Wide => reduced.wide_variance(&left, &rows).sqrt(),
-                _ if continues => reduced.slow_variance(&left, &rows).sqrt().hypot(mean),
-                _ => reduced.slow_variance(&left, &rows).sqrt(),
-            },
-            deviation: (parts(&field, &left_of_field, &all) + parts(&reduced, &left, &rows)).sqrt(),
+            mean: left.bias.filter(|_| has_mean),
+            rms: if band == Band::Wide { left.wide.sqrt() } else { left.slow.sqrt() },
+            deviation: (parts(&field, &all) + parts(&judged, &rows)).sqrt(),
         })
     }
 }

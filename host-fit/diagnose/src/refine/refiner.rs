@@ -308,7 +308,7 @@ impl<'a> Refiner<'a> {
             };
             progress(&diagnosis, Some(&step));
             left *= step.added.as_ref().map_or(1.0, |added| 1.0 - added.measured_reduction);
-            // beside it they may be determined
+            // beside it they may be identifiable
             refused.clear();
             refinement.steps.push(step.clone());
             steps.push(step);
@@ -494,18 +494,28 @@ impl<'a> Refiner<'a> {
 
     /// Returns the errors on the evaluation rows after the physical part of `base` and `findings` are subtracted.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
-        let column = &base.axes[0].column;
-        let (field, left_of_field) = self.reduced_without(base, findings, self.field())?;
-        let (reduced, left) = self.reduced_without(base, findings, self.judged())?;
+        let field = self.reduced_without(base, findings, self.field())?;
+        let judged = self.reduced_without(base, findings, self.judged())?;
+        Ok(self.left_in(&base.axes[0].column, &field, &judged))
+    }
+
+    /// Returns the errors on the evaluation rows of a residual, given for the log to explain and for the evaluation log.
+    pub(super) fn left_in(
+        &self,
+        column: &str,
+        (field, left_of_field): &(ErrorInBlocks, Vec<f64>),
+        (reduced, left): &(ErrorInBlocks, Vec<f64>),
+    ) -> Left {
         let rows = &self.judged_rows;
-        let bias = field.slow_mean(&left_of_field, &(0..self.field.n_rows()));
-        let moved = reduced.slow_mean(&left, rows) - bias;
-        let about = if self.continues(column) { moved } else { 0.0 };
-        Ok(Left {
-            slow: reduced.slow_variance(&left, rows) + about.powi(2),
-            wide: reduced.wide_variance(&left, rows),
-            bias: is_bias_known(&self.judged, column).then_some(moved),
-        })
+        let bias = field.slow_mean(left_of_field, &(0..self.field.n_rows()));
+        Left {
+            slow: match self.continues(column) {
+                true => reduced.slow_mean_square(left, rows, bias),
+                false => reduced.slow_variance(left, rows),
+            },
+            wide: reduced.wide_variance(left, rows),
+            bias: is_bias_known(&self.judged, column).then(|| reduced.slow_mean(left, rows) - bias),
+        }
     }
 
     /// Returns true if the axis has the bias of the log to explain in the evaluated rows.

@@ -131,6 +131,12 @@ impl Gls {
         all
     }
 
+    /// Returns `y` minus what the given regressors explain, without whitening.
+    pub fn unexplained(&self, y: &[f64], regressors: &[&[f64]]) -> Vec<f64> {
+        let explained = combination(regressors, &self.coefficients(), y.len());
+        y.iter().zip(explained).map(|(value, explained)| value - explained).collect()
+    }
+
     /// Returns the covariance of the coefficients of the used regressors, in order: (RᵀR)⁻¹.
     pub fn covariance(&self) -> DMatrix<f64> {
         let k = self.basis.len();
@@ -150,10 +156,10 @@ impl Gls {
 }
 
 /// Returns Σ weight·column, of columns with this number of rows; a column with weight 0 may hold NaN.
-pub fn combination(columns: &[Vec<f64>], weights: &[f64], rows: usize) -> Vec<f64> {
+pub fn combination(columns: &[impl AsRef<[f64]>], weights: &[f64], rows: usize) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, weight) in columns.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-        sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += weight * value);
+        sum.iter_mut().zip(column.as_ref()).for_each(|(sum, value)| *sum += weight * value);
     }
     sum
 }

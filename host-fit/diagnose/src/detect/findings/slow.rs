@@ -180,7 +180,6 @@ impl Assembly<'_> {
                 corrected.push(column);
             }
             let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
-            let is_about_fit = is_step || continues;
             let mut alternatives = Vec::new();
             for other in &found.alternatives {
                 if !other.hypothesis.regressors.iter().all(|regressor| is_logged(inputs, regressor)) {
@@ -193,7 +192,12 @@ impl Assembly<'_> {
                     odds: other.odds,
                 });
             }
-            effects.push(SlowEffect { is_about_fit, found: found_so, alternatives, corrected });
+            effects.push(SlowEffect {
+                is_about_fit: is_step || continues,
+                found: found_so,
+                alternatives,
+                corrected,
+            });
         }
         let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
         for found in &self.slow.found {

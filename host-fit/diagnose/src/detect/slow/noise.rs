@@ -55,10 +55,7 @@ impl SlowSearch<'_> {
 
     /// Returns the standard deviation of the block means without the accepted effects.
     fn residual_deviation(&self, accepted: &[&Hypothesis], fitted: &Fitted) -> f64 {
-        let (regressors, coefficients) = (self.regressors(accepted), fitted.gls.coefficients());
-        let explained =
-            |i: usize| coefficients.iter().zip(&regressors).map(|(c, column)| c * column[i]).sum::<f64>();
-        let residual: Vec<f64> = (0..self.y.len()).map(|i| self.y[i] - explained(i)).collect();
+        let residual = fitted.gls.unexplained(self.y, &self.regressors(accepted));
         fos_fit::signal::variance(&[&self.blocks.about_levels(&residual, 0..residual.len())]).sqrt()
     }
 
