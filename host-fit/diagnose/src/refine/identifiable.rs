@@ -42,8 +42,9 @@ pub(super) fn identifiable(findings: &[Finding], library: &Library, column: &str
 }
 
 /// Returns the reason why a refined model is not an all-clear: an effect that its log does not determine, or an error,
-/// the mean included, that is larger than before any effect was added.
-pub(super) fn all_clear_refuted(refinement: &Refinement) -> Option<(Verdict, String)> {
+/// the mean included, that is larger than before any effect was added. `continues` is true if the slow error contains the
+/// mean, because the evaluation rows continue the log to explain.
+pub(super) fn all_clear_refuted(refinement: &Refinement, continues: bool) -> Option<(Verdict, String)> {
     let undetermined = refinement.added().find_map(|added| {
         let why = not_identifiable(&added.finding, &added.effect, &refinement.column)?;
         Some(format!(
@@ -55,7 +56,10 @@ pub(super) fn all_clear_refuted(refinement: &Refinement) -> Option<(Verdict, Str
         return Some((Verdict::NotEnoughData, sentence));
     }
     let [first, .., last] = &refinement.steps[..] else { return None };
-    let rms = |left: &Left| (left.slow + left.bias.unwrap_or(0.0).powi(2)).sqrt();
+    let rms = |left: &Left| match left.bias.filter(|_| !continues) {
+        Some(bias) => (left.slow + bias * bias).sqrt(),
+        None => left.slow.sqrt(),
+    };
     let (before, after) = (rms(&first.left), rms(&last.left));
     (after > (1.0 + SAME_RMS) * before).then(|| {
         let unit = Column::named(&refinement.column).unit().label();

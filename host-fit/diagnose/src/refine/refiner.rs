@@ -183,7 +183,8 @@ impl<'a> Refiner<'a> {
             with_measured_reduction(diagnose(&question)?, &field_residual, &judged, &self.judged_rows)?;
         // the diagnosis fits the added effects again, so it does not see that they made the model worse
         if diagnosis.verdict == Verdict::NothingMissing
-            && let Some((verdict, sentence)) = identifiable::all_clear_refuted(refinement)
+            && let Some((verdict, sentence)) =
+                identifiable::all_clear_refuted(refinement, self.continues(&refinement.column))
         {
             (diagnosis.verdict, diagnosis.sentence) = (verdict, sentence);
         }

@@ -111,7 +111,7 @@ fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
     let estimated = can_be_estimated(&field, &library);
     assert!(estimated >= 5, "the table would pass whatever is added");
     println!(
-        "attack: undetermined effects | {} effects on a log whose inputs are constant: {refused} are refused with what to record, the others leave bias and study unchanged | negative control: an earlier rule, which adds whatever can be estimated, would add {estimated}",
+        "attack: undetermined effects | {} effects on a log whose inputs are constant: {refused} are refused with instructions for a recording, the others leave bias and study unchanged | negative control: an earlier rule, which adds whatever can be estimated, would add {estimated}",
         input_effects(&library).len(),
     );
 }
