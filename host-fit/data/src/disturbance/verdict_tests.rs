@@ -132,7 +132,7 @@ fn keeps_steps_that_follow_a_logged_channel() {
         assert!(excluded.len() >= 8, "a third of the logs and more: {excluded:?}");
     }
     println!(
-        "attack: exclusions explained by a logged channel | {} logs in which all axes shift by 1 to 30 mrad/s for 2 to 15 s together with one of {} kinds of channel: nothing is excluded as motion | negative control: without the channel {} are excluded, with the channel delayed {}",
+        "attack: exclusions explained by a logged channel | {} logs in which all axes shift by 1 to 30 mrad/s for 2 to 15 s together with one of {} kinds of channel: nothing is excluded as motion | negative control: {} logs have exclusions without the channel, {} with a delayed channel",
         LENGTHS_S.len() * SIZES.len(),
         CHANNELS.len(),
         withheld.len(),
@@ -254,7 +254,7 @@ fn leading_rows_change_no_verdict() {
     let depending = depending_on_leading_rows(anchored);
     assert!(!depending.is_empty());
     println!(
-        "attack: leading rows | {} logs with and without motion, some barely detectable: removing 1 to 20 leading rows does not change the number of excluded intervals | negative control: with windows anchored at the first row, {} logs change",
+        "attack: leading rows | {} logs with and without motion, some barely detectable: removing 1 to 20 leading rows does not change the number of excluded intervals | negative control: with windows anchored at the first row, it changes in {} of the logs",
         borderline().len(),
         depending.len(),
     );
@@ -290,7 +290,7 @@ fn rejects_a_log_in_continuous_motion() {
         check(&log.read(true)).unwrap();
     }
     println!(
-        "attack: motion all along | 3 drives, one of which is marked as still: refused, with the measured motion and the remedy | negative control: with motion kept, {} of 3 are read as at rest",
+        "attack: motion all along | 3 drives, one of which is marked as still: refused, with the measured motion and the remedy | negative control: without excluding motion, {} of 3 are accepted as logs at rest",
         [vehicle(30, 300.0, 1.0), vehicle(31, 120.0, 0.4), vehicle(32, 300.0, 1.0)]
             .iter()
             .filter(|log| check(&log.read(true)).is_ok())

@@ -167,7 +167,7 @@ fn reads_no_mix_of_two_devices() {
         logs.iter().filter_map(|log| mixes(log, |options| read(log.name, &log.bytes, options))).collect();
     assert_eq!(found, [""; 0]);
     println!(
-        "attack: mixing devices | {} logs with samples of two devices (topics, frames, instances, chips, folders, alternating rows): each is refused with the list of choices; none is interleaved | negative control: a reader that interleaves is detected in {}",
+        "attack: mixing devices | {} logs with samples of two devices (topics, frames, instances, chips, folders, alternating rows): each is refused with the list of choices; none is interleaved | negative control: a reader that interleaves is detected in {} logs",
         logs.len(),
         logs.iter().filter(|log| mixes(log, |_| interleaved()).is_some()).count(),
     );
@@ -331,7 +331,7 @@ fn refuses_options_that_have_no_effect() {
     let passed = ignored_options(deaf).len();
     assert!(passed > 10);
     println!(
-        "attack: options without effect | {} files, covering every format: a topic, format, column map or strictness option that would change nothing is refused | negative control: a reader that ignores its options is detected in {passed}",
+        "attack: options without effect | {} files, covering every format: a topic, format, column map or strictness option that would change nothing is refused | negative control: a reader that ignores its options is detected for {passed} options",
         every_format().len(),
     );
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use fos_data::recording::{Format, LoadOptions, Recording, load};
 use fos_testkit::foreign::{
     Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, dataflash_of_2014, geneactiv, mcap, ulog,
-    zip,
+    ulog_of, zip,
 };
 use tempfile::TempDir;
 
@@ -258,6 +258,13 @@ fn reads_px4_topics_at_full_rate_and_reports_decimation() {
     assert!(format_of(&batches).1.contains("sensor_accel_fifo"));
     // counts of 16 bits
     is_the_flight(&batches, &flight, 0.0, 0.5 * 16.0 * 9.80665 / 32768.0 + 1e-6);
+
+    // the profile for thermal calibration
+    let slow = Flight::new(200, 100_000, 1);
+    let [accel, gyro] = ["sensor_accel", "sensor_gyro"].map(|topic| (topic, 0, 2_818_058, &slow));
+    let calibration = read("c.ulg", &ulog_of(&[accel, gyro]));
+    assert!(format_of(&calibration).1.contains("sensor_gyro 0, device_id 2818058, at 10.0 Hz"));
+    assert_eq!(calibration.n_rows(), 200);
 }
 
 #[test]

@@ -86,7 +86,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         clock: "timestamp_sample, µs since boot; one for each sensor",
         temperature: "in sensor_accel, else in sensor_gyro",
         traps: "by default sensor_accel and sensor_gyro are logged once a second, and sensor_combined is integrated and corrected by PX4's own calibration; an instance with several device_ids is refused until one is chosen, as 0@2818058",
-        refused: "logs in which no inertial topic comes 20 times a second: set SDLOG_PROFILE to 769 (default set, FIFO of gyro and accelerometer), or list sensor_accel and sensor_gyro in etc/logging/logger_topics.txt on the SD card",
+        refused: "logs in which no inertial topic reaches 8 Hz: set SDLOG_PROFILE to 769 (default set, FIFO of gyro and accelerometer), or list sensor_accel and sensor_gyro in etc/logging/logger_topics.txt on the SD card",
     },
     FormatKnowledge {
         format: Format::Dataflash,

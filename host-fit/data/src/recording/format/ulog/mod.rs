@@ -29,6 +29,10 @@ use messages::{Formats, Messages};
 /// Longest period of a topic at full rate, ns: 20 samples a second. PX4 logs the raw ones once a second by default.
 const SLOWEST_NS: f64 = 50e6;
 
+/// Longest period of a raw topic in a log without any at full rate, ns: 8 samples a second. PX4's profile for thermal
+/// calibration logs ten.
+const SLOWEST_RAW_NS: f64 = 125e6;
+
 /// Fields read from a topic.
 struct Topic {
     name: &'static str,
@@ -464,9 +468,13 @@ impl Gathered {
         let mut descriptions = Vec::new();
         let mut provenance = Provenance::default();
         let mut chosen = Vec::new();
+        let combined = if wanted == 0 { &self.triads[COMBINED][..] } else { &[] };
+        let raw = [ACCEL_FIFO, ACCEL, GYRO_FIFO, GYRO].into_iter().map(|at| &self.triads[at][0]);
+        let has_full_rate = raw.chain(combined).any(|triad| triad.is_within(SLOWEST_NS));
+        let slowest_ns = if has_full_rate { SLOWEST_NS } else { SLOWEST_RAW_NS };
         for (choices, names) in [([ACCEL_FIFO, ACCEL], ACCELEROMETERS), ([GYRO_FIFO, GYRO], GYROS)] {
             // the batches are the sensor's own samples; the other topic is filtered in some versions
-            let Some(at) = choices.into_iter().find(|at| self.triads[*at][0].is_full_rate()) else {
+            let Some(at) = choices.into_iter().find(|at| self.triads[*at][0].is_within(slowest_ns)) else {
                 continue;
             };
             chosen.push(at);
@@ -493,7 +501,7 @@ impl Gathered {
         if streams.is_empty() && wanted == 0 {
             let combined = std::mem::take(&mut self.triads[COMBINED]);
             for (triad, names) in combined.into_iter().zip([GYROS, ACCELEROMETERS]) {
-                if triad.is_full_rate() {
+                if triad.is_within(SLOWEST_NS) {
                     let rate_hz = triad.rate_hz();
                     let name =
                         format!("sensor_combined {}", if names == GYROS { "gyro" } else { "accelerometer" });
@@ -581,7 +589,7 @@ impl Gathered {
         choice::no_sensors(
             path,
             Format::Ulog,
-            format!("no inertial topic of instance {wanted} comes 20 times a second; there is {found}"),
+            format!("no inertial topic of instance {wanted} reaches 8 Hz; there is {found}"),
             "set SDLOG_PROFILE to 769 (default set, FIFO of gyro and accelerometer), or list sensor_accel and sensor_gyro in etc/logging/logger_topics.txt on the SD card",
         )
     }
@@ -623,8 +631,8 @@ impl Triad {
         median_of(steps.filter(|step| *step > 0.0))
     }
 
-    fn is_full_rate(&self) -> bool {
-        self.period_ns().is_some_and(|period_ns| period_ns <= SLOWEST_NS)
+    fn is_within(&self, longest_ns: f64) -> bool {
+        self.period_ns().is_some_and(|period_ns| period_ns <= longest_ns)
     }
 
     /// Rate, Hz; 0 if there is none.
