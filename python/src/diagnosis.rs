@@ -68,16 +68,11 @@ pub(crate) fn diagnose(
     let (field, quiet, judged) = (log(field), quiet.map(log), judged.map(log));
     work::run(py, || {
         let diagnosis = detect::diagnose_and_measure(&Question {
-            field: &field,
             quiet: quiet.as_deref(),
             judged: judged.as_deref(),
-            judged_from: 0,
-            target: &target,
-            sheet: None,
             full_scale,
             lsb,
-            library: &library,
-            given: &[],
+            ..Question::new(&field, &target, &library)
         })?;
         let mut speaks = Vec::new();
         for finding in &diagnosis.findings {

@@ -98,19 +98,8 @@ fn identifies_a_hidden_effect_from_telemetry() {
     let log = recording("telemetry", recorded.columns);
     assert!(log.segments.len() > 50, "lost frames are gaps: {}", log.segments.len());
     let library = Library::built_in();
-    let answer = diagnose(&Question {
-        field: &log,
-        quiet: Some(&quiet),
-        judged: None,
-        judged_from: 0,
-        target: "gx_rads",
-        sheet: None,
-        full_scale: None,
-        lsb: None,
-        library: &library,
-        given: &[],
-    })
-    .expect("an answer");
+    let question = Question { quiet: Some(&quiet), ..Question::new(&log, "gx_rads", &library) };
+    let answer = diagnose(&question).expect("an answer");
     let named: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
     assert_eq!(answer.verdict, Verdict::Missing, "{}", answer.sentence);
     assert!(named.contains(&"thermal_lag"), "{named:?}");

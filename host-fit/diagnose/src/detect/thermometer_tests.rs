@@ -17,20 +17,7 @@ fn answer(seed: u64, read: impl Fn(usize, f64) -> f64) -> Diagnosis {
     let source = Source::made_by("test");
     let field = &Recording::from_columns(source, columns, &LoadOptions::default()).expect("a recording");
     let library = &Library::built_in();
-    let (quiet, judged, sheet, full_scale, lsb) = (None, None, None, None, None);
-    let question = Question {
-        field,
-        quiet,
-        judged,
-        judged_from: 0,
-        target: "gx",
-        sheet,
-        full_scale,
-        lsb,
-        library,
-        given: &[],
-    };
-    diagnose(&question).expect("a diagnosis")
+    diagnose(&Question::new(field, "gx", library)).expect("a diagnosis")
 }
 
 #[track_caller]
