@@ -3,10 +3,7 @@
 use serde::Serialize;
 
 use crate::curves::AxisCurves;
-use fos_data::recording::Recording;
-use fos_data::stillness;
-use fos_diagnose::compare::{AxisComparison, CompareError, compare};
-use fos_diagnose::dependence::Trained;
+use fos_diagnose::compare::{AxisComparison, CompareError, Judgement, compare_on};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
 use fos_fit::evaluate::Trace;
@@ -31,7 +28,7 @@ pub struct Examination {
 ///
 /// # Errors
 ///
-/// Errors of [`compare`].
+/// Errors of [`compare_on`].
 pub fn examine(
     study: &Study,
     refinement: &Refinement,
@@ -44,28 +41,11 @@ pub fn examine(
     let model: &UnitModel = added.map(|last| &last.model).or(alone.as_ref()).unwrap_or(&study.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let trained_rows = 0..study.data.trained_rows;
-    let rest = |log: &Recording| match study.data.is(log) {
-        true => stillness::find_apart(log, trained_rows.end),
-        false => stillness::find(log),
-    };
-    let field_stillness = rest(&logs.field);
-    let quiet = logs.quiet.as_ref().filter(|quiet| study.data.is(quiet)).map(|quiet| (quiet, rest(quiet)));
-    let own_field = study.data.is(&logs.field);
-    let trained = match &quiet {
-        Some((recording, stillness)) => Some(Trained { recording, stillness, rows: trained_rows }),
-        None => own_field.then_some(Trained {
-            recording: &logs.field,
-            stillness: &field_stillness,
-            rows: trained_rows,
-        }),
-    };
-    let rows = if own_field { study.data.trained_rows } else { 0 }..logs.field.n_rows();
-    let (comparison, trace) =
-        compare(model, &lag_1, &logs.field, &field_stillness, rows, trained.as_ref(), progress)?;
+    let (field, own) = (&logs.field, logs.quiet.as_ref());
+    let Judgement { comparison, trace, .. } = compare_on(&study.data, model, &lag_1, field, own, progress)?;
     let judged_s = comparison.judged_s;
     // A refinement has one axis.
     let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;
-    let curves = AxisCurves::of(&comparison, &trace, 0, &logs.field);
+    let curves = AxisCurves::of(&comparison, &trace, 0, field);
     Ok(Examination { judged_s, comparison, trace, curves })
 }

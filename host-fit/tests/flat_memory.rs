@@ -70,8 +70,8 @@ fn memory_stays_flat_over_two_hundred_fits() {
     let mut kept = Vec::new();
     let kept_growth = growth(|| kept.push(fit(&recording)));
     println!(
-        "from fit {WARM} to fit {FITS} of {} rows in one process memory grew by {:.2} MB (at most {:.2} MB); \
-         with every result kept by {:.2} MB",
+        "from fit {WARM} to fit {FITS} of {} rows in one process, memory grew by {:.2} MB (limit: {:.2} MB). \
+         Negative control: with every result kept, by {:.2} MB",
         recording.n_rows(),
         flat as f64 / 1e6,
         bound as f64 / 1e6,

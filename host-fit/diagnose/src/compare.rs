@@ -1,6 +1,7 @@
 //! Comparison of a model with the measurements and with simpler rivals.
 
 use fos_data::column::Column;
+use std::borrow::Cow;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize, Serializer};
@@ -204,8 +205,7 @@ pub struct Judgement {
     pub stillness: Stillness,
 }
 
-/// Evaluates the model of a study on `log`: on the rows that were not fitted if it is the study's own log, else on all
-/// rows. The noise is estimated from `own`, the log that was fitted, if it is another one and available.
+/// Evaluates the model of a study on `log`; see [`compare_on`].
 ///
 /// # Errors
 ///
@@ -216,16 +216,6 @@ pub fn compare_study(
     own: Option<&Recording>,
     progress: impl FnMut(&str),
 ) -> Result<Judgement, CompareError> {
-    let is_own = study.data.is(log);
-    let trained_rows = study.data.trained_rows;
-    let stillness = stillness::find_apart(log, if is_own { trained_rows } else { log.n_rows() });
-    let rows = if is_own { trained_rows } else { 0 }..log.n_rows();
-    let own = own.filter(|own| !is_own && study.data.is(own));
-    let own = own.map(|own| (stillness::find_apart(own, trained_rows), own));
-    let trained = match &own {
-        Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
-        None => is_own.then_some(Trained { recording: log, stillness: &stillness, rows: 0..trained_rows }),
-    };
     // an axis without a value in this log must not prevent the evaluation of the others
     let mut model = study.model.clone();
     let mut lag_1 = study.lag_1();
@@ -235,8 +225,42 @@ pub fn compare_study(
         lag_1.retain(|_| measured.next().unwrap_or(true));
         model.axes.retain(is_measured);
     }
-    let (comparison, trace) = compare(&model, &lag_1, log, &stillness, rows, trained.as_ref(), progress)?;
-    Ok(Judgement { comparison, trace, stillness })
+    compare_on(&study.data, &model, &lag_1, log, own, progress)
+}
+
+/// Evaluates `model`, fitted to `data`, on `log`: on the rows that were not fitted if it is the log of `data`, else on
+/// all rows. If the log that was fitted is another one and available as `own`, the noise is estimated from it, and a
+/// `log` that continues it starts with its lags and hysteresis.
+///
+/// # Errors
+///
+/// Errors of [`compare`].
+pub fn compare_on(
+    data: &Data,
+    model: &UnitModel,
+    lag_1: &[f64],
+    log: &Recording,
+    own: Option<&Recording>,
+    progress: impl FnMut(&str),
+) -> Result<Judgement, CompareError> {
+    let (is_own, trained_rows) = (data.is(log), data.trained_rows);
+    let own = own.filter(|own| !is_own && data.is(own));
+    let (evaluated, lead_in) = own.map_or((Cow::Borrowed(log), 0), |own| log.led_in_by(own));
+    let is_same = is_own || lead_in > 0;
+    let stillness =
+        stillness::find_apart(&evaluated, if is_same { trained_rows } else { evaluated.n_rows() });
+    let other = own.filter(|_| !is_same).map(|own| (stillness::find_apart(own, trained_rows), own));
+    let trained = match &other {
+        Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
+        None => {
+            is_same.then_some(Trained { recording: &evaluated, stillness: &stillness, rows: 0..trained_rows })
+        }
+    };
+    let rows = if is_own { trained_rows } else { lead_in }..evaluated.n_rows();
+    let (comparison, trace) =
+        compare(model, lag_1, &evaluated, &stillness, rows, trained.as_ref(), progress)?;
+    let stillness = if lead_in > 0 { stillness::find(log) } else { stillness };
+    Ok(Judgement { comparison, trace: trace.without_lead_in(lead_in), stillness })
 }
 
 /// Relative time error of a model's lags on a log with another sampling rate; `None` up to 0.5 %.

@@ -7,6 +7,8 @@
 pub mod batch;
 pub mod case;
 pub mod compare;
+#[cfg(test)]
+mod compare_tests;
 pub mod dependence;
 pub mod detect;
 pub mod effects;

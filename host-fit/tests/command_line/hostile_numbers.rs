@@ -257,7 +257,7 @@ fn meaningless_numbers_are_rejected_safely() {
     assert_eq!(panicked, End::Fell);
     assert_eq!(endless, End::Fell);
     println!(
-        "attack: hostile numbers | {} numeric options, listed by the command line parser, each with {} values (infinite, NaN, too large, negative, 0): {} command lines within {} MB, {} refused with a reason and exit code 1 or 2, {} done, {} still running after {} s; no panic | negative control: a program that panics and one that takes 8 GB are detected",
+        "attack: hostile numbers | {} numeric options, listed by the command line parser, each with {} values (infinite, NaN, too large, negative, 0): {} command lines with at most {} MB: {} refused with a reason and exit code 1 or 2, {} completed, {} still running after {} s; no panic | negative control: a program that panics and one that takes 8 GB are detected",
         options.len(),
         NUMBERS.len(),
         lines.len(),

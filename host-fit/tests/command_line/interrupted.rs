@@ -147,7 +147,7 @@ fn interrupted_recording_keeps_received_samples() {
     let at_the_end = recovered(folder);
     assert_eq!((taken_away, at_the_end), (0, 0), "the loss is noticed");
     println!(
-        "attack: interrupted | of {SAMPLES} samples that arrived through a FIFO before `record` received a signal, recovered: {} | negative control: without the stored bytes {taken_away} of {SAMPLES} are recovered after KILL, from a recorder that writes at the end {at_the_end}; both losses are detected",
+        "attack: interrupted | {SAMPLES} samples arrive through a FIFO before `record` receives a signal; recovered: {} | negative control: after KILL, {taken_away} of {SAMPLES} are recovered without the stored bytes, and {at_the_end} from a recorder that writes at the end; both losses are detected",
         table.join(", ")
     );
 }

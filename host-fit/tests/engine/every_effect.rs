@@ -274,7 +274,7 @@ fn every_effect_that_can_be_added_lowers_the_error_on_the_device() {
     let noticed = wrong.iter().filter(|ratio| **ratio >= 0.5).count();
     assert!(noticed * 2 > wrong.len(), "{wrong:?}");
     println!(
-        "attack: every effect | {} effects in {} logs are fitted, identified, added, exported and run in f32 over a third log; the remaining slow error is at most {worst:.3} of the original (for steps: about the bias) | negative control: adding the whole step to the mean of its log leaves more than 0.5 in {noticed} of {} logs",
+        "attack: every effect | {} effects in {} logs are fitted, identified, added, exported and run in f32 over a third log; the remaining slow error is at most {worst:.3} of the original (for steps: measured about the model's bias) | negative control: if the whole step is added to the mean of its log, more than 0.5 remains in {noticed} of {} logs",
         runs.iter().map(|(effect, _)| &effect.id).collect::<BTreeSet<_>>().len(),
         outcomes.len(),
         wrong.len()

@@ -30,10 +30,10 @@ fn every_search_ends_on_every_kind_of_data() {
     let cut_off = Searches::of(&kinds[slowest], longest / 100).endless;
     assert!(!cut_off.is_empty(), "the negative control was not noticed");
     println!(
-        "attack: searches end | {} fits, tables, noise floors, diagnoses and additions of effects on all kinds of data take at most {longest} steps of {MAX_STEPS} allowed | negative control: {} of one kind have not ended after {} steps",
+        "attack: searches end | {} fits, tables, noise floors, diagnoses and additions of effects on all kinds of data take at most {longest} steps of {MAX_STEPS} allowed | negative control: with a limit of {} steps, {} of those on one kind of data did not end",
         steps.len(),
-        cut_off.len(),
         longest / 100,
+        cut_off.len(),
     );
 }
 

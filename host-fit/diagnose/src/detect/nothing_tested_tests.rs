@@ -50,7 +50,7 @@ fn all_clear_requires_a_tested_effect() {
     assert!(verdicts.contains(&Verdict::NotEnoughData) && verdicts.contains(&Verdict::NothingMissing));
     let untested = verdicts.iter().filter(|verdict| **verdict == Verdict::NotEnoughData).count();
     println!(
-        "attack: nothing tested | {} logs of 1 to 90 s, at rest for 0 to 100 % of their length: *nothing missing* is reported only if a slow effect was tested | negative control: an earlier rule reports it for {untested} logs in which none was",
+        "attack: nothing tested | {} logs of 1 to 90 s, at rest for 0 to 100 % of their length: *nothing missing* is reported only if a slow effect was tested | negative control: an earlier rule reports it for {untested} logs in which none was tested",
         verdicts.len(),
     );
 }
@@ -129,7 +129,7 @@ fn short_log_errors_require_more_time_than_available() {
     let before = "gx: 60.0 s at rest are too short to tell its noise; at least 20 s are needed";
     println!(
         "attack: numbers in messages | {refusals} refusals of short logs: the stated requirement always exceeds the available data | negative control: a message that contradicts itself {}",
-        if requires_more_time(before) { "passes" } else { "is noticed" },
+        if requires_more_time(before) { "passes" } else { "is detected" },
     );
     assert!(!requires_more_time(before));
 }

@@ -258,6 +258,14 @@ impl Trace {
         }
     }
 
+    /// Converts the rows to those of a recording that lacks the first `rows`, none of which were evaluated.
+    pub fn without_lead_in(mut self, rows: usize) -> Self {
+        for range in self.stretches.iter_mut().chain([&mut self.rows]) {
+            *range = range.start - rows..range.end - rows;
+        }
+        self
+    }
+
     /// Returns the part within `rows` of the recording. `coast_whole`, `horizons`, `unaided` and `cautions`, which
     /// describe the whole, are empty.
     pub fn within(&self, rows: Range<usize>) -> Self {

@@ -212,7 +212,7 @@ fn small_fleets_have_stated_coverage_and_false_positive_rate() {
     assert_eq!(failures(&PROGRAM, fleets, [0.87, 0.93]), [""; 0]);
     let few = Fleets { count: 60, axes: 3, coefficients: 2, errors: 0.1 };
     println!(
-        "attack: small fleets | {} fleets of each of {} sizes from {} to {} devices, none of them odd: 90 % intervals of mean, scatter and next device hold in 87 to 93 %, and devices are called odd no more often than stated | negative control: if the estimated population is taken as exact, {} of these rates are outside their limits",
+        "attack: small fleets | {} fleets of each of {} sizes from {} to {} devices, without an odd one: 90 % intervals of mean, scatter and next device contain the true value in 87 to 93 %, and devices are reported as odd no more often than stated | negative control: if the estimated population is taken as exact, {} of these rates are outside their limits",
         fleets.count,
         SIZES.len(),
         SIZES[0],

@@ -1,0 +1,53 @@
+//! Comparison on a log that continues the fitted one.
+
+use fos_data::recording::{LoadOptions, Recording, Source};
+use fos_fit::fit::{FitOptions, Train, fit_axis, rest};
+use fos_testkit::noise::white_noise;
+
+use crate::compare::{Comparison, compare_study, study_of};
+
+const RATE_HZ: f64 = 10.0;
+const TAU_S: f64 = 120.0;
+
+/// Rows of a gyro in rad/s that follows a temperature in °C after [`TAU_S`], from `start_s` on.
+fn part(rows: std::ops::Range<usize>, start_s: f64) -> Recording {
+    let mut lagging = 25.0;
+    let noise = white_noise(7, rows.end);
+    let mut columns: Vec<(String, Vec<f64>)> =
+        ["t_s", "gx_rads", "temp_c"].map(|name| (name.to_owned(), Vec::new())).into();
+    for row in 0..rows.end {
+        let time_s = row as f64 / RATE_HZ;
+        let temperature = 25.0 + 15.0 * (time_s / 190.0).sin();
+        lagging += (temperature - lagging) / (TAU_S * RATE_HZ);
+        let values = [time_s + start_s, 2e-4 * lagging + 1e-4 * noise[row], temperature];
+        if rows.contains(&row) {
+            columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
+        }
+    }
+    Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log")
+}
+
+/// The lag of a second file began anew at the temperature of its first row, although the device had run on.
+#[test]
+fn log_that_continues_the_fitted_one_starts_with_its_lags() {
+    let fitted = part(0..9000, 0.0);
+    let lag = format!("temp_c:lowpass({TAU_S})").parse().expect("an input");
+    let options =
+        FitOptions { physical: vec![lag], max_lag: 2, train: Train::Share(1.0), ..FitOptions::default() };
+    let stillness = rest(&fitted, options.train);
+    let fit = fit_axis(&fitted, &stillness, "gx", &options).expect("a fit");
+    let half = FitOptions { train: Train::Share(0.5), ..options };
+    let study =
+        study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), |_| {}).expect("a study");
+    let error = |comparison: &Comparison| comparison.axes[0].slow_errors()[1].expect("an error");
+    let judge = |log: &Recording, own| compare_study(&study, log, own, |_| {}).expect("a comparison");
+    let follows = part(9000..15000, 0.0);
+    let (continued, alone) = (judge(&follows, Some(&fitted)), judge(&follows, None));
+    let later = judge(&part(9000..15000, 100.0), Some(&fitted));
+    let [continued_rms, alone_rms, later_rms] =
+        [&continued, &alone, &later].map(|judgement| error(&judgement.comparison));
+    println!("RMS {continued_rms:e} rad/s; begun anew {alone_rms:e} and {later_rms:e}");
+    assert!(continued_rms < 0.5 * alone_rms && continued_rms < 0.5 * later_rms);
+    assert_eq!((continued.trace.rows, continued.comparison.judged_s), (0..6000, (900.0, 1499.9)));
+    assert_eq!(continued.stillness.still.len(), 6000);
+}
