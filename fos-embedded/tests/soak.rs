@@ -168,12 +168,12 @@ impl fmt::Display for Findings {
         let [early, late] = self.held_bytes;
         write!(
             f,
-            "{hours:.2} h of sensor time: {} ticks counted of {} sent, {} of them samples, {} faults; {} updates ({} cut \
-             off), {} flash operations, at most {most} erases of a page; {} restarts: {} \
-             at a model update, equal bit for bit at once, over {} samples; {} on the way, without low-passes, equal bit for \
-             bit after {} samples at the latest (stated: {BITWISE_AFTER}), over {}; {} with low-passes, alike after {} (stated: \
-             {SETTLED_AFTER}), over {}; state {} bytes, {} allocations; {early} bytes are held after a tenth, \
-             {late} at the end; {:.0} s",
+            "{hours:.2} h of sensor time; {} of {} ticks counted, {} samples, {} of them with faults; {} model updates ({} \
+             interrupted), {} flash operations, at most {most} erases per page; {} restarts, of which compared: {} at a model \
+             update, identical bit for bit over {} samples; {} at other times without low-passes, identical bit for bit \
+             after at most {} samples (stated: {BITWISE_AFTER}), over {}; {} with low-passes, within the tolerance after at \
+             most {} (stated: {SETTLED_AFTER}), over {}; {} bytes of state, {} allocations; heap: {early} bytes after a \
+             tenth of the run, {late} at the end; run time {:.0} s",
             self.counted,
             self.ticks,
             self.samples,
@@ -521,8 +521,8 @@ fn detects_miscounts_lost_updates_stale_images_and_leaks() {
     let mut found = Vec::new();
     for (defect, message, what) in [
         (Defect::Miscounts, "ticks counted", "a hub whose counter is off by one after a fault"),
-        (Defect::Forgets, "is not in the flash", "a store that forgets one update"),
-        (Defect::Stale, "instead of", "a restart from the image before the newest"),
+        (Defect::Forgets, "is not in the flash", "a store that loses one update"),
+        (Defect::Stale, "instead of", "a restart from the second-newest image"),
     ] {
         match soak(3600 * TICKS_PER_SECOND, defect) {
             Err(error) => assert!(error.contains(message), "{defect:?}: {error}"),
@@ -533,6 +533,6 @@ fn detects_miscounts_lost_updates_stale_images_and_leaks() {
     let leaking = violations(&soak(3600 * TICKS_PER_SECOND, Defect::Leaks).expect("it runs"));
     assert!(leaking.iter().any(|wrong| wrong.contains("allocates")), "{leaking:?}");
     assert!(leaking.iter().any(|wrong| wrong.contains("memory grows")), "{leaking:?}");
-    found.push("64 bytes a sample that are not given back");
-    println!("found out: {}", found.join(", "));
+    found.push("a leak of 64 bytes per sample");
+    println!("detected: {}", found.join(", "));
 }

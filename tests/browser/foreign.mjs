@@ -21,7 +21,7 @@ const [TIMES_AS_LONG, AT_LEAST] = [3, 1500];
 
 /** @typedef {"host" | "origin" | "header" | "answers"} Check */
 const CHECKS = /** @type {Check[]} */ (["host", "origin", "header", "answers"]);
-const CALLED = { host: "the name that is asked for", origin: "the page that asks", header: "the header of the own page", answers: "what the browser is told with an answer" };
+const CALLED = { host: "host name of the request", origin: "origin of the request", header: "request header of the workbench page", answers: "security headers of the response" };
 
 /**
  * What a page tries. It runs in that page; what it says is true if it got in. What was sent blindly shows at the workbench.
@@ -85,7 +85,7 @@ const ATTEMPTS = {
         document.body.append(script);
       }),
   },
-  "keeps a hand on its window": {
+  "keeps a handle to its window": {
     watched: true,
     does: async ({ at, watch }) => {
       const opened = window.open(at);
@@ -156,7 +156,7 @@ async function attack(browser, workbench, door, patience, watch = AT_MOST) {
   const places = {
     "another site": { page: `http://${FOREIGN}:${there}/`, at: door },
     "another port of this machine": { page: `http://127.0.0.1:${there}/`, at: door },
-    "a name that has come to mean this machine": { page: `http://${FOREIGN}:${port}/`, at: `http://${FOREIGN}:${port}/`, rebound: true },
+    "a foreign host name that now resolves to this machine": { page: `http://${FOREIGN}:${port}/`, at: `http://${FOREIGN}:${port}/`, rebound: true },
   };
   const got = /** @type {string[]} */ ([]);
   let [tried, slowest] = [0, 0];
@@ -224,10 +224,10 @@ try {
   const patience = Math.max(AT_LEAST, TIMES_AS_LONG * control.slowest);
   const { got, tried, places } = await attack(browser, server.url, server.url, patience);
   assert.deepEqual(got, [], "a hostile page gets in");
-  console.log(`A page of three kinds (${places.join(", ")}) in Chromium ${browser.version()}, in ${tried} attempts to read the logs, to send one, to run a file of the workbench, to keep a hand on its window or to show it in a frame: none got in.\n`);
-  console.log(`Negative control, a door in front of the same workbench that leaves out all four checks: ${control.got.length} of the same ${control.tried} attempts get in.`);
+  console.log(`Pages from three origins (${places.join(", ")}) in Chromium ${browser.version()} made ${tried} attempts to read the logs, to send one, to run a script of the workbench, to keep a handle to its window or to show it in a frame: none succeeded.\n`);
+  console.log(`Negative control: through a proxy that disables all four checks of the same workbench, ${control.got.length} of the same ${control.tried} attempts succeed.`);
   if (form === "full") {
-    console.log("\n| left out alone | get in |\n|---|---|");
+    console.log("\n| only this check disabled | successful attempts |\n|---|---|");
     for (const check of CHECKS) console.log(`| ${CALLED[check]} | ${(await through([check], patience)).got.length} |`);
   }
 } finally {

@@ -271,7 +271,7 @@ fn every_fault_is_finite_bounded_flagged_and_recovered_from_at_every_place() {
     let Matrix { table, wrong, unseen, runs, share } = matrix(SEED);
     println!("{table}");
     println!(
-        "matrix: {} faults, {} places, {runs} runs, at most {share:.3} of the bound, {} faults seen nowhere",
+        "matrix: {} faults, {} places, {runs} runs; the largest correction is {share:.3} of its bound; {} faults are not detected at any place",
         FAULTS.len(),
         places().len(),
         unseen.matches("NOWHERE").count()
@@ -292,7 +292,7 @@ fn table_does_not_depend_on_the_noise() {
         assert_eq!(found.unseen, UNSEEN.trim(), "seed {seed}");
         runs += found.runs;
     }
-    println!("other noise: The same over {} other noises, {runs} runs", seeds.count());
+    println!("other noise: The same holds with {} other noise seeds ({runs} runs)", seeds.count());
 }
 
 /// Faults with plausible samples, and the places that do not detect them; `NOWHERE` if no place does.
@@ -344,7 +344,7 @@ fn detects_a_naive_average() {
     }
     let [unchecked, clamped] = found.map(|[infinite, beyond, late, unseen]| {
         format!(
-            "{infinite} not finite, {beyond} beyond the bound, {late} not recovered from, {unseen} not seen"
+            "{infinite} not finite, {beyond} beyond the bound, {late} without recovery, {unseen} not detected"
         )
     });
     println!("naive: {unchecked}; with its errors clamped: {clamped}");

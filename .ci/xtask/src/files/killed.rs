@@ -90,7 +90,7 @@ fn kill_it(
 /// Every writer, and a control that writes in place.
 pub(crate) fn look(bench: &Bench, writers: &[Writer]) -> Result<bool, Box<dyn Error>> {
     println!(
-        "| command | kills | while a file was being written | old file | new file | torn | left beside, at most |\n|---|---|---|---|---|---|---|"
+        "| command | kills | of which during a write | old file | new file | torn | temporary files left, at most |\n|---|---|---|---|---|---|---|"
     );
     let (mut all, mut good, mut chance) = (Tally::default(), true, Rng::with_seed(SEED));
     for writer in writers.iter().filter(|writer| writer.kills(bench.form) > 0) {
@@ -124,8 +124,8 @@ pub(crate) fn look(bench: &Bench, writers: &[Writer]) -> Result<bool, Box<dyn Er
         kill_it(bench, &in_place, kills, false, &mut chance, &mut torn)?;
     }
     println!(
-        "\nOf a command that writes several files each is old or new. What a killed writer leaves beside (`.fos-….tmp`) is \
-         removed by the next one. Negative control: a writer of the same bytes in place, killed {} times, left {} torn files.",
+        "\nEach file of a command that writes several is either old or new. The next writer removes the temporary file \
+         (`.fos-….tmp`) of a killed one. Negative control: a writer that overwrites in place, killed {} times, left {} torn files.",
         torn.kills, torn.torn
     );
     let both = all.old > 0 && (all.new > 0 || bench.form == crate::form::Form::Short);

@@ -32,7 +32,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir(&bench.folder)?;
     let writers = bench.writers()?;
     println!(
-        "`cargo xtask files {}`: what is written, when the writer is killed (SIGKILL) at random moments.\n",
+        "`cargo xtask files {}`: state of the written files after the writer is killed (SIGKILL) at random moments.\n",
         form.name()
     );
     let of_this_form: Vec<&Writer> = writers.iter().filter(|writer| writer.is_of(form)).collect();
@@ -43,7 +43,7 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
         refused::full_and_read_only(&bench, &of_this_form, world.path())?,
         refused::forbidden(&bench, &of_this_form, world.path())?,
     ];
-    if results.contains(&false) { Err("files are not as they are promised".into()) } else { Ok(()) }
+    if results.contains(&false) { Err("a file is not as promised".into()) } else { Ok(()) }
 }
 
 /// Moves this process into its own mount namespace, if permitted, so that mounted disks disappear with it.
@@ -61,6 +61,6 @@ fn own_mounts() {
             .args(std::env::args().skip(1))
             .env(inside, "1")
             .exec();
-        eprintln!("{error}: a disk that is mounted would stay after a kill");
+        eprintln!("{error}: a mounted disk would remain after a kill");
     }
 }

@@ -10,7 +10,7 @@ use crate::workspace::output;
 
 pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
     if Command::new("strace").arg("--version").output().is_err() {
-        return Ok(skipped("no strace: the order of what is put onto the disk was not looked at"));
+        return Ok(skipped("the order of syncs and renames (strace is not installed)"));
     }
     fs::write(bench.folder.join("ordered.json"), bench.read("grown.json")?)?;
     // A file that is always replaced, and one that is replaced only if unchanged since it was read.
@@ -25,9 +25,9 @@ pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
     let found_out =
         !is_in_order(&bench.folder, &std::env::current_exe()?, &["write", "hasty", "hasty"], "hasty")?;
     println!(
-        "\nBefore a file gets its name its bytes {} put onto the disk (fsync, rename, fsync of the folder; strace of `export` and \
-         `undo`). Negative control: a writer that only renames was {}found out.",
-        if kept { "were" } else { "WERE NOT" },
+        "\nThe contents of a file {} on the disk before the file gets its name (fsync, rename, fsync of the folder; strace of `export` \
+         and `undo`). Negative control: a writer that only renames was {}detected.",
+        if kept { "are" } else { "ARE NOT" },
         if found_out { "" } else { "NOT " }
     );
     Ok(kept && found_out)

@@ -99,7 +99,7 @@ pub(crate) fn full_and_read_only(
     world: &Path,
 ) -> Result<bool, Box<dyn Error>> {
     if !is_root() {
-        return Ok(skipped("a full and a read-only disk need root on Linux"));
+        return Ok(skipped("a full and a read-only disk (needs root on Linux)"));
     }
     let disk = Disk(world.join("disk"));
     fs::create_dir(&disk.0)?;
@@ -121,9 +121,9 @@ pub(crate) fn full_and_read_only(
     let found = fs::read(&target)?;
     let destroyed = !status.success() && found != "old".repeat(1000).into_bytes() && found != fs::read(log)?;
     println!(
-        "\nOn a full disk {} of {} commands that write, on a read-only one {}, ended with exit code 1, an error that names the file \
-         and what to do, every file as it was and nothing beside it. Negative control: a writer in place on the full disk {} the old \
-         file.",
+        "\nOn a full disk {} of {} commands that write, and on a read-only disk {}, ended with exit code 1 and an error with the file \
+         name and a remedy, changed no file and left no temporary file. Negative control: a writer that overwrites in place {} the \
+         old file on the full disk.",
         refused[0],
         writers.len(),
         refused[1],
@@ -169,8 +169,8 @@ pub(crate) fn forbidden(bench: &Bench, writers: &[&Writer], world: &Path) -> Res
         fs::remove_dir_all(&closed)?;
     }
     println!(
-        "\nIn a folder that may not be written into, by a user without rights, {as_they_must} of {} commands ended in the same way; \
-         the files in it could have been written in place.",
+        "\nIn a folder without write permission, run by an unprivileged user, {as_they_must} of {} commands ended in the same way; the \
+         files in it were writable in place.",
         writers.len()
     );
     Ok(as_they_must == writers.len())

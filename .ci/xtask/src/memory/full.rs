@@ -45,7 +45,7 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
     let (mut good, mut found_out, mut control) = (true, false, String::new());
     let mut points: [Vec<(u64, u64)>; 3] = Default::default();
     println!(
-        "| hours | rows | numbers as f64, MB | simulate, MB | fit of six axes, MB (times the numbers) | diagnose | report |"
+        "| hours | rows | data as f64, MB | simulate, MB | fit of six axes, MB (× data) | diagnose, MB (× data) | report, MB (× data) |"
     );
     println!("|---|---|---|---|---|---|---|");
     for hours in [1, 2, 4, 8] {
@@ -69,12 +69,12 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
     let all_axes_took = points[0].last().map_or(0, |point| point.1);
     let lines = BYTES_A_ROW.iter().zip(&points).map(|((command, _), points)| {
         let (base, slope) = line(points);
-        format!("{command} {:.0} MB and {slope:.0} bytes a row", base / 1e6)
+        format!("{command} {:.0} MB + {slope:.0} bytes per row", base / 1e6)
     });
     let bounds = BYTES_A_ROW.map(|(command, bytes)| format!("{command} {bytes}")).join(", ");
     println!(
-        "\nLine through the peaks: {}. `short` and this run fail above {} MB and, a row, {bounds} bytes. \
-         At 8 h diagnose and report took every axis, one after the other.",
+        "\nLinear fit of the peaks: {}. The limit in `short` and `full` is {} MB plus, in bytes per row, {bounds}. \
+         At 8 h diagnose and report processed every axis, one after the other.",
         lines.collect::<Vec<_>>().join("; "),
         mega(BASE)
     );
@@ -82,7 +82,7 @@ pub(crate) fn run(limited: &Limited) -> Result<bool, Box<dyn Error>> {
     let ended = limited.run(&["fit", text.name, "--axis", "gx", "-o", "text.json"])?;
     good &= ended.is_success();
     println!(
-        "\nThe same 8 h as gzip'd CSV: written with {} MB, one axis fitted with {} MB.",
+        "\nThe same 8 h as gzip-compressed CSV: writing takes {} MB, fitting one axis {} MB.",
         mega(text.peak),
         mega(ended.peak)
     );

@@ -65,8 +65,8 @@ impl Limited {
 
     pub(crate) fn how(&self) -> &'static str {
         match self.group {
-            Some(_) => "memory of a control group (v2), no swap",
-            None => "address space (prlimit), which is stricter",
+            Some(_) => "memory (control group v2, no swap)",
+            None => "address space (prlimit), a stricter limit",
         }
     }
 
@@ -127,7 +127,7 @@ impl Limited {
         if !used.status.success() {
             let mut output = String::new();
             File::open(&error)?.take(300).read_to_string(&mut output)?;
-            eprintln!("    {}", output.lines().next().unwrap_or("nothing said"));
+            eprintln!("    {}", output.lines().next().unwrap_or("no error message"));
         }
         Ok(Ended {
             status: (!is_late).then_some(used.status),

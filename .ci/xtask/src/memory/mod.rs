@@ -20,18 +20,18 @@ use runs::{Log, four_times, starved};
 /// Prints the measurements; an error if they exceed the stated ones.
 pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     if !cfg!(target_os = "linux") {
-        println!("skipped: memory is limited and measured on Linux only");
+        println!("skipped: memory can be limited and measured only on Linux");
         return Ok(());
     }
     let limited = Limited::new(host_fit(root)?)?;
     println!(
-        "`cargo xtask memory {}`: peaks of resident memory of logs of six axes at 200 Hz, with {} MiB of {}.\n",
+        "`cargo xtask memory {}`: peak resident memory for logs of six axes at 200 Hz, limited to {} MiB of {}.\n",
         form.name(),
         limited::LIMIT >> 20,
         limited.how()
     );
     let good = if form == Form::Full { full::run(&limited)? } else { short(&limited)? };
-    if good { Ok(()) } else { Err("memory is not as it is promised".into()) }
+    if good { Ok(()) } else { Err("memory exceeds a stated limit, or a negative control passed".into()) }
 }
 
 fn short(limited: &Limited) -> Result<bool, Box<dyn Error>> {

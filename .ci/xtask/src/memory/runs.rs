@@ -43,10 +43,10 @@ pub(crate) fn starved(limited: &Limited, arguments: &[&str], peak: u64) -> Resul
     let ended = limited.run_with(arguments, beside + quarter)?;
     let start = match beside {
         0 => String::new(),
-        beside => format!(" (and {} MB of address space, with which it starts)", mega(beside)),
+        beside => format!(" (plus the {} MB of address space that it needs to start)", mega(beside)),
     };
     println!(
-        "\nNegative control: `fos {}` with {} MB, a quarter of what it took{start}, {}.",
+        "\nNegative control: `fos {}` with {} MB, a quarter of its peak{start}, {}.",
         arguments.join(" "),
         mega(quarter),
         ended.how
@@ -60,7 +60,7 @@ pub(crate) fn four_times(limited: &Limited, log: &Log) -> Result<(bool, String),
     let ended = limited.run(&arguments)?;
     let found_out = ended.is_success() && !holds("fit", ended.peak, log.rows);
     let description = format!(
-        "\nNegative control: `fos {}` of {} rows, four times the memory, took {} MB: {} the line ({} MB).",
+        "\nNegative control: `fos {}` holds a log of {} rows four times and takes {} MB, {} the limit for one ({} MB).",
         arguments.join(" "),
         log.rows,
         mega(ended.peak),

@@ -25,7 +25,7 @@ pub(crate) fn calibrate(root: &Path) -> Result<String, Box<dyn Error>> {
         eprintln!("calibrating: {}", arguments.join(" "));
         let done = Command::new(&program).args(arguments).stderr(Stdio::inherit()).output()?;
         if !done.status.success() {
-            return Err(format!("seed {seed}: a figure is not as it must be").into());
+            return Err(format!("seed {seed}: a figure misses its requirement").into());
         }
         let calibrated: Vec<Value> = serde_json::from_slice(&done.stdout)?;
         let head = format!(
@@ -68,10 +68,10 @@ fn blind(program: &Path) -> Result<String, Box<dyn Error>> {
     };
     if !done.success() {
         return Err(
-            format!("seed {}: a figure of {CONTROL_CASES} cases is not as it must be", SEEDS[0]).into()
+            format!("seed {}: a figure of {CONTROL_CASES} cases misses its requirement", SEEDS[0]).into()
         );
     }
-    let mut lines = heading.ok_or("nothing was kept of a calibration while it ran")? + "\n";
+    let mut lines = heading.ok_or("the running calibration stored no outcomes")? + "\n";
     let mut diagnosed: Vec<Value> = serde_json::from_slice(&fs::read(&outcomes)?)?;
     for outcome in &mut diagnosed {
         outcome["found"] = Value::Array(Vec::new());

@@ -35,19 +35,20 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let altered = control(&readme, &page)?;
     println!("`cargo xtask statistics {}`\n\n{}", form.name(), summary(&page)?);
     println!(
-        "From `fos calibrate --cases {CASES} --seed {}`, all of it in [calibration](calibration.md); README has the first and the third row. \
-         Intervals are Clopper and Pearson's, and fit what was counted. Of both seeds every figure but times is as it must be, and \
-         of {cases} cases with nothing missing {alarms} were false alarms: at most {:.1} %. The gate runs {in_gate} cases of seed {seed}.",
+        "From `fos calibrate --cases {CASES} --seed {}`; [calibration](calibration.md) has the complete tables, README the first and the third \
+         row. The intervals are those of Clopper and Pearson, and match the counts. With both seeds every figure except times meets \
+         its requirement, and of {cases} cases without a missing effect {alarms} gave a false alarm: at most {:.1} %. The gate runs \
+         {in_gate} cases of seed {seed}.",
         SEEDS[0],
         100.0 * most
     );
     println!(
-        "\nControl: {altered} digits of README and of the page, altered one at a time: each was refused."
+        "\nNegative control: {altered} digits of README and of docs/calibration.md were changed, one at a time; each change was refused."
     );
     if let Some(missed) = missed {
         println!(
-            "\nNegative control: {} of the cases with what was found in them taken away, as of a diagnosis that finds nothing: \
-             `--check` fails ({missed}).",
+            "\nNegative control: with the findings of {} of the cases removed, as from a diagnosis that finds nothing, `--check` \
+             fails ({missed}).",
             anew::CONTROL_CASES
         );
     }
@@ -107,7 +108,7 @@ fn control(readme: &str, page: &str) -> Result<usize, Box<dyn Error>> {
             if passes {
                 let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
                 return Err(format!(
-                    "{path}: with another digit {} characters into {:?} passes",
+                    "{path}: a changed digit {} characters into {:?} is not detected",
                     place - start,
                     &text[start..place + 1]
                 ));

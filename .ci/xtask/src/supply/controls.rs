@@ -144,10 +144,10 @@ pub(crate) fn advisories(program: &Path, folder: &Path, root: &Path) -> Result<S
         ),
     };
     if text(&done).contains("failed to fetch advisory database") {
-        return Ok("skipped: advisories (no advisory database can be reached)".into());
+        return Ok("skipped: advisories (no advisory database is reachable)".into());
     }
     if done.status.success() {
-        Ok(format!("Advisories: none against these crates, by {by}."))
+        Ok(format!("Advisories: none for these crates, according to {by}."))
     } else {
         Err(text(&done).into())
     }

@@ -14,18 +14,19 @@ use crate::form::{Form, target_folder};
 pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
     let Some(program) = cargo_deny(form, root) else {
         let news = judged::news(root)?;
-        findings
-            .problems
-            .extend(news.iter().map(|one| format!("cargo-deny has not judged {one}: .ci/trust supply")));
-        findings
-            .report
-            .push(format!("Nothing has come in since cargo-deny accepted all of it (`{}`).", judged::RECORD));
+        findings.problems.extend(
+            news.iter().map(|one| format!("{one} has not been checked by cargo-deny: run .ci/trust supply")),
+        );
+        findings.report.push(format!(
+            "No crate was added since cargo-deny last accepted all of them (`{}`).",
+            judged::RECORD
+        ));
         if judged::passes_one_more(root)? {
-            findings.problems.push("a crate more than were judged is not seen".into());
+            findings.problems.push("an additional crate is not detected".into());
         }
-        findings.controls.push("a crate more than were judged");
+        findings.controls.push("an additional crate");
         if form == Form::Full {
-            findings.report.push("skipped: cargo-deny (it is not there and could not be installed)".into());
+            findings.report.push("skipped: cargo-deny (not installed, and the installation failed)".into());
             if env::var("CI").is_ok_and(|is| is == "true") {
                 findings.problems.push("cargo-deny could not be installed".into());
             }
@@ -48,15 +49,17 @@ pub(crate) fn look(findings: &mut Findings, form: Form, root: &Path) -> Result<(
         let code = check(&program, &workspace, &lenient, &["licenses", "bans", "sources"])?.status.code();
         if code != Some(wanted) {
             let name = workspace.display();
-            findings.problems.push(format!("cargo-deny judges the control {name}: {code:?}, not {wanted}"));
+            findings
+                .problems
+                .push(format!("cargo-deny ends with {code:?} on the control {name}, not with {wanted}"));
         }
     }
-    findings.controls.push("a crate under `MIT AND GPL-3.0-only`, two versions of a crate, a git source (a sound workspace was not)");
+    findings.controls.push("a crate under `MIT AND GPL-3.0-only`, two versions of a crate, a git source (a valid workspace was accepted)");
     let version = Command::new(&program).arg("--version").output()?;
     let version = String::from_utf8_lossy(&version.stdout).trim().to_owned();
-    findings
-        .report
-        .push(format!("`{version}` refuses none of these crates, and of the controls each by its check."));
+    findings.report.push(format!(
+        "`{version}` refuses none of these crates, and each negative control by the intended check."
+    ));
     if form == Form::Full {
         let result = controls::advisories(&program, folder.path(), root)?;
         findings.controls.push("a made-up advisory");

@@ -26,12 +26,12 @@ pub(crate) fn look(findings: &mut Findings, packages: &[Value]) -> Result<(), Bo
         *word = if word == "yes" { "no".into() } else { "yes".into() };
     }
     if unlike(&device, &wrong).is_empty() {
-        findings.problems.push("a review with a wrong word is not told from a right one".into());
+        findings.problems.push("a review with one wrong entry is not detected".into());
     }
-    findings.controls.push("a review with one wrong word");
+    findings.controls.push("a review with one wrong entry");
     findings.report.push(format!(
-        "The device side asks for {} crates, {} of them with `unsafe` in their source (fos-core: {} crates); each is in [the \
-         review](decisions/supply-chain.md).",
+        "The device side depends on {} crates, {} of them with `unsafe` in their source (fos-core: {} crates); [the \
+         review](decisions/supply-chain.md) covers each.",
         device.len(),
         device.values().filter(|word| *word == "yes").count(),
         fs::read_to_string(".ci/fos-core-dependencies")?.lines().filter(|line| *line != "fos-core").count()
@@ -40,21 +40,21 @@ pub(crate) fn look(findings: &mut Findings, packages: &[Value]) -> Result<(), Bo
     let (on, wanted) = (features(&[])?, fs::read_to_string(FEATURES)?.lines().map(str::to_owned).collect());
     let changed: Vec<&String> = on.symmetric_difference(&wanted).collect();
     if !changed.is_empty() {
-        findings.problems.push(format!("{FEATURES} says other features than are on: {changed:?}"));
+        findings.problems.push(format!("{FEATURES} differs from the enabled features: {changed:?}"));
     }
     if features(&["--features", "fos-core/micromath"])? == wanted {
-        findings.problems.push("a feature more is not seen".into());
+        findings.problems.push("an additional feature is not detected".into());
     }
-    findings.controls.push("a feature more");
+    findings.controls.push("an additional feature");
     let (by_default, unasked) = default_features(packages);
     if !unasked.is_empty() {
-        findings.problems.push(format!("default features are on, and there are some: {unasked:?}"));
+        findings.problems.push(format!("default features are enabled and not empty: {unasked:?}"));
     }
     let crates: BTreeSet<&str> =
         on.iter().filter_map(|line| line.split_once(" > ")?.1.split(':').next()).collect();
     findings.report.push(format!(
-        "Features: those that are on in the {} crates of fos-core's and fos-embedded's trees are those of `{FEATURES}`; of what the two \
-         ask for, only {} have their default features on, of which they have none.",
+        "Features: `{FEATURES}` lists the features enabled in the {} crates that fos-core and fos-embedded use. Of their direct \
+         dependencies only {} have default features enabled, and these sets are empty.",
         crates.len(),
         by_default.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
     ));

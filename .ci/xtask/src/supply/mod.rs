@@ -44,7 +44,10 @@ pub(crate) fn run(form: Form, root: &Path) -> Result<(), Box<dyn Error>> {
         return Err(findings.problems.join("\n").into());
     }
     println!("`cargo xtask supply {}`\n\n{}", form.name(), findings.report.join("\n\n"));
-    println!("\nControl: {}: each was refused, and nothing but that.", findings.controls.join(", "));
+    println!(
+        "\nNegative controls: {}. Each was refused, and nothing else was.",
+        findings.controls.join(", ")
+    );
     Ok(())
 }
 
@@ -55,8 +58,8 @@ fn counts(root: &Path) -> Result<String, Box<dyn Error>> {
         deny.lines().filter(|line| line.trim().starts_with("{ crate = ") && line.contains(with)).count()
     };
     Ok(format!(
-        "{} crates in what is built, {} with tests, all features and targets, {} in the fuzz targets. `deny.toml` (licences, \
-         duplicates, sources) has {} exceptions of licence and {} of second versions, each with its reason.",
+        "The build contains {} third-party crates, {} with tests (all features and targets), the fuzz targets {}. `deny.toml` \
+         (licences, duplicates, sources) has {} exceptions for licences and {} for second versions, each with its reason.",
         from_outside(root, "normal,build")?,
         from_outside(root, "normal,build,dev")?,
         from_outside(&root.join("fuzz"), "normal,build")?,

@@ -36,17 +36,17 @@ pub(crate) fn look(
 ) -> Result<(), Box<dyn Error>> {
     let ours = packages.iter().find(|package| package["name"] == "fos-core").ok_or("no fos-core")?;
     let promised =
-        ours["rust_version"].as_str().and_then(version).ok_or("fos-core promises no Rust version")?;
+        ours["rust_version"].as_str().and_then(version).ok_or("fos-core states no Rust version")?;
     findings.problems.extend(too_new(packages, promised));
     let newer = serde_json::json!({"name": "newer", "version": "1.0.0", "rust_version": format!("1.{}", promised.1 + 1)});
     if too_new(&[newer], promised).is_empty() {
-        findings.problems.push("a crate that asks for a newer Rust is not seen".into());
+        findings.problems.push("a crate that requires a newer Rust is not detected".into());
     }
-    findings.controls.push("a crate that asks for a newer Rust");
+    findings.controls.push("a crate that requires a newer Rust");
     let built = build_with(promised, form, root)?;
     findings
         .report
-        .push(format!("Rust {}.{}: no crate asks for a newer one. {built}", promised.0, promised.1));
+        .push(format!("Rust {}.{}: no crate requires a newer version. {built}", promised.0, promised.1));
     Ok(())
 }
 
@@ -76,20 +76,20 @@ fn build_with(promised: Version, form: Form, root: &Path) -> Result<String, Box<
             manifest.replace("publish", &format!("rust-version = \"{later}\"\npublish")),
         )?;
         if with(&newer).output()?.status.success() {
-            return Err(format!("{exact} checks what asks for {later}").into());
+            return Err(format!("{exact} accepts a crate that requires {later}").into());
         }
         return Ok(format!(
-            "`cargo +{exact} check --workspace --all-targets --locked` passes; what asks for {later} it refuses."
+            "`cargo +{exact} check --workspace --all-targets --locked` passes; a crate that requires {later} is refused."
         ));
     }
     let in_use = output(Command::new("rustc").arg("--version"))?;
     let in_use = in_use.split(' ').nth(1).unwrap_or_default();
     Ok(match form {
         _ if in_use.starts_with(&format!("{name}.")) => {
-            format!("The compiler of this run is {in_use}: everything else here is built with it.")
+            format!("The compiler of this run is {in_use}, so everything else here is built with it.")
         }
         Form::Full => {
-            format!("skipped: a build with {name} (that toolchain is not installed; in use: {in_use})")
+            format!("skipped: a build with {name} (toolchain not installed; in use: {in_use})")
         }
         Form::Short => format!("The compiler of this run is {in_use}; `full` builds with {name}."),
     })

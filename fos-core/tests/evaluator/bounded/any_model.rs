@@ -29,8 +29,8 @@ impl fmt::Display for Findings {
         let Self { models, samples, refused, worst, naive_beyond } = self;
         write!(
             f,
-            "{models} models coasted for {samples} samples each, {refused} more refused as unbounded, \
-             at most {worst:.7} of the bound; without the limit {naive_beyond} of the {models} leave it"
+            "{models} models, {samples} samples each, reach at most {worst:.7} of the bound, {refused} more are refused \
+             as unbounded; without the limit {naive_beyond} of the {models} exceed the bound"
         )
     }
 }

@@ -77,5 +77,5 @@ fn output_in_c_equals_the_hub_under_every_fault() {
             samples += 1;
         }
     }
-    println!("C interface: {} faults, {samples} samples, bit for bit those of the hub", FAULTS.len());
+    println!("C interface: {} faults, {samples} samples, identical to the hub bit for bit", FAULTS.len());
 }
