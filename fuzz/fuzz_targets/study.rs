@@ -23,8 +23,8 @@ static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 static LOGS: LazyLock<Logs> = LazyLock::new(|| {
     let columns = simulate(&Simulation { duration_s: 8.0, motion: false, ..Simulation::default() }).columns;
     let read = LoadOptions::default();
-    let field = Recording::from_columns(Source::made_by("the fuzzer"), columns, &read).expect("a log");
-    Logs { quiet: Some(field.clone()), judged: Some(field.clone()), field, read }
+    let log = Recording::from_columns(Source::made_by("the fuzzer"), columns, &read).expect("a log");
+    Logs { reference: Some(log.clone()), evaluation: Some(log.clone()), log, read }
 });
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
@@ -46,22 +46,22 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(Image::parse(&image).is_ok());
         let _ = (rust_source(&study.model, &provenance), c_source(&study.model, "unit", "", &provenance));
     }
-    if study.refinements.iter().all(|growth| growth.steps.len() < 8) {
+    if study.refinements.iter().all(|refinement| refinement.steps.len() < 8) {
         grown(study);
     }
 });
 
 /// Exercises an axis with added effects.
 fn grown(mut study: Study) {
-    for growth in study.refinements.clone() {
+    for refinement in study.refinements.clone() {
         let refiner = LOGS.refiner(&LIBRARY);
-        let _ = examine(&study, &growth, &LOGS, |_| {});
-        let _ = refiner.diagnose(&growth).map(|_| refiner.add_best(&growth, |_, _| {}));
-        let _ = refiner.begin(&study, &growth.column, LOGS.named(refiner.fitted_rows()));
-        while study.undo(&growth.column).is_ok() {
-            assert!(study.model.axes.iter().any(|axis| axis.column == growth.column));
+        let _ = examine(&study, &refinement, &LOGS, |_| {});
+        let _ = refiner.diagnose(&refinement).map(|_| refiner.add_best(&refinement, |_, _| {}));
+        let _ = refiner.begin(&study, &refinement.column, LOGS.named(refiner.fitted_rows()));
+        while study.undo(&refinement.column).is_ok() {
+            assert!(study.model.axes.iter().any(|axis| axis.column == refinement.column));
         }
-        assert!(study.undo(&growth.column).is_err());
+        assert!(study.undo(&refinement.column).is_err());
     }
 }
 

@@ -20,22 +20,23 @@ pub(crate) fn command_lines<'a>(
     let topic = topic.as_ref().map_or_else(String::new, |topic| format!(" --topic {}", quoted(topic)));
     let read = format!("{maps}{format}{topic}{rate}{moved}");
     let fitted: Vec<String> = fitted.iter().map(|source| quoted(&source.path)).collect();
-    let field = path(&logs.field);
-    let quiet = logs.quiet.as_ref().map_or_else(String::new, |log| format!(" --reference {}", path(log)));
+    let field = path(&logs.log);
+    let reference =
+        logs.reference.as_ref().map_or_else(String::new, |log| format!(" --reference {}", path(log)));
     let evaluated =
-        logs.judged.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
+        logs.evaluation.as_ref().map_or_else(String::new, |log| format!(" --evaluate-on {}", path(log)));
     let mut lines = vec![
         format!("fos fit {} --axis all{read} -o unit.json", fitted.join(" ")),
         format!("fos compare unit.json {field}{read} --figures figures"),
     ];
     for (column, refinement) in axes {
-        let on = format!("--axis {} --from {field}{quiet}{evaluated}{read}", quoted(column));
+        let on = format!("--axis {} --from {field}{reference}{evaluated}{read}", quoted(column));
         lines.push(format!("fos diagnose unit.json {on}"));
         for added in refinement.into_iter().flat_map(Refinement::added) {
             lines.push(format!("fos add unit.json {} {on}", quoted(&added.effect.id)));
         }
     }
-    let last = logs.judged.as_ref().map_or(field, path);
+    let last = logs.evaluation.as_ref().map_or(field, path);
     lines.push("fos export unit.json --image unit.fosm --rust model.rs --c model.h".to_owned());
     lines.push(format!("fos replay unit.fosm {last}{read}"));
     lines

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::curves::AxisCurves;
-use fos_diagnose::compare::{AxisComparison, CompareError, Judgement, compare_on};
+use fos_diagnose::compare::{AxisComparison, CompareError, Evaluation, compare_on};
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
 use fos_fit::evaluate::Trace;
@@ -13,7 +13,7 @@ use fos_fit::model::UnitModel;
 #[derive(Debug, Clone, Serialize)]
 pub struct Examination {
     /// First and last timestamp of the evaluated rows, s.
-    pub judged_s: (f64, f64),
+    pub evaluated_s: (f64, f64),
     /// Errors, worst stretches and dependences on the evaluated rows.
     pub comparison: AxisComparison,
     /// Residual, row by row.
@@ -41,11 +41,11 @@ pub fn examine(
     let model: &UnitModel = added.map(|last| &last.model).or(alone.as_ref()).unwrap_or(&study.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
-    let (field, own) = (&logs.field, logs.quiet.as_ref());
-    let Judgement { comparison, trace, .. } = compare_on(&study.data, model, &lag_1, field, own, progress)?;
-    let judged_s = comparison.judged_s;
+    let (field, own) = (&logs.log, logs.reference.as_ref());
+    let Evaluation { comparison, trace, .. } = compare_on(&study.data, model, &lag_1, field, own, progress)?;
+    let evaluated_s = comparison.evaluated_s;
     // A refinement has one axis.
     let comparison = comparison.axes.into_iter().next().ok_or(CompareError::NothingLeft { trained: 0 })?;
     let curves = AxisCurves::of(&comparison, &trace, 0, field);
-    Ok(Examination { judged_s, comparison, trace, curves })
+    Ok(Examination { evaluated_s, comparison, trace, curves })
 }

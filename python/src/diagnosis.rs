@@ -37,12 +37,12 @@ pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
 
 /// Evidence of a line, as JSON: the spectrum around it.
 pub(crate) fn line_json(
-    field: &Log,
+    log: &Log,
     column: &str,
     finding: &Finding,
 ) -> Result<Option<Value>, RecordingError> {
     let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
-    let Some(spectrum) = line_spectrum(field, column)? else { return Ok(None) };
+    let Some(spectrum) = line_spectrum(log, column)? else { return Ok(None) };
     let bins = spectrum.frequency_hz.iter().zip(&spectrum.density);
     let near = bins.filter(|(hz, _)| (1.0 / NEAR..NEAR).contains(&(**hz / frequency_hz)));
     let (hz, density): (Vec<f64>, Vec<f64>) = near.map(|(hz, density)| (*hz, *density)).unzip();
@@ -54,32 +54,32 @@ pub(crate) fn line_json(
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.diagnose`")]
 pub(crate) fn diagnose(
     py: Python<'_>,
-    field: &Recording,
+    log: &Recording,
     axis: &str,
-    quiet: Option<&Recording>,
-    judged: Option<&Recording>,
+    reference: Option<&Recording>,
+    evaluation: Option<&Recording>,
     full_scale: Option<f64>,
     lsb: Option<f64>,
     effects: Vec<PathBuf>,
 ) -> PyResult<(String, String)> {
     let library = library(py, &effects)?;
-    let target = field.axis(py, axis)?;
-    let log = |recording: &Recording| Arc::clone(&recording.log);
-    let (field, quiet, judged) = (log(field), quiet.map(log), judged.map(log));
+    let target = log.axis(py, axis)?;
+    let shared = |recording: &Recording| Arc::clone(&recording.log);
+    let (log, reference, evaluation) = (shared(log), reference.map(shared), evaluation.map(shared));
     work::run(py, || {
         let diagnosis = detect::diagnose_and_measure(&Question {
-            quiet: quiet.as_deref(),
-            judged: judged.as_deref(),
+            reference: reference.as_deref(),
+            evaluation: evaluation.as_deref(),
             full_scale,
             lsb,
-            ..Question::new(&field, &target, &library)
+            ..Question::new(&log, &target, &library)
         })?;
         let mut speaks = Vec::new();
         for finding in &diagnosis.findings {
-            let evidence = evidence_without_model(&field, &target, &diagnosis.findings, finding)?;
+            let evidence = evidence_without_model(&log, &target, &diagnosis.findings, finding)?;
             speaks.push(json!({
                 "evidence": evidence.as_ref().map(evidence_json),
-                "line": line_json(&field, &target, finding)?,
+                "line": line_json(&log, &target, finding)?,
                 "cost": null,
             }));
         }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::recording::{self as data, LoadOptions};
-use fos_diagnose::compare::{Judgement, compare_study, lags_off, study_of};
+use fos_diagnose::compare::{Evaluation, compare_study, lags_off, study_of};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError, Refiner};
 use fos_diagnose::study::{Refinement, Study as StudyFile, load_again};
@@ -45,17 +45,17 @@ struct State {
 
 /// Logs given in a call.
 struct GivenLogs {
-    field: Option<(Arc<data::Recording>, LoadOptions)>,
-    quiet: Option<Arc<data::Recording>>,
-    judged: Option<Arc<data::Recording>>,
+    log: Option<(Arc<data::Recording>, LoadOptions)>,
+    reference: Option<Arc<data::Recording>>,
+    evaluation: Option<Arc<data::Recording>>,
 }
 
 impl GivenLogs {
-    fn of(log: Option<&Recording>, quiet: Option<&Recording>, judged: Option<&Recording>) -> Self {
+    fn of(log: Option<&Recording>, reference: Option<&Recording>, evaluation: Option<&Recording>) -> Self {
         Self {
-            field: log.map(|log| (Arc::clone(&log.log), log.read.clone())),
-            quiet: quiet.map(|log| Arc::clone(&log.log)),
-            judged: judged.map(|log| Arc::clone(&log.log)),
+            log: log.map(|log| (Arc::clone(&log.log), log.read.clone())),
+            reference: reference.map(|log| Arc::clone(&log.log)),
+            evaluation: evaluation.map(|log| Arc::clone(&log.log)),
         }
     }
 }
@@ -201,8 +201,8 @@ impl State {
     /// Logs of a call: those given, otherwise those on which the axis was refined.
     fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Refused> {
         let known = self.logs.iter().find(|(of, _)| of == column).map(|(_, logs)| Arc::clone(logs));
-        let GivenLogs { field, quiet, judged } = given;
-        if let (Some(known), None, None, None) = (&known, &field, &quiet, &judged) {
+        let GivenLogs { log, reference, evaluation } = given;
+        if let (Some(known), None, None, None) = (&known, &log, &reference, &evaluation) {
             return Ok(Arc::clone(known));
         }
         let named = self.study.refinement_of(column).map(|refinement| &refinement.logs);
@@ -216,34 +216,34 @@ impl State {
             let read = named.map_or(&self.study.data.read, |named| &named.read);
             Ok(load_again(source, file.path(), read)?)
         };
-        let is_given = field.is_some();
-        let (field, read) = match (field, &known, named) {
-            (Some((field, read)), ..) => ((*field).clone(), read),
-            (None, Some(known), _) => (known.field.clone(), known.read.clone()),
-            (None, None, Some(named)) => (again(&named.field)?, named.read.clone()),
+        let is_given = log.is_some();
+        let (log, read) = match (log, &known, named) {
+            (Some((log, read)), ..) => ((*log).clone(), read),
+            (None, Some(known), _) => (known.log.clone(), known.read.clone()),
+            (None, None, Some(named)) => (again(&named.log)?, named.read.clone()),
             (None, None, None) => {
                 return Err(Refused::Said(
                     "which log does the model fail on?\nhelp: give it in the call".to_owned(),
                 ));
             }
         };
-        let quiet = match (quiet, &known, named) {
-            (Some(quiet), ..) => Some((*quiet).clone()),
-            (None, Some(known), _) => known.quiet.clone(),
-            (None, None, Some(named)) => named.quiet.as_ref().map(again).transpose()?,
+        let reference = match (reference, &known, named) {
+            (Some(reference), ..) => Some((*reference).clone()),
+            (None, Some(known), _) => known.reference.clone(),
+            (None, None, Some(named)) => named.reference.as_ref().map(again).transpose()?,
             // The study's own log is the reference, unless the model fails on it.
             (None, None, None) => match &self.study.data.sources[..] {
-                [own] if field.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
+                [own] if log.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
                 _ => None,
             },
         };
-        let judged = match (judged, &known, named) {
-            (Some(judged), ..) => Some((*judged).clone()),
-            (None, Some(known), _) if !is_given => known.judged.clone(),
-            (None, None, Some(named)) if !is_given => named.judged.as_ref().map(again).transpose()?,
+        let evaluation = match (evaluation, &known, named) {
+            (Some(evaluation), ..) => Some((*evaluation).clone()),
+            (None, Some(known), _) if !is_given => known.evaluation.clone(),
+            (None, None, Some(named)) if !is_given => named.evaluation.as_ref().map(again).transpose()?,
             _ => None,
         };
-        Ok(Arc::new(Logs { field, quiet, judged, read }))
+        Ok(Arc::new(Logs { log, reference, evaluation, read }))
     }
 
     fn refinement(&self, refiner: &Refiner<'_>, logs: &Logs, column: &str) -> Result<Refinement, Refused> {
@@ -302,7 +302,7 @@ impl Study {
     ) -> PyResult<(String, Bound<'py, PyArray1<f64>>, Vec<AxisRows<'py>>, Option<f64>)> {
         let state = self.snapshot();
         let given = log.map(|log| Arc::clone(&log.log));
-        let judged = work::run(py, || -> Result<_, Refused> {
+        let evaluation = work::run(py, || -> Result<_, Refused> {
             let own = match &given {
                 // The fitted log improves the noise estimate but is not required.
                 Some(_) => state.own().ok().flatten(),
@@ -311,11 +311,11 @@ impl Study {
             let Some(log) = given.or_else(|| own.clone()) else {
                 return Err(Refused::Said("the log is not at hand\nhelp: give it in the call".to_owned()));
             };
-            let judgement = compare_study(&state.study, &log, own.as_deref(), |_| {});
-            Ok((judgement, log))
+            let evaluation = compare_study(&state.study, &log, own.as_deref(), |_| {});
+            Ok((evaluation, log))
         })?;
-        let (judgement, log) = judged.map_err(|refused| refused.raised(py))?;
-        let Judgement { comparison, trace, .. } = judgement.map_err(raised(py))?;
+        let (evaluation, log) = evaluation.map_err(|refused| refused.raised(py))?;
+        let Evaluation { comparison, trace, .. } = evaluation.map_err(raised(py))?;
         let off = lags_off(&state.study.model, &log);
         let time_s = PyArray1::from_slice(py, &log.time_s[trace.rows.clone()]);
         let rows = state.study.model.axes.iter().zip(trace.axes).map(|(axis, left)| {
@@ -333,12 +333,12 @@ impl Study {
         py: Python<'_>,
         log: Option<&Recording>,
         axis: Option<&str>,
-        quiet: Option<&Recording>,
-        judged: Option<&Recording>,
+        reference: Option<&Recording>,
+        evaluation: Option<&Recording>,
         effects: Vec<PathBuf>,
     ) -> PyResult<(String, String)> {
         let library = library(py, &effects)?;
-        let given = GivenLogs::of(log, quiet, judged);
+        let given = GivenLogs::of(log, reference, evaluation);
         let state = self.snapshot();
         work::run(py, || -> Result<_, Refused> {
             let column = state.column(axis)?;
@@ -351,7 +351,7 @@ impl Study {
                 let evidence = refiner.evidence(&refinement, &diagnosis.findings, finding)?;
                 speaks.push(json!({
                     "evidence": evidence.as_ref().map(evidence_json),
-                    "line": line_json(&logs.field, &column, finding)?,
+                    "line": line_json(&logs.log, &column, finding)?,
                     "cost": refiner.price(&refinement, finding)?,
                 }));
             }
@@ -369,12 +369,12 @@ impl Study {
         effect: Option<String>,
         log: Option<&Recording>,
         axis: Option<String>,
-        quiet: Option<&Recording>,
-        judged: Option<&Recording>,
+        reference: Option<&Recording>,
+        evaluation: Option<&Recording>,
         effects: Vec<PathBuf>,
     ) -> PyResult<String> {
         let library: Library = library(py, &effects)?;
-        let given = GivenLogs::of(log, quiet, judged);
+        let given = GivenLogs::of(log, reference, evaluation);
         self.change(py, |state| {
             let column = state.column(axis.as_deref())?;
             let logs = state.logs(&column, given)?;

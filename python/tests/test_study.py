@@ -48,7 +48,7 @@ def test_what_is_left_is_there_row_by_row(case, study):
     np.testing.assert_allclose((axis.predicted + axis.left)[known], axis.measured[known], atol=1e-12)
     assert [errors.model for errors in axis.errors][-1] == "model"
     own = study.compare()
-    assert own.judged_s[0] >= case.reference.time_s[case.reference.n_rows // 2 - 1]
+    assert own.evaluated_s[0] >= case.reference.time_s[case.reference.n_rows // 2 - 1]
     with pytest.raises(KeyError):
         comparison["gy"]
 
@@ -79,7 +79,7 @@ def test_a_study_opens_in_the_program_and_the_other_way_round(case, study, tmp_p
     assert again.undo() == "thermal_lag"
     again.save()
     history = program("history", "theirs.json", "--json", folder=tmp_path)
-    assert len(history[0]["stairs"]) == 1
+    assert len(history[0]["steps"]) == 1
 
     diagnosis = program("diagnose", "theirs.json", "--from", "log.parquet", "--json", folder=tmp_path)[0]
     mine = fos.Study.load(tmp_path / "theirs.json").diagnose(log)

@@ -45,7 +45,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   await atRest(page);
 
   const left = await stateOf(page, server);
-  const ranges = left.logs?.field.moved.ranges ?? [];
+  const ranges = left.logs?.log.moved.ranges ?? [];
   assert.equal(ranges.length, KNOCKS.length, JSON.stringify(ranges));
   assert.equal(left.keeps_moved, false);
   const middle = (/** @type {number} */ at) => 0.5 * (Number(ranges[at]?.from) + Number(ranges[at]?.to));
@@ -70,7 +70,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   await atRest(page);
   const kept = await stateOf(page, server);
   assert.equal(kept.keeps_moved, true);
-  assert.deepEqual(kept.logs?.field.moved.ranges, []);
+  assert.deepEqual(kept.logs?.log.moved.ranges, []);
   assert.equal(await page.locator(".legend .ink-left-out").count(), 0);
   assert.equal(await coloursAt(page, 1, middle(0)), await coloursAt(page, 1, 45));
   assert.ok(kept.commands.filter((command) => /^fos (fit|compare|diagnose|replay) /.test(command)).every((command) => command.includes("--keep-moved")), kept.commands.join("\n"));

@@ -75,7 +75,7 @@ test("a hidden effect is found, named, added, taken back, added again and export
 async function assertSameAsReplay(page, image, digest) {
   const server = await workbench.server;
   const state = await stateOf(page, server);
-  const log = state.logs?.judged?.path ?? state.logs?.field.path;
+  const log = state.logs?.evaluation?.path ?? state.logs?.log.path;
   assert.ok(log);
   const { stdout } = await promisify(execFile)(HOST_FIT, ["replay", image, log, "--json"], { cwd: server.folder, maxBuffer: 1e8 });
   // 64 bits are more than a number of JavaScript holds: take the digits
@@ -94,8 +94,8 @@ async function assertSameAsReplay(page, image, digest) {
     assert.ok(Math.abs(value / expected - 1) < 0.005, `${shown} for ${expected}`);
   });
   // and it is the last step of the staircase, which was computed in f64: f32 keeps seven digits of each sample
-  const stairs = state.axes.find((axis) => axis.column === "gx_rads")?.growth?.stairs ?? [];
-  const last = stairs.at(-1)?.errors.slow_error_coast ?? Number.NaN;
+  const steps = state.axes.find((axis) => axis.column === "gx_rads")?.refinement?.steps ?? [];
+  const last = steps.at(-1)?.errors.slow_error_coast ?? Number.NaN;
   assert.ok(Math.abs(errors.slow_error_coast / last - 1) < 1e-3, `${errors.slow_error_coast} in f32, ${last} in f64`);
 }
 
@@ -109,8 +109,8 @@ async function assertCommandsDoTheSame(page) {
   for (const command of state.commands) await run(command);
   const { stdout } = await run("fos history unit.json --json");
   const [told] = JSON.parse(stdout);
-  const shown = state.axes.find((axis) => axis.column === "gx_rads")?.growth;
-  assert.deepEqual(told.stairs, shown?.stairs);
+  const shown = state.axes.find((axis) => axis.column === "gx_rads")?.refinement;
+  assert.deepEqual(told.steps, shown?.steps);
 }
 
 test("that a hub refuses the model is said where it is taken along", { timeout: 2 * SLOW }, async () => {

@@ -52,7 +52,7 @@ def main():
     true_error = column(truth, AXIS)
     if len(true_error) != len(times):
         sys.exit(f"error: {truth} is not the truth of {log}")
-    step = json.load(open(study))["stairs"][-1]
+    step = json.load(open(study))["steps"][-1]
     finding = step["added"]["finding"]
     low, high = finding["expected_drop_ci"]
     print(f"slow error of {AXIS}, rad/s, after the bias that the nanoapp sent is subtracted:")

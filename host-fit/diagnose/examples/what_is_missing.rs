@@ -13,10 +13,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let case = simulate_case(&plan)?;
     let log =
         |columns| Recording::from_columns(Source::made_by("a simulation"), columns, &LoadOptions::default());
-    let (field, quiet, later) = (log(case.field)?, log(case.baseline)?, log(case.eval)?);
+    let (field, reference, later) = (log(case.field)?, log(case.baseline)?, log(case.eval)?);
 
     let library = Library::built_in();
-    let answer = diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), Some(&later), &library))?;
+    let answer = diagnose(&question_of_logs(&case.meta, &field, Some(&reference), Some(&later), &library))?;
     println!("{}", answer.sentence);
     for finding in &answer.findings {
         let [low, high] = finding.predicted_reduction_interval.map(|share| 100.0 * share);

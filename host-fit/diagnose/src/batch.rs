@@ -214,10 +214,10 @@ fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Resul
 fn write_correction(
     path: &Path,
     diagnosis: &Diagnosis,
-    field: &Recording,
+    fitted: &Recording,
     log: &Recording,
 ) -> Result<(), BatchError> {
-    let values = correction(&diagnosis.findings, field, log)?;
+    let values = correction(&diagnosis.findings, fitted, log)?;
     let chunk = match is_fast(&diagnosis.findings) {
         true => 1,
         false => ((log.rate.true_hz / SLOW_RATE_HZ).round() as usize).max(1),

@@ -6,21 +6,21 @@ use fos_data::recording::Recording;
 use crate::detect::Question;
 use crate::effects::Library;
 
-/// Returns the question for logs of a case: explain the error in `field` and correct it in `judged`.
+/// Returns the question for logs of a case: explain the error in `log` and correct it in `evaluation`.
 pub fn question_of_logs<'a>(
     meta: &'a CaseMeta,
-    field: &'a Recording,
-    quiet: Option<&'a Recording>,
-    judged: Option<&'a Recording>,
+    log: &'a Recording,
+    reference: Option<&'a Recording>,
+    evaluation: Option<&'a Recording>,
     library: &'a Library,
 ) -> Question<'a> {
     Question {
-        quiet,
-        judged,
+        reference,
+        evaluation,
         sheet: meta.data_sheet(),
         full_scale: meta.full_scale(),
         lsb: meta.lsb(),
-        ..Question::new(field, &meta.target, library)
+        ..Question::new(log, &meta.target, library)
     }
 }
 

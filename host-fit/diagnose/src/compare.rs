@@ -51,7 +51,7 @@ pub enum CompareError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Timestamps of the first and last evaluation row, s.
-    pub judged_s: (f64, f64),
+    pub evaluated_s: (f64, f64),
     /// The axes of the model.
     #[serde(serialize_with = "with_rms")]
     pub axes: Vec<AxisComparison>,
@@ -190,13 +190,13 @@ pub fn compare(
             dependence,
         })
         .collect();
-    let judged_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
-    Ok((Comparison { judged_s, axes }, trace))
+    let evaluated_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
+    Ok((Comparison { evaluated_s, axes }, trace))
 }
 
 /// Evaluation of a study on a log, with the data behind it.
 #[derive(Debug)]
-pub struct Judgement {
+pub struct Evaluation {
     /// Errors of the model and its rivals, worst stretches, dependences.
     pub comparison: Comparison,
     /// Trace of the model, for the figures.
@@ -215,7 +215,7 @@ pub fn compare_study(
     log: &Recording,
     own: Option<&Recording>,
     progress: impl FnMut(&str),
-) -> Result<Judgement, CompareError> {
+) -> Result<Evaluation, CompareError> {
     // an axis without a value in this log must not prevent the evaluation of the others
     let mut model = study.model.clone();
     let mut lag_1 = study.lag_1();
@@ -242,7 +242,7 @@ pub fn compare_on(
     log: &Recording,
     own: Option<&Recording>,
     progress: impl FnMut(&str),
-) -> Result<Judgement, CompareError> {
+) -> Result<Evaluation, CompareError> {
     let (is_own, trained_rows) = (data.is(log), data.trained_rows);
     let own = own.filter(|own| !is_own && data.is(own));
     let (evaluated, lead_in) = own.map_or((Cow::Borrowed(log), 0), |own| log.led_in_by(own));
@@ -260,7 +260,7 @@ pub fn compare_on(
     let (comparison, trace) =
         compare(model, lag_1, &evaluated, &stillness, rows, trained.as_ref(), progress)?;
     let stillness = if lead_in > 0 { stillness::find(log) } else { stillness };
-    Ok(Judgement { comparison, trace: trace.without_lead_in(lead_in), stillness })
+    Ok(Evaluation { comparison, trace: trace.without_lead_in(lead_in), stillness })
 }
 
 /// Relative time error of a model's lags on a log with another sampling rate; `None` up to 0.5 %.
@@ -291,7 +291,7 @@ pub fn study_of(
     let rows = trained_rows..recording.n_rows();
     let known_pose = in_known_pose(&model, recording, stillness)?;
     let posed = known_pose.as_ref().unwrap_or(recording);
-    let judged = evaluate(&model, &lag_1, posed, stillness, rows, progress)?;
+    let evaluation = evaluate(&model, &lag_1, posed, stillness, rows, progress)?;
     let still = stillness.still.iter().filter(|still| **still).count();
     Ok(Study {
         schema: SCHEMA.to_owned(),
@@ -309,7 +309,7 @@ pub fn study_of(
         settings,
         model,
         axes: reports,
-        steps: steps_of(&judged.errors),
+        steps: steps_of(&evaluation.errors),
         refinements: Vec::new(),
     })
 }

@@ -40,14 +40,14 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let study =
         study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), |_| {}).expect("a study");
     let error = |comparison: &Comparison| comparison.axes[0].slow_errors()[1].expect("an error");
-    let judge = |log: &Recording, own| compare_study(&study, log, own, |_| {}).expect("a comparison");
+    let evaluated = |log: &Recording, own| compare_study(&study, log, own, |_| {}).expect("a comparison");
     let follows = part(9000..15000, 0.0);
-    let (continued, alone) = (judge(&follows, Some(&fitted)), judge(&follows, None));
-    let later = judge(&part(9000..15000, 100.0), Some(&fitted));
+    let (continued, alone) = (evaluated(&follows, Some(&fitted)), evaluated(&follows, None));
+    let later = evaluated(&part(9000..15000, 100.0), Some(&fitted));
     let [continued_rms, alone_rms, later_rms] =
-        [&continued, &alone, &later].map(|judgement| error(&judgement.comparison));
+        [&continued, &alone, &later].map(|evaluation| error(&evaluation.comparison));
     println!("RMS {continued_rms:e} rad/s; begun anew {alone_rms:e} and {later_rms:e}");
     assert!(continued_rms < 0.5 * alone_rms && continued_rms < 0.5 * later_rms);
-    assert_eq!((continued.trace.rows, continued.comparison.judged_s), (0..6000, (900.0, 1499.9)));
+    assert_eq!((continued.trace.rows, continued.comparison.evaluated_s), (0..6000, (900.0, 1499.9)));
     assert_eq!(continued.stillness.still.len(), 6000);
 }

@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 
 use crate::estimate::{BIAS, check_regressors};
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
-use crate::odd::{Distance, FAR, devices_needed, discoveries, judge};
+use crate::odd::{Distance, FAR, assess, devices_needed, discoveries};
 use crate::population::{Member, Population};
 use crate::row::{Asked, Unit, UnitRow, unit_row};
 
@@ -483,7 +483,7 @@ struct Compared<'a> {
 }
 
 /// An axis of a part: its summary, and for each unit with this axis its index, its distance and its p-values at a deviation of [`FAR`].
-struct JudgedAxis<'a> {
+struct AssessedAxis<'a> {
     column: &'a str,
     summary: AxisSummary,
     distances: Vec<(usize, Distance, Vec<f64>)>,
@@ -504,10 +504,10 @@ fn part_summary<'a>(
     let columns: BTreeSet<&str> = units.iter().flat_map(|unit| unit.columns()).collect();
     let columns: Vec<&str> = columns.into_iter().collect();
     let axes: Vec<_> =
-        columns.into_par_iter().map(|column| judged_axis(column, units, asked, library)).collect();
+        columns.into_par_iter().map(|column| assessed_axis(column, units, asked, library)).collect();
     let mut compared: Vec<Option<Compared<'_>>> = units.iter().map(|_| None).collect();
     let mut summaries = Vec::new();
-    for JudgedAxis { column, summary, distances } in axes {
+    for AssessedAxis { column, summary, distances } in axes {
         for (index, distance, if_far) in distances {
             let unit = compared[index].get_or_insert_with(|| Compared {
                 unit: units[index],
@@ -536,12 +536,12 @@ fn part_summary<'a>(
     (PartSummary { part, axes: summaries, odd: Vec::new(), units_needed: None }, OfPart { compared, tests })
 }
 
-fn judged_axis<'a>(
+fn assessed_axis<'a>(
     column: &'a str,
     units: &[GatheredUnit<'_>],
     asked: &Asked,
     library: &Library,
-) -> JudgedAxis<'a> {
+) -> AssessedAxis<'a> {
     let of_units = units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
     // Axes with a non-finite number are excluded.
     let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_finite()).collect();
@@ -549,14 +549,14 @@ fn judged_axis<'a>(
         .iter()
         .map(|(index, axis)| Member { lot: units[*index].lot(), estimate: &axis.estimate })
         .collect();
-    let judged = judge(&members, &names_of(&members, asked));
+    let assessment = assess(&members, &names_of(&members, asked));
     let noise = |level: usize| median_of(of_units.iter().map(|(_, axis)| axis.noise[level])).unwrap_or(0.0);
-    let without = judged.as_ref().err().map(ToString::to_string);
-    let (population, distances) = judged.map_or((None, Vec::new()), |judged| {
-        let distances: Vec<_> = judged.distances.into_iter().zip(judged.p_values_if_far).collect();
-        (Some(judged.population), distances)
+    let without = assessment.as_ref().err().map(ToString::to_string);
+    let (population, distances) = assessment.map_or((None, Vec::new()), |assessment| {
+        let distances: Vec<_> = assessment.distances.into_iter().zip(assessment.p_values_if_far).collect();
+        (Some(assessment.population), distances)
     });
-    JudgedAxis {
+    AssessedAxis {
         column,
         summary: AxisSummary {
             column: column.to_owned(),

@@ -23,7 +23,7 @@ pub use fleet::{
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use gathered::{Gathered, GatheredError};
-pub use odd::{Distance, FAR, Judged, devices_needed, discoveries, judge};
+pub use odd::{Assessment, Distance, FAR, assess, devices_needed, discoveries};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, row_of, unit_row};
 pub use ship::{ShipError, Shipment, ShippedUnit, known_of};

@@ -47,7 +47,7 @@ pub struct Distance {
 
 /// A population, and the deviation of each member from it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Judged {
+pub struct Assessment {
     /// Population without the excluded members.
     pub population: Population,
     /// Deviations in the order of the members.
@@ -63,7 +63,7 @@ pub struct Judged {
 /// # Errors
 ///
 /// Fewer than three devices have a coefficient.
-pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, PopulationError> {
+pub fn assess(members: &[Member<'_>], names: &[String]) -> Result<Assessment, PopulationError> {
     check(members, names)?;
     let values = values_of(members, names);
     let lots = values.iter().flatten().map(|(_, value)| value.lot + 1).max().unwrap_or(0);
@@ -99,7 +99,7 @@ pub fn judge(members: &[Member<'_>], names: &[String]) -> Result<Judged, Populat
         }
         population => population?,
     };
-    Ok(Judged {
+    Ok(Assessment {
         population,
         distances: of_members.iter().map(|found| distance(found, names)).collect(),
         left_out,

@@ -129,13 +129,13 @@ pub(super) fn size(
     }
     if whitened.iter().any(Option::is_some) {
         let rivals = Rivals::new((plan.setup, plan.target), logged, field, (&blocks, &whitener));
-        judge(&mut planted, &whitened, &rivals);
+        score(&mut planted, &whitened, &rivals);
     }
     Ok(planted)
 }
 
 /// Computes the remaining sizes after rivals and partners.
-fn judge(planted: &mut [Planted], whitened: &[Option<DVector<f64>>], rivals: &Rivals) {
+fn score(planted: &mut [Planted], whitened: &[Option<DVector<f64>>], rivals: &Rivals) {
     for k in 0..planted.len() {
         let Some(white) = &whitened[k] else { continue };
         let effect = planted[k].effect;

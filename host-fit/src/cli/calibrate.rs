@@ -69,7 +69,7 @@ impl Calibrate {
             write_atomically(path, &text)?;
         }
         all_kept.into_iter().for_each(KeptOutcomes::remove);
-        let judged: Vec<(Disturbance, Vec<Statistic>)> = calibrations
+        let rated: Vec<(Disturbance, Vec<Statistic>)> = calibrations
             .iter()
             .map(|one| match is_one && one.world == Disturbance::Clean {
                 true => (one.world, one.figures.clone()),
@@ -78,18 +78,18 @@ impl Calibrate {
             .collect();
         if self.json {
             let by_world: BTreeMap<&str, _> =
-                judged.iter().map(|(world, figures)| (world.name(), figures)).collect();
-            match &judged[..] {
+                rated.iter().map(|(world, figures)| (world.name(), figures)).collect();
+            match &rated[..] {
                 [(_, figures)] if is_one => print_json(figures)?,
                 _ => print_json(&by_world)?,
             }
         } else {
-            match &judged[..] {
+            match &rated[..] {
                 [(world, figures)] => print(&calibrations[0], *world, figures),
-                _ => print_worlds(&calibrations[0], &judged),
+                _ => print_worlds(&calibrations[0], &rated),
             }
         }
-        let missed: Vec<String> = judged
+        let missed: Vec<String> = rated
             .iter()
             .flat_map(|(world, figures)| {
                 let missed = figures.iter().filter(|figure| !figure.may_hold());
@@ -138,12 +138,12 @@ impl Calibrate {
 }
 
 /// A row for each world.
-fn print_worlds(calibration: &Calibration, judged: &[(Disturbance, Vec<Statistic>)]) {
+fn print_worlds(calibration: &Calibration, rated: &[(Disturbance, Vec<Statistic>)]) {
     print_line!("{} cases in each world, seed {}\n", calibration.outcomes.len(), calibration.seed);
-    let names = judged.first().map_or(&[][..], |(_, figures)| &figures[..]).iter();
+    let names = rated.first().map_or(&[][..], |(_, figures)| &figures[..]).iter();
     let header: Vec<&str> = std::iter::once("world").chain(names.map(|figure| figure.name.trim())).collect();
     let mut rows = table(&header);
-    for (world, figures) in judged {
+    for (world, figures) in rated {
         let cell = |figure: &Statistic| {
             let value =
                 figure.value.map_or_else(|| "–".to_owned(), |value| format!("{:.1} %", 100.0 * value));
@@ -175,7 +175,7 @@ fn print(calibration: &Calibration, world: Disturbance, figures: &[Statistic]) {
             figure.cases.to_string(),
             must,
             aim,
-            judged(figure).to_owned(),
+            mark(figure).to_owned(),
         ]);
     }
     print_line!("{rows}");
@@ -185,6 +185,6 @@ fn range([low, high]: &[f64; 2]) -> String {
     format!("{} … {}", number(*low), number(*high))
 }
 
-fn judged(figure: &Statistic) -> &'static str {
+fn mark(figure: &Statistic) -> &'static str {
     if figure.holds() { "" } else { "missed" }
 }

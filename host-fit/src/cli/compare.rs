@@ -9,7 +9,7 @@ use super::comparison_summary::{LEGEND, summary};
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, grouped, print_hint, print_json, print_line, print_warning, progress, table};
 use super::units::{ErrorUnit, Printed, three};
-use fos_diagnose::compare::{AxisComparison, Comparison, Judgement, compare_study, lags_off};
+use fos_diagnose::compare::{AxisComparison, Comparison, Evaluation, compare_study, lags_off};
 use fos_diagnose::dependence::Dependence;
 use fos_fit::evaluate::{ModelErrors, Stretch};
 
@@ -69,12 +69,12 @@ impl Compare {
         // Only if the log is unchanged.
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
         let bar = progress(4, "evaluating");
-        let judged = |model: &str| {
+        let evaluation = |model: &str| {
             bar.set_message(&format!("evaluating: {model}"));
             bar.inc(1);
         };
-        let Judgement { comparison, trace, stillness } =
-            compare_study(&study, &recording, own.as_ref(), judged)?;
+        let Evaluation { comparison, trace, stillness } =
+            compare_study(&study, &recording, own.as_ref(), evaluation)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             let curves = curves(&comparison, &trace, &recording);
@@ -101,7 +101,7 @@ impl Compare {
 
 /// A row for each axis, and the worst stretches; with `--details` all errors and dependences of every axis.
 fn print_comparison(comparison: &Comparison, printed: Printed) {
-    let (begin, end) = comparison.judged_s;
+    let (begin, end) = comparison.evaluated_s;
     print_line!("evaluated from {begin:.2} s to {end:.2} s, on rows at rest that were not fitted");
     print_line!("\n{}\n{LEGEND}", summary(comparison, printed.units));
     print_unaided(comparison, printed);

@@ -51,23 +51,25 @@ impl Demo {
         let path = |name: &str| self.folder.join(name);
         let file = FileVersion::now(&path("study.json"))?;
 
-        let [quiet, field, later] = hidden_effects(&self.folder, self.seed)?;
+        let [reference, field, later] = hidden_effects(&self.folder, self.seed)?;
         say!(
             self,
             "1. Three logs of a simulated phone on a desk: a reference log of {:.0} min, a log of {:.0} min in which the processor works\n   \
              and the phone warms up, and a later evaluation log of {:.0} min. Two effects are hidden in gyro x.",
-            minutes(&quiet),
+            minutes(&reference),
             minutes(&field),
             minutes(&later)
         );
 
         let options = FitOptions::default();
-        let quiet_stillness = rest(&quiet, options.train);
+        let reference_stillness = rest(&reference, options.train);
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
-        let fits = fit_axes(&quiet, &quiet_stillness, &axes, &options, || bar.inc(1))?;
+        let fits = fit_axes(&reference, &reference_stillness, &axes, &options, || bar.inc(1))?;
         let mut study =
-            study_of(&quiet, &quiet_stillness, fits, options, LoadOptions::default(), |_| bar.inc(1))?;
+            study_of(&reference, &reference_stillness, fits, options, LoadOptions::default(), |_| {
+                bar.inc(1)
+            })?;
         bar.finish_and_clear();
         say!(
             self,
@@ -79,24 +81,27 @@ impl Demo {
         let alone = study.axis_alone(AXIS)?;
         let field_stillness = stillness::find(&field);
         let lag_1 = study.axes.iter().find(|report| report.column == AXIS).map_or(0.0, |report| report.lag_1);
-        let trained =
-            Trained { recording: &quiet, stillness: &quiet_stillness, rows: 0..study.data.trained_rows };
+        let trained = Trained {
+            recording: &reference,
+            stillness: &reference_stillness,
+            rows: 0..study.data.trained_rows,
+        };
         let (comparison, trace) =
             compare(&alone, &[lag_1], &field, &field_stillness, 0..field.n_rows(), Some(&trained), |_| {})?;
         let drawn = curves(&comparison, &trace, &field);
         plots::write_all(&path("figures"), &comparison, &drawn, &moved(&field, &field_stillness))?;
         let failing = &comparison.axes[0];
-        let (before, quiet_error) = (failing.errors.last(), study.steps.last());
+        let (before, reference_error) = (failing.errors.last(), study.steps.last());
         let slow = |errors: Option<&fos_fit::evaluate::ModelErrors>| {
             errors.and_then(|errors| errors.slow_error_coast).map_or(f64::NAN, f64::sqrt)
         };
-        let in_quiet =
-            quiet_error.and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
+        let in_reference = reference_error
+            .and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
         say!(
             self,
             "3. On the log to explain the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {}.",
             number(slow(before).to_degrees()),
-            number(slow(in_quiet.map(|(errors, _)| errors)).to_degrees())
+            number(slow(in_reference.map(|(errors, _)| errors)).to_degrees())
         );
         if let Some(worst) = failing.worst.first() {
             say!(
@@ -116,7 +121,12 @@ impl Demo {
         }
 
         let library = Library::built_in();
-        let logs = Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() };
+        let logs = Logs {
+            log: field,
+            reference: Some(reference),
+            evaluation: Some(later),
+            read: LoadOptions::default(),
+        };
         let refiner = logs.refiner(&library);
         let mut refinement = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
         say!(self, "4. Diagnose, add the effect found, and repeat until nothing is missing:");
@@ -134,7 +144,7 @@ impl Demo {
             print_refinement(&refinement, Printed::default());
         }
 
-        let later = logs.judged.as_ref().unwrap_or(&logs.field);
+        let later = logs.evaluation.as_ref().unwrap_or(&logs.log);
         let refined = refinement.last().map_or(&alone, |last| &last.model);
         let later_rest = stillness::find(later);
         let (on_later, _) = compare(refined, &[lag_1], later, &later_rest, 0..later.n_rows(), None, |_| {})?;
@@ -174,7 +184,7 @@ impl Demo {
                 "comparison": comparison,
                 "evaluation": on_later,
                 "findings": found,
-                "growth": refinement,
+                "refinement": refinement,
                 "replay": replayed.summary,
                 "largest_difference_f32": off,
             }));

@@ -77,16 +77,16 @@ impl Diagnose {
             );
         }
         let field = self.reading.read(&self.of)?;
-        let quiet = self.logs.quiet.as_ref().map(|path| self.reading.read(path)).transpose()?;
-        let judged = self.logs.judge.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let reference = self.logs.reference.as_ref().map(|path| self.reading.read(path)).transpose()?;
+        let evaluation = self.logs.evaluate_on.as_ref().map(|path| self.reading.read(path)).transpose()?;
         // once for all axes
-        let judged = judged.as_ref().map(|judged| judged.led_in_by(&field));
+        let evaluation = evaluation.as_ref().map(|evaluation| evaluation.led_in_by(&field));
         let axes = super::arguments::axes(&field, self.axis.as_deref().unwrap_or("all"))?;
         let of_axis = |axis: &String| -> Result<Diagnosis, Failure> {
             Ok(diagnose_and_measure(&Question {
-                quiet: quiet.as_ref(),
-                judged: judged.as_ref().map(|(log, _)| &**log),
-                judged_from: judged.as_ref().map_or(0, |(_, from)| *from),
+                reference: reference.as_ref(),
+                evaluation: evaluation.as_ref().map(|(log, _)| &**log),
+                evaluation_from: evaluation.as_ref().map_or(0, |(_, from)| *from),
                 full_scale: self.full_scale,
                 ..Question::new(&field, axis, library)
             })?)

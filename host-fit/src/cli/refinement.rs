@@ -23,11 +23,11 @@ pub(super) struct LogArguments {
     pub(super) from: Option<PathBuf>,
     /// A log of the same device without the missing effect; by default the log that the study was fitted to
     #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
-    pub(super) quiet: Option<PathBuf>,
+    pub(super) reference: Option<PathBuf>,
     /// The evaluation log: a later log that nothing is fitted to; by default the last two fifths of the log to explain.
     /// If it begins where the log to explain ends, lags and hysteresis continue
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
-    pub(super) judge: Option<PathBuf>,
+    pub(super) evaluate_on: Option<PathBuf>,
 }
 
 /// Reads the logs in the arguments, or those of the refinement of `column`; `study` is in `file`.
@@ -42,37 +42,38 @@ pub(super) fn read_logs(
     let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
     let given = |path: &PathBuf| reading.read_named(path, &read);
     let again = |source: &Source| -> Result<Recording, Failure> { Ok(load_again(source, file, &read)?) };
-    let read_field = || match (&logs.from, known) {
+    let read_log = || match (&logs.from, known) {
         (Some(path), _) => given(path),
-        (None, Some(known)) => again(&known.field),
+        (None, Some(known)) => again(&known.log),
         (None, None) => Err("which log does the model fail on?\nhelp: give it with --from LOG".into()),
     };
     // The study's own log is the reference, unless the model fails on it.
-    let own = match (&logs.quiet, known, &study.data.sources[..]) {
+    let own = match (&logs.reference, known, &study.data.sources[..]) {
         (None, None, [own]) => Some(own),
         _ => None,
     };
-    let may_be_field = |own: &&Source| logs.from.as_deref().is_some_and(|from| from == Path::new(&own.path));
-    let read_quiet = || match (&logs.quiet, known) {
+    let may_be_log = |own: &&Source| logs.from.as_deref().is_some_and(|from| from == Path::new(&own.path));
+    let read_reference = || match (&logs.reference, known) {
         (Some(path), _) => given(path).map(Some),
-        (None, Some(known)) => known.quiet.as_ref().map(again).transpose(),
-        (None, None) => own.filter(|own| !may_be_field(own)).map(again).transpose(),
+        (None, Some(known)) => known.reference.as_ref().map(again).transpose(),
+        (None, None) => own.filter(|own| !may_be_log(own)).map(again).transpose(),
     };
-    let read_judged = || match (&logs.judge, known) {
+    let read_evaluation = || match (&logs.evaluate_on, known) {
         (Some(path), _) => given(path).map(Some),
-        (None, Some(known)) if logs.from.is_none() => known.judged.as_ref().map(again).transpose(),
+        (None, Some(known)) if logs.from.is_none() => known.evaluation.as_ref().map(again).transpose(),
         _ => Ok(None),
     };
-    let (field, (quiet, judged)) = rayon::join(read_field, || rayon::join(read_quiet, read_judged));
-    let field = field?;
-    let is_field = |own: &Source| field.sources.first() == Some(own);
-    let quiet = match own {
-        Some(own) if is_field(own) => None,
-        Some(own) if may_be_field(&own) => Some(again(own)?),
-        _ => quiet?,
+    let (log, (reference, evaluation)) =
+        rayon::join(read_log, || rayon::join(read_reference, read_evaluation));
+    let log = log?;
+    let is_log = |own: &Source| log.sources.first() == Some(own);
+    let reference = match own {
+        Some(own) if is_log(own) => None,
+        Some(own) if may_be_log(&own) => Some(again(own)?),
+        _ => reference?,
     };
-    let judged = judged?;
-    Ok(Logs { field, quiet, judged, read })
+    let evaluation = evaluation?;
+    Ok(Logs { log, reference, evaluation, read })
 }
 
 /// Column of `--axis` in a study, or its only one.
@@ -105,20 +106,20 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
     let slow: Vec<f64> = refinement.steps.iter().map(|step| step.left.slow.sqrt()).collect();
     let unit = ErrorUnit::of(&refinement.column, slow.iter().copied().fold(0.0, f64::max), printed.units);
     let logs = &refinement.logs;
-    match &logs.judged {
-        Some(judged) => {
+    match &logs.evaluation {
+        Some(evaluation) => {
             print_line!(
                 "{}: estimated on {}, evaluated on {}",
                 refinement.column,
-                logs.field.path,
-                judged.path
+                logs.log.path,
+                evaluation.path
             )
         }
         None => print_line!(
             "{}: estimated on the first {} rows of {}, evaluated on the others",
             refinement.column,
             logs.fitted_rows,
-            logs.field.path
+            logs.log.path
         ),
     }
     let slow_error = format!("slow error, {}", unit.label);

@@ -24,10 +24,10 @@ pub(super) struct Serve {
     of: Vec<PathBuf>,
     /// A log of the same device without the missing effect
     #[arg(long = "reference", alias = "quiet", value_name = "LOG")]
-    quiet: Option<PathBuf>,
+    reference: Option<PathBuf>,
     /// The evaluation log: a later log that nothing is fitted to
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
-    judge: Option<PathBuf>,
+    evaluate_on: Option<PathBuf>,
     /// Port; 0 for any that is free
     #[arg(long, default_value_t = 4180)]
     port: u16,
@@ -58,7 +58,10 @@ impl Serve {
             self.of.iter().cloned().partition(|path| path.is_dir());
         let read = self.reading.options()?;
         let field = match &logs[..] {
-            [] if self.quiet.is_some() || self.judge.is_some() || read != LoadOptions::default() => {
+            [] if self.reference.is_some()
+                || self.evaluate_on.is_some()
+                || read != LoadOptions::default() =>
+            {
                 return Err("there is no log that --reference, --evaluate-on, --map, --map-file, --rate or --strict would go with\nhelp: name the log as well; how a log of a folder is read, the page asks".into());
             }
             [] => None,
@@ -71,7 +74,7 @@ impl Serve {
         };
         let mut readable = vec![PathBuf::from(".")];
         readable.extend(folders);
-        let beside = [field, self.quiet.as_ref(), self.judge.as_ref()].into_iter().flatten();
+        let beside = [field, self.reference.as_ref(), self.evaluate_on.as_ref()].into_iter().flatten();
         readable.extend(beside.map(|log| match log.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
@@ -82,8 +85,9 @@ impl Serve {
         runtime.block_on(async {
             let server = Server::bind(self.listen, self.port, folders, library).await?;
             if let Some(field) = field {
-                let (quiet, judged) = (self.quiet.as_ref().map(text), self.judge.as_ref().map(text));
-                if let Err(reason) = server.open(text(field), quiet, judged, read) {
+                let (reference, evaluation) =
+                    (self.reference.as_ref().map(text), self.evaluate_on.as_ref().map(text));
+                if let Err(reason) = server.open(text(field), reference, evaluation, read) {
                     print_warning(&reason);
                 }
             }

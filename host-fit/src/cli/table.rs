@@ -166,14 +166,14 @@ fn print(comparison: &Comparison, settings: &Settings, markdown: bool, units: Un
             error.show(high)
         );
     }
-    if let Some(Cell { entry: Entry::Fos(degree), order, result: Ok(judged) }) =
+    if let Some(Cell { entry: Entry::Fos(degree), order, result: Ok(evaluated) }) =
         comparison.chosen.map(|index| &comparison.cells[index])
     {
         print_line!(
             "  chosen by the least error on the evaluation part: fos, L = {order}, CP {degree}, {}, {} on the same target {}",
-            counted(judged.terms, "term"),
+            counted(evaluated.terms, "term"),
             error.name(),
-            error.show(judged.mse_same_target)
+            error.show(evaluated.mse_same_target)
         );
     }
 }
@@ -221,17 +221,17 @@ fn line(cell: &Cell, error: ErrorShown) -> Vec<String> {
     let name = format!("  {}", cell.entry);
     match &cell.result {
         Err(_) => vec![name, "–".into(), "–".into(), "–".into(), "–".into(), "–".into(), "–".into()],
-        Ok(judged) => {
+        Ok(evaluated) => {
             let marked = |mse, below| format!("{}{}", error.show(mse), if below { "*" } else { " " });
             let metres = |position: Option<f64>| position.map_or_else(|| "–".to_owned(), three);
             vec![
                 name,
-                judged.terms.to_string(),
-                marked(judged.mse_as_fitted, judged.as_fitted_below_floor),
-                metres(judged.position_error_as_fitted_m),
-                marked(judged.mse_same_target, judged.same_target_below_floor),
-                metres(judged.position_error_same_target_m),
-                three(judged.time_s * 1e3),
+                evaluated.terms.to_string(),
+                marked(evaluated.mse_as_fitted, evaluated.as_fitted_below_floor),
+                metres(evaluated.position_error_as_fitted_m),
+                marked(evaluated.mse_same_target, evaluated.same_target_below_floor),
+                metres(evaluated.position_error_same_target_m),
+                three(evaluated.time_s * 1e3),
             ]
         }
     }

@@ -34,7 +34,7 @@ pub(super) struct TableArguments {
     ardupilot: Option<OutputFile>,
     /// A later log to evaluate these tables on; by default the rows of the study's log that were not fitted
     #[arg(long = "evaluate-on", alias = "judge", value_name = "LOG")]
-    judge: Option<PathBuf>,
+    evaluate_on: Option<PathBuf>,
     #[command(flatten)]
     shown: UnitsOption,
 }
@@ -46,7 +46,7 @@ pub(super) struct Tables {
     range_c: [f64; 2],
     px4: Option<(Px4, TableSensor)>,
     ardupilot: Option<(ArduPilot, TableSensor)>,
-    judged: String,
+    evaluation: String,
     left: Vec<LeftByTemperature>,
     units: Units,
 }
@@ -55,7 +55,7 @@ pub(super) struct Tables {
 #[derive(Debug, Serialize)]
 pub(super) struct TablesLeft<'a> {
     range_c: [f64; 2],
-    judged: &'a str,
+    evaluation: &'a str,
     /// Corrections of the values in `corrected`, in their order.
     corrected_by: Vec<&'static str>,
     axes: &'a [LeftByTemperature],
@@ -68,7 +68,7 @@ impl TableArguments {
 
     /// Refuses options that need a table.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        if self.judge.is_some() && !self.are_given() {
+        if self.evaluate_on.is_some() && !self.are_given() {
             return Err(
                 "--evaluate-on is for temperature tables\nhelp: give --px4 FILE or --ardupilot FILE with it"
                     .into(),
@@ -91,13 +91,13 @@ impl TableArguments {
         if !self.are_given() {
             return Ok(None);
         }
-        let (recording, fitted_rows, judged) = self.logs(study, file)?;
+        let (recording, fitted_rows, evaluation) = self.logs(study, file)?;
         let sensor = |is_wanted: bool, autopilot| {
             is_wanted.then(|| TableSensor::of(&recording, autopilot, self.stated())).transpose()
         };
         let for_px4 = sensor(self.px4.is_some(), Autopilot::Px4)?;
         let for_ardupilot = sensor(self.ardupilot.is_some(), Autopilot::ArduPilot)?;
-        let fitted_rows = if judged.is_some() { recording.n_rows() } else { fitted_rows };
+        let fitted_rows = if evaluation.is_some() { recording.n_rows() } else { fitted_rows };
         let stillness = stillness::find_apart(&recording, fitted_rows);
         let fitted = ThermalTable::fit(&recording, &stillness, 0..fitted_rows)?;
         let px4 = for_px4.map(|sensor| (Px4::of(&fitted), sensor));
@@ -117,7 +117,7 @@ impl TableArguments {
             left_by_temperature(&study.model, log, stillness, &rows, &columns, &corrections)
         };
         let log = name_of(&recording.paths());
-        let (left, judged) = match &judged {
+        let (left, evaluation) = match &evaluation {
             Some(other) => {
                 (left(other, &stillness::find(other), 0..other.n_rows())?, name_of(&other.paths()))
             }
@@ -127,7 +127,7 @@ impl TableArguments {
             }
         };
         let range_c = [fitted.low_c, fitted.high_c];
-        Ok(Some(Tables { log, range_c, px4, ardupilot, judged, left, units: self.shown.units }))
+        Ok(Some(Tables { log, range_c, px4, ardupilot, evaluation, left, units: self.shown.units }))
     }
 
     /// Statements of the user about the sensor.
@@ -142,12 +142,15 @@ impl TableArguments {
 
     /// The fitted log, its number of fitted rows, and the evaluation log, if it is another.
     fn logs(&self, study: &Study, file: &Path) -> Result<(Recording, usize, Option<Recording>), Failure> {
-        let (recording, fitted_rows, judged, read) = match study.refinements.first() {
+        let (recording, fitted_rows, evaluation, read) = match study.refinements.first() {
             Some(refinement) => {
                 let logs = &refinement.logs;
-                let judged =
-                    logs.judged.as_ref().map(|source| load_again(source, file, &logs.read)).transpose()?;
-                (load_again(&logs.field, file, &logs.read)?, logs.fitted_rows, judged, &logs.read)
+                let evaluation = logs
+                    .evaluation
+                    .as_ref()
+                    .map(|source| load_again(source, file, &logs.read))
+                    .transpose()?;
+                (load_again(&logs.log, file, &logs.read)?, logs.fitted_rows, evaluation, &logs.read)
             }
             None => {
                 let read = &study.data.read;
@@ -155,11 +158,11 @@ impl TableArguments {
                 (Recording::join(logs.collect::<Result<_, _>>()?)?, study.data.trained_rows, None, read)
             }
         };
-        let judged = match &self.judge {
+        let evaluation = match &self.evaluate_on {
             Some(path) => Some(load(path, read)?),
-            None => judged,
+            None => evaluation,
         };
-        Ok((recording, fitted_rows, judged))
+        Ok((recording, fitted_rows, evaluation))
     }
 
     /// Writes the requested tables.
@@ -201,7 +204,7 @@ impl Tables {
     pub(super) fn as_json(&self) -> TablesLeft<'_> {
         TablesLeft {
             range_c: self.range_c,
-            judged: &self.judged,
+            evaluation: &self.evaluation,
             corrected_by: self.names(),
             axes: &self.left,
         }
@@ -209,7 +212,10 @@ impl Tables {
 
     /// The remaining error after each correction, side by side.
     pub(super) fn print(&self) {
-        print_line!("\nremaining slow error at rest on {}: RMS of 1-s means about their mean", self.judged);
+        print_line!(
+            "\nremaining slow error at rest on {}: RMS of 1-s means about their mean",
+            self.evaluation
+        );
         let mut header = vec!["  axis".to_owned(), "nothing corrected".to_owned()];
         header.extend(self.names().iter().map(|name| format!("{name}'s cubic")));
         header.extend(["the study".to_owned(), "unit".to_owned()]);

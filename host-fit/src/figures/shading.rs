@@ -160,8 +160,9 @@ mod tests {
             let moved = moved(&log, &stillness);
             let shaded = |time: &f64| moved.ranges.iter().any(|range| (range.from..=range.to).contains(time));
             let is_shaded: Vec<bool> = log.time_s.iter().map(shaded).collect();
-            let judged = is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
-            assert_eq!(judged.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
+            let evaluation =
+                is_shaded.iter().zip(&stillness.still).filter(|(shaded, still)| **shaded && **still);
+            assert_eq!(evaluation.count(), 0, "{disturbance:?} {seed}: {:?}", moved.ranges);
             let excluded = stillness.disturbances.iter().filter(|one| one.is_excluded());
             assert!(excluded.clone().all(|one| is_shaded[one.rows.clone()].iter().all(|shaded| *shaded)));
             let longest = moved.ranges.iter().map(|range| range.to - range.from).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::judge::{Prepared, judge};
+use super::evaluate::{Prepared, evaluate};
 use super::result::{Cell, Comparison, Entry};
 use super::settings::Settings;
 use super::split::{Split, SplitError, split};
@@ -65,14 +65,14 @@ pub fn compare(
     let mut cells = Vec::new();
     for entry in entries {
         for order in 1..=settings.max_order {
-            let judged = judge(&prepared, entry, order, settings);
-            let cell = Cell { entry, order, result: judged.map_err(|error| error.to_string()) };
+            let evaluation = evaluate(&prepared, entry, order, settings);
+            let cell = Cell { entry, order, result: evaluation.map_err(|error| error.to_string()) };
             progress(&cell);
             cells.push(cell);
         }
     }
     let evaluation = |cell: &Cell| match (&cell.entry, &cell.result) {
-        (Entry::Fos(_), Ok(judged)) => Some(judged.mse_evaluation),
+        (Entry::Fos(_), Ok(evaluation)) => Some(evaluation.mse_evaluation),
         _ => None,
     };
     let candidates = cells.iter().enumerate().filter_map(|(i, cell)| Some((i, evaluation(cell)?)));

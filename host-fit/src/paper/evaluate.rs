@@ -5,7 +5,7 @@ use std::ops::Range;
 use fos_core::y;
 
 use super::position_error::position_error_m;
-use super::result::{Entry, Judged};
+use super::result::{Entry, Evaluated};
 use super::settings::Settings;
 use super::split::Split;
 use crate::timing::median_time;
@@ -36,12 +36,12 @@ pub(super) struct Prepared<'a> {
 }
 
 /// Fits and evaluates one model.
-pub(super) fn judge(
+pub(super) fn evaluate(
     prepared: &Prepared<'_>,
     entry: Entry,
     order: u16,
     settings: &Settings,
-) -> Result<Judged, CellError> {
+) -> Result<Evaluated, CellError> {
     let (time_s, fitted) = median_time(settings.repeats, || fit(prepared, entry, order, settings));
     let predictor = fitted?;
     // Mean over the rows preceded by as many samples as the largest order, so the same for all orders; in the axis' unit squared.
@@ -58,7 +58,7 @@ pub(super) fn judge(
         Entry::Raw(_) | Entry::Fos(_) => mse_same_target,
     };
     let below_floor = |mse| prepared.floor.as_ref().is_some_and(|floor| floor.is_beaten_by(mse));
-    Ok(Judged {
+    Ok(Evaluated {
         terms: predictor.terms.len(),
         mse_as_fitted,
         mse_same_target,

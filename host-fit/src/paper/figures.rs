@@ -1,7 +1,7 @@
 //! The paper's Figures 2, 5, 6 and 7 for one axis.
 
 use super::curves::Curves;
-use super::result::{Cell, Comparison, Entry, Judged};
+use super::result::{Cell, Comparison, Entry, Evaluated};
 use crate::figures::compare::capitalised;
 use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use fos_data::column::Column;
@@ -62,7 +62,7 @@ fn samples(comparison: &Comparison, curves: &Curves) -> Figure {
 
 /// Figures 6 and 7: mean square error against model order.
 fn mse_by_order(comparison: &Comparison) -> Figure {
-    let panel = |title: &str, mse: fn(&Judged) -> f64, with_raw: bool| {
+    let panel = |title: &str, mse: fn(&Evaluated) -> f64, with_raw: bool| {
         let mut series: Vec<Series> = Vec::new();
         for cells in comparison.cells.chunk_by(|a, b| a.entry == b.entry) {
             let entry = cells[0].entry;
@@ -91,18 +91,18 @@ fn mse_by_order(comparison: &Comparison) -> Figure {
     Figure {
         title: format!("{}: one-step prediction error against model order", name(comparison)),
         panels: vec![
-            panel("As in the paper: what each was fitted to", |judged| judged.mse_as_fitted, false),
+            panel("As in the paper: what each was fitted to", |evaluation| evaluation.mse_as_fitted, false),
             panel(
                 "Same target: samples as measured (dots: fitted to them)",
-                |judged| judged.mse_same_target,
+                |evaluation| evaluation.mse_same_target,
                 true,
             ),
         ],
     }
 }
 
-fn point(cell: &Cell, mse: fn(&Judged) -> f64) -> Option<(f64, f64)> {
-    cell.result.as_ref().ok().map(|judged| (f64::from(cell.order), mse(judged)))
+fn point(cell: &Cell, mse: fn(&Evaluated) -> f64) -> Option<(f64, f64)> {
+    cell.result.as_ref().ok().map(|evaluation| (f64::from(cell.order), mse(evaluation)))
 }
 
 /// Colour of a method, the same for measured and de-noised samples.

@@ -12,8 +12,8 @@
 
 mod compare;
 mod curves;
+mod evaluate;
 mod figures;
-mod judge;
 mod position_error;
 mod result;
 mod settings;
@@ -25,6 +25,6 @@ mod tests;
 pub use compare::{PaperError, compare};
 pub use curves::Curves;
 pub use figures::figures;
-pub use result::{Cell, Comparison, Entry, Judged};
+pub use result::{Cell, Comparison, Entry, Evaluated};
 pub use settings::Settings;
 pub use split::{Split, SplitError};

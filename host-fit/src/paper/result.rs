@@ -37,12 +37,12 @@ pub struct Cell {
     /// Model order: the largest output lag, L.
     pub order: u16,
     /// Result, or the reason for its absence.
-    pub result: Result<Judged, String>,
+    pub result: Result<Evaluated, String>,
 }
 
 /// Evaluation of one model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Judged {
+pub struct Evaluated {
     /// Number of terms without the constant.
     pub terms: usize,
     /// MSE on the prediction part; each method predicts the kind of samples it was fitted to.

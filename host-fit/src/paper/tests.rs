@@ -32,7 +32,7 @@ fn compared(
     compare(recording, stillness, &recording.error_series(axis).unwrap(), settings, |_| {})
 }
 
-fn judged(comparison: &Comparison, entry: Entry, order: u16) -> &Judged {
+fn evaluation(comparison: &Comparison, entry: Entry, order: u16) -> &Evaluated {
     let found = comparison.cells.iter().find(|cell| cell.entry == entry && cell.order == order);
     found.unwrap().result.as_ref().unwrap()
 }
@@ -44,7 +44,7 @@ fn only_fos_reaches_the_innovation_of_a_quadratic_truth() {
     for axis in ["ay", "gy"] {
         let (comparison, split) = compared(&recording, &stillness, axis, &settings()).unwrap();
         assert_eq!(split.samples(), [36_000, 12_000, 72_000]);
-        let at_ten = |entry| judged(&comparison, entry, 10).mse_same_target;
+        let at_ten = |entry| evaluation(&comparison, entry, 10).mse_same_target;
         let (linear, quadratic) = (at_ten(Entry::Fos(1)), at_ten(Entry::Fos(2)));
         let innovation = innovation_variance(&comparison.column).unwrap();
         // 72,000 squares of normal numbers: 0.5 % standard deviation, times four.
@@ -64,8 +64,8 @@ fn linear_fos_with_all_lags_is_the_covariance_method_with_an_intercept() {
     let recording = recording();
     let stillness = stillness::find(&recording);
     let (comparison, _) = compared(&recording, &stillness, "ay", &settings()).unwrap();
-    let fos = judged(&comparison, Entry::Fos(1), 10);
-    let covariance = judged(&comparison, Entry::Raw(Method::Covariance), 10);
+    let fos = evaluation(&comparison, Entry::Fos(1), 10);
+    let covariance = evaluation(&comparison, Entry::Raw(Method::Covariance), 10);
     assert_eq!(fos.terms, 10);
     // The mean of the training part was subtracted, so an intercept has almost no effect.
     assert!((fos.mse_same_target / covariance.mse_same_target - 1.0).abs() < 1e-3);
@@ -88,7 +88,7 @@ fn residuals_equal_those_of_fos_core() {
     // The same rows: those preceded by ten samples of the prediction part.
     let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
     let mse = signal::mean(&[&squares]);
-    let ours = judged(&comparison, Entry::Raw(Method::Burg), 10).mse_same_target;
+    let ours = evaluation(&comparison, Entry::Raw(Method::Burg), 10).mse_same_target;
     // The same sums of 10⁵ rows in another order.
     assert!((mse / ours - 1.0).abs() < 1e-9, "{mse} for {ours}");
 }

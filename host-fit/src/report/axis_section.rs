@@ -31,13 +31,12 @@ pub struct AxisSection {
     /// Comparison of the present model with the log to explain.
     pub comparison: Option<AxisComparison>,
     /// First and last timestamp of the compared rows, s.
-    pub judged_s: Option<(f64, f64)>,
+    pub evaluated_s: Option<(f64, f64)>,
     /// Effects missing from the present model.
     pub diagnosis: Option<Diagnosis>,
     /// One offer for each finding of the diagnosis.
     pub offers: Vec<Offer>,
     /// Every step of the refinement, with the errors of its model.
-    #[serde(rename = "growth")]
     pub refinement: Option<Refinement>,
     /// Refinement as a figure.
     pub staircase: Option<Figure>,
@@ -80,7 +79,7 @@ impl AxisSection {
             unit: Column::named(column).unit().label().to_owned(),
             model: None,
             comparison: None,
-            judged_s: None,
+            evaluated_s: None,
             diagnosis: None,
             offers: Vec::new(),
             refinement: None,
@@ -101,7 +100,7 @@ impl AxisSection {
     /// Adds the comparison of the model with the log to explain.
     pub fn examined(mut self, examination: &Examination) -> Self {
         self.comparison = Some(examination.comparison.clone());
-        self.judged_s = Some(examination.judged_s);
+        self.evaluated_s = Some(examination.evaluated_s);
         self
     }
 
@@ -118,7 +117,7 @@ impl AxisSection {
     ) -> Result<Self, RefineError> {
         let refiner = logs.refiner(library);
         let diagnosis = refiner.diagnose(refinement)?;
-        self.offers = offers(&refiner, refinement, &diagnosis, library, &logs.field)?;
+        self.offers = offers(&refiner, refinement, &diagnosis, library, &logs.log)?;
         self.diagnosis = Some(diagnosis);
         Ok(self)
     }

@@ -49,20 +49,20 @@ pub struct LogSummary {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Summaries {
     /// Log to explain.
-    pub field: LogSummary,
+    pub log: LogSummary,
     /// Reference log; none if not given.
-    pub quiet: Option<LogSummary>,
+    pub reference: Option<LogSummary>,
     /// Evaluation log; none if not given.
-    pub judged: Option<LogSummary>,
+    pub evaluation: Option<LogSummary>,
 }
 
 impl Summaries {
     /// Summarises the logs of a study.
     pub fn of(logs: &Logs) -> Self {
         Self {
-            field: LogSummary::of(&logs.field),
-            quiet: logs.quiet.as_ref().map(LogSummary::of),
-            judged: logs.judged.as_ref().map(LogSummary::of),
+            log: LogSummary::of(&logs.log),
+            reference: logs.reference.as_ref().map(LogSummary::of),
+            evaluation: logs.evaluation.as_ref().map(LogSummary::of),
         }
     }
 }

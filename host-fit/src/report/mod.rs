@@ -62,11 +62,11 @@ pub struct Report {
     /// Provenance of the model, a line each.
     pub provenance: Vec<String>,
     /// Log to explain.
-    pub field: LogSummary,
+    pub log: LogSummary,
     /// Reference log; none if not given.
-    pub quiet: Option<LogSummary>,
+    pub reference: Option<LogSummary>,
     /// Evaluation log; none if not given.
-    pub judged: Option<LogSummary>,
+    pub evaluation: Option<LogSummary>,
     /// One entry for each examined axis.
     pub axes: Vec<ReportAxis>,
     /// Command lines that give the same results.
@@ -110,7 +110,7 @@ impl Report {
             progress(&format!("{column}: testing effects"));
             let section = AxisSection::of(study, &refinement).examined(&examination);
             let section = section.diagnosed(&refinement, logs, library)?;
-            let moved = &summaries.field.moved;
+            let moved = &summaries.log.moved;
             let view = View { axis: &examination.comparison, curves: &examination.curves, moved };
             axes.push(ReportAxis { section, figures: view.all() });
         }
@@ -119,16 +119,16 @@ impl Report {
 
     /// Builds a report from axes that were examined before.
     pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs, summaries: Summaries) -> Self {
-        let Summaries { field, quiet, judged } = summaries;
+        let Summaries { log, reference, evaluation } = summaries;
         let refined =
             axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.refinement.as_ref()));
         let commands = command_lines(&study.data.sources, logs, refined);
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),
-            field,
-            quiet,
-            judged,
+            log,
+            reference,
+            evaluation,
             axes,
             commands,
             settings: serde_json::to_value(&study.settings).unwrap_or_default(),

@@ -89,9 +89,9 @@ pub(super) struct Wanted {
     #[serde(default)]
     #[cfg_attr(test, ts(as = "Option<_>", optional))]
     example: bool,
-    field: Option<String>,
-    quiet: Option<String>,
-    judged: Option<String>,
+    log: Option<String>,
+    reference: Option<String>,
+    evaluation: Option<String>,
     #[serde(default)]
     #[cfg_attr(test, ts(as = "Option<_>", optional))]
     columns: Vec<String>,
@@ -109,13 +109,13 @@ pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wante
 impl Wanted {
     /// Returns the logs if they may be read; their columns and rate replace those of `read`.
     fn files(self, desk: &Desk, read: LoadOptions) -> Result<LogFiles, Refused> {
-        let Self { field, quiet, judged, columns, rate_hz, .. } = self;
-        let field = field.ok_or_else(|| wrong("which log? \"field\" is missing"))?;
-        for path in [Some(&field), quiet.as_ref(), judged.as_ref()].into_iter().flatten() {
+        let Self { log, reference, evaluation, columns, rate_hz, .. } = self;
+        let log = log.ok_or_else(|| wrong("which log? \"log\" is missing"))?;
+        for path in [Some(&log), reference.as_ref(), evaluation.as_ref()].into_iter().flatten() {
             desk.folders.permitted(path).map_err(forbidden)?;
         }
         let columns = ColumnMap::from_specs(columns).map_err(wrong)?;
-        Ok(LogFiles { field, quiet, judged, read: LoadOptions { columns, rate_hz, ..read } })
+        Ok(LogFiles { log, reference, evaluation, read: LoadOptions { columns, rate_hz, ..read } })
     }
 }
 
@@ -265,7 +265,7 @@ pub(super) async fn series(
     let drawn = beside(move || {
         let read = study.read().map_err(not_now)?;
         let axis = study.axis(&window.axis).map_err(wrong)?;
-        let log = &read.logs.field;
+        let log = &read.logs.log;
         let reference = log.channel(&Column::named(&window.axis).reference()).ok();
         let rows = Rows {
             recording: log,
@@ -311,7 +311,7 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     let axis = study.axis(&stretch.axis).map_err(wrong)?;
     let found =
         axis.examination.ok_or_else(|| not_now("there is no model yet\nhelp: wait a moment".to_owned()))?;
-    let log = &read.logs.field;
+    let log = &read.logs.log;
     let rows = stretch.from.zip(stretch.to).map(|(from, to)| {
         let inside = |time: &f64| (from..=to).contains(time);
         let first = log.time_s.iter().position(inside).unwrap_or(0);
@@ -327,7 +327,7 @@ fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> 
     }
     let curves = part.as_ref().map(|part| AxisCurves::of(&found.comparison, part, 0, log));
     let curves = curves.as_ref().unwrap_or(&found.curves);
-    let view = View { axis: &found.comparison, curves, moved: &read.summaries.field.moved };
+    let view = View { axis: &found.comparison, curves, moved: &read.summaries.log.moved };
     let mut figures = vec![("residual".to_owned(), view.residual())];
     let against = AgainstChannel::every_channel(&found.comparison, &found.trace, 0, log, rows.as_ref());
     figures.extend(against.into_iter().map(|one| (format!("against:{}", one.channel), view.against(one))));
@@ -410,7 +410,7 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
     let known = read.axes.iter().filter_map(|column| study.axis(column).ok());
     let axes = known.filter_map(|axis| {
         let found = axis.examination?;
-        let moved = &read.summaries.field.moved;
+        let moved = &read.summaries.log.moved;
         let view = View { axis: &found.comparison, curves: &found.curves, moved };
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
@@ -457,7 +457,7 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
         let bytes = image(&file.model, "", &file.provenance()).map_err(wrong)?;
         let length = bytes.len();
         let summary = study.replay(bytes).map_err(wrong)?;
-        let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
+        let log = read.logs.evaluation.as_ref().unwrap_or(&read.logs.log);
         let command = format!("fos replay unit.fosm {}", crate::escaping::quoted(&log.paths()));
         Ok(Replayed { log: log.paths(), summary, command, bytes: length })
     });

@@ -119,7 +119,7 @@ fn restored(id: u64, file: &Path, folders: &Folders, library: &Arc<Library>) -> 
         Ok((stored, version)) => {
             let open = Open::Stored(Arc::new(stored));
             let is_example =
-                open.files().is_some_and(|files| Path::new(&files.field).starts_with(folders.example()));
+                open.files().is_some_and(|files| Path::new(&files.log).starts_with(folders.example()));
             let name = if is_example { Open::Example(folders.example()).name() } else { open.name() };
             (name, Ok(open), version)
         }
@@ -142,7 +142,7 @@ fn read(file: &Path, folders: &Folders) -> Result<(StudyFile, FileVersion), Stri
         format!("{}: names no log to explain\nhelp: close it here, and open the log again", file.display())
     })?;
     let logs = &refinement.logs;
-    for source in [Some(&logs.field), logs.quiet.as_ref(), logs.judged.as_ref()].into_iter().flatten() {
+    for source in [Some(&logs.log), logs.reference.as_ref(), logs.evaluation.as_ref()].into_iter().flatten() {
         folders.permitted(&source.path)?;
     }
     Ok((stored, version))

@@ -20,6 +20,6 @@ const SEED: u64 = 1;
 /// The folder cannot be written.
 pub(super) fn logs(folder: &Path) -> Result<Logs, String> {
     make_folder(folder).map_err(|error| error.to_string())?;
-    let [quiet, field, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
-    Ok(Logs { field, quiet: Some(quiet), judged: Some(later), read: LoadOptions::default() })
+    let [reference, log, later] = hidden_effects(folder, SEED).map_err(|error| error.to_string())?;
+    Ok(Logs { log, reference: Some(reference), evaluation: Some(later), read: LoadOptions::default() })
 }

@@ -342,7 +342,7 @@ mod tests {
         let rows = Rows { trace: Some((&trace, &axis)), ..of(&log) };
         let shown = series(rows, by(ViewKind::OneStep), 0.0, 10.0, 4_000);
         let (left, predicted) = (shown.left.unwrap(), shown.predicted.unwrap());
-        assert_eq!(left.low[999], None, "not judged");
+        assert_eq!(left.low[999], None, "not evaluated");
         for at in 1_000..2_000 {
             assert_eq!(predicted.low[at].unwrap() + left.low[at].unwrap(), shown.measured.low[at].unwrap());
         }

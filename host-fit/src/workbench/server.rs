@@ -87,12 +87,12 @@ impl Server {
     /// Too many studies are open, or the stored one cannot be renamed.
     pub fn open(
         &self,
-        field: String,
-        quiet: Option<String>,
-        judged: Option<String>,
+        log: String,
+        reference: Option<String>,
+        evaluation: Option<String>,
         read: LoadOptions,
     ) -> Result<u64, String> {
-        self.desk.open_or_resume(LogFiles { field, quiet, judged, read })
+        self.desk.open_or_resume(LogFiles { log, reference, evaluation, read })
     }
 
     /// Answers requests until `end` resolves.

@@ -265,8 +265,8 @@ impl Study {
         let mut state = self.lock();
         // The running task works on the present logs.
         state.queue.stop();
-        if state.files.as_ref().is_some_and(|before| before.field != files.field) {
-            state.name = name_of(&files.field);
+        if state.files.as_ref().is_some_and(|before| before.log != files.log) {
+            state.name = name_of(&files.log);
         }
         state.files = Some(files.clone());
         state.queue.ask([Task::Read(Open::Logs(files))]);
@@ -344,7 +344,7 @@ impl Study {
             return Ok(same.summary.clone());
         }
         let parsed = Image::parse(&image).map_err(|error| error.to_string())?;
-        let log = read.logs.judged.as_ref().unwrap_or(&read.logs.field);
+        let log = read.logs.evaluation.as_ref().unwrap_or(&read.logs.log);
         let summary =
             replay::summary(&parsed, log, &stillness::find(log)).map_err(|error| error.to_string())?;
         *last = Some(Replayed { image, read, summary: summary.clone() });
@@ -364,7 +364,7 @@ impl Study {
         if let Some(same) = known.iter().find(|known| known.column == column) {
             return Ok(same.noise.clone());
         }
-        let log = &read.logs.field;
+        let log = &read.logs.log;
         let noise = axis_noise(log, &stillness::find(log), column).ok();
         let column = column.to_owned();
         known.push(NoiseOfAxis { column, read: Arc::clone(&read), noise: noise.clone() });

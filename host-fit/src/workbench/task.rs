@@ -56,11 +56,11 @@ pub(super) enum Open {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub(super) struct LogFiles {
     /// The log to explain.
-    pub(super) field: String,
+    pub(super) log: String,
     /// The reference log.
-    pub(super) quiet: Option<String>,
+    pub(super) reference: Option<String>,
     /// The evaluation log.
-    pub(super) judged: Option<String>,
+    pub(super) evaluation: Option<String>,
     pub(super) read: LoadOptions,
 }
 
@@ -69,9 +69,9 @@ impl LogFiles {
     fn of_stored(logs: &LogSources) -> Self {
         let path = |source: &Source| source.path.clone();
         Self {
-            field: path(&logs.field),
-            quiet: logs.quiet.as_ref().map(path),
-            judged: logs.judged.as_ref().map(path),
+            log: path(&logs.log),
+            reference: logs.reference.as_ref().map(path),
+            evaluation: logs.evaluation.as_ref().map(path),
             read: logs.read.clone(),
         }
     }
@@ -79,9 +79,9 @@ impl LogFiles {
     /// Files of logs that were read.
     pub(super) fn of(logs: &Logs) -> Self {
         Self {
-            field: logs.field.paths(),
-            quiet: logs.quiet.as_ref().map(Recording::paths),
-            judged: logs.judged.as_ref().map(Recording::paths),
+            log: logs.log.paths(),
+            reference: logs.reference.as_ref().map(Recording::paths),
+            evaluation: logs.evaluation.as_ref().map(Recording::paths),
             read: logs.read.clone(),
         }
     }
@@ -102,8 +102,8 @@ impl Open {
     pub(super) fn name(&self) -> String {
         match self {
             Self::Example(_) => "Example".to_owned(),
-            Self::Logs(LogFiles { field, .. }) => name_of(field),
-            Self::Stored(_) => self.files().map_or_else(String::new, |files| name_of(&files.field)),
+            Self::Logs(LogFiles { log, .. }) => name_of(log),
+            Self::Stored(_) => self.files().map_or_else(String::new, |files| name_of(&files.log)),
         }
     }
 }

@@ -53,9 +53,9 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     let (logs, first) = match (open, open.files()) {
         (Open::Example(folder), _) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
         (_, None) => return Err("the study names no log".to_owned()),
-        (_, Some(LogFiles { field, quiet, judged, read: options })) => {
-            let (field, quiet, judged, options) = (&field, &quiet, &judged, &options);
-            let wanted = [Some(field), quiet.as_ref(), judged.as_ref()].into_iter().flatten().count();
+        (_, Some(LogFiles { log, reference, evaluation, read: options })) => {
+            let (log, reference, evaluation, options) = (&log, &reference, &evaluation, &options);
+            let wanted = [Some(log), reference.as_ref(), evaluation.as_ref()].into_iter().flatten().count();
             let mut done = 0;
             let mut read = |path: &String| -> Result<Recording, String> {
                 progress(Job::step(format!("reading {}", name_of(path)), done, wanted));
@@ -63,9 +63,9 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
                 load(Path::new(path), options).map(Recording::with_monotonic_time).map_err(in_text)
             };
             let logs = Logs {
-                field: read(field)?,
-                quiet: quiet.as_ref().map(&mut read).transpose()?,
-                judged: judged.as_ref().map(&mut read).transpose()?,
+                log: read(log)?,
+                reference: reference.as_ref().map(&mut read).transpose()?,
+                evaluation: evaluation.as_ref().map(&mut read).transpose()?,
                 read: options.clone(),
             };
             (logs, None)
@@ -74,7 +74,7 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     if let Some(study) = &stored {
         refuse_other_logs(study, &logs)?;
     }
-    let axes = logs.field.axes().map_err(in_text)?;
+    let axes = logs.log.axes().map_err(in_text)?;
     // the gyros first: their error integrates twice as fast
     let first = first
         .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
@@ -89,9 +89,9 @@ fn refuse_other_logs(study: &Study, logs: &Logs) -> Result<(), String> {
     let Some(refinement) = study.refinements.first() else { return Ok(()) };
     let then = &refinement.logs;
     let pairs = [
-        (Some(&then.field), Some(&logs.field)),
-        (then.quiet.as_ref(), logs.quiet.as_ref()),
-        (then.judged.as_ref(), logs.judged.as_ref()),
+        (Some(&then.log), Some(&logs.log)),
+        (then.reference.as_ref(), logs.reference.as_ref()),
+        (then.evaluation.as_ref(), logs.evaluation.as_ref()),
     ];
     let changed = pairs.into_iter().find(|(then, now)| *then != now.and_then(|log| log.sources.first()));
     match changed.and_then(|(then, _)| then) {
@@ -106,7 +106,7 @@ fn refuse_other_logs(study: &Study, logs: &Logs) -> Result<(), String> {
 fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let read = known.read()?;
     let logs = &read.logs;
-    let own = logs.quiet.as_ref().unwrap_or(&logs.field);
+    let own = logs.reference.as_ref().unwrap_or(&logs.log);
     let stored = read.stored.as_ref().and_then(|study| Some((study, study.refinement_of(column)?)));
     let study = match stored {
         // the stored model of a refined axis is the refined one
@@ -139,11 +139,11 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
 fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Change, String> {
     let (study, refinement) = known.fitted(column)?;
     let mut done = 0;
-    let judged = |what: &str| {
+    let evaluation = |what: &str| {
         progress(Job::step(format!("comparing {}: {what}", Column::named(column).label()), done, 4));
         done += 1;
     };
-    let examination = examine(study, refinement, &known.read()?.logs, judged).map_err(in_text)?;
+    let examination = examine(study, refinement, &known.read()?.logs, evaluation).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.section = axis.section.clone().examined(&examination);
         (axis.examination, axis.examined) = (Some(Arc::new(examination)), true);
@@ -171,7 +171,7 @@ fn share_signal(known: &Snapshot) -> Result<Change, String> {
         answer.findings.extend(added);
         answer
     });
-    let mut shared = with_shared_signal(answers.collect(), &known.read()?.logs.field).map_err(in_text)?;
+    let mut shared = with_shared_signal(answers.collect(), &known.read()?.logs.log).map_err(in_text)?;
     for (answer, (alone, _)) in shared.iter_mut().zip(&diagnosed) {
         answer.findings.clone_from(&alone.findings);
     }
@@ -200,13 +200,14 @@ fn refined_anew(study: &Study, refinement: Refinement) -> Change {
     let section = AxisSection::of(study, &refinement);
     change(&refinement.column.clone(), move |axis| {
         // the figure of the model before stays until the new one is there
-        let (comparison, judged_s) = (axis.section.comparison.take(), axis.section.judged_s);
+        let (comparison, evaluated_s) = (axis.section.comparison.take(), axis.section.evaluated_s);
         let is_refined = refinement.added().next().is_some();
         axis.before = match axis.before.take().filter(|_| is_refined) {
             None if is_refined => axis.examination.clone(),
             before => before,
         };
-        (axis.refinement, axis.section) = (Some(refinement), AxisSection { comparison, judged_s, ..section });
+        (axis.refinement, axis.section) =
+            (Some(refinement), AxisSection { comparison, evaluated_s, ..section });
         (axis.examined, axis.alone) = (false, None);
     })
 }

@@ -185,8 +185,8 @@ async fn only_logs_in_the_folders_that_were_named_are_read() {
     let outside = outside.display().to_string();
     for path in [outside.as_str(), "/etc/passwd", "../../etc/passwd"] {
         for (at, body) in [
-            ("/api/studies", json!({ "field": path })),
-            ("/api/studies", json!({ "field": "logs/a.csv", "quiet": path })),
+            ("/api/studies", json!({ "log": path })),
+            ("/api/studies", json!({ "log": "logs/a.csv", "reference": path })),
             ("/api/preview", json!({ "path": path })),
         ] {
             let (status, answer) = bench.post(at, body).await;
@@ -199,7 +199,7 @@ async fn only_logs_in_the_folders_that_were_named_are_read() {
 #[tokio::test]
 async fn an_oversized_request_is_refused_and_an_upload_goes_to_its_folder() {
     let bench = Bench::new();
-    let (status, _) = bench.post("/api/studies", json!({ "field": "x".repeat(100_000) })).await;
+    let (status, _) = bench.post("/api/studies", json!({ "log": "x".repeat(100_000) })).await;
     assert_eq!(status, StatusCode::PAYLOAD_TOO_LARGE);
     let large = "t_s,gx_rads\n".to_owned() + &"0.005,1e-3\n".repeat(50_000);
     let request = page("POST", "/api/uploads?name=..%2F..%2Funit.csv").body(Body::from(large.clone()));
@@ -285,7 +285,7 @@ async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
     assert_eq!(status, StatusCode::UNPROCESSABLE_ENTITY);
     let message = answer["error"].as_str().unwrap();
     assert!(message.contains("broken.csv") && message.contains("3:2"), "file, line and cell: {message}");
-    let (_, opened) = bench.post("/api/studies", json!({ "field": broken.display().to_string() })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": broken.display().to_string() })).await;
     let state = bench.settled(opened["id"].as_u64().unwrap()).await;
     assert_eq!(state["logs"], Value::Null);
     assert!(state["error"].as_str().unwrap().contains("broken.csv"), "{}", state["error"]);
@@ -327,10 +327,10 @@ async fn logs_of_others_are_listed_taken_looked_into_and_read_as_what_they_are()
             let found = found.unwrap_or_else(|| panic!("{name}: no {channel} in {preview}"));
             assert_eq!((&found["sure"], &found["spec"]), (&json!(true), &Value::Null), "{name}: {found}");
         }
-        let (_, opened) = bench.post("/api/studies", json!({ "field": path })).await;
+        let (_, opened) = bench.post("/api/studies", json!({ "log": path })).await;
         let state = bench.settled(opened["id"].as_u64().unwrap()).await;
         assert_eq!(state["error"], Value::Null, "{name}: {}", state["error"]);
-        let remarks = state["logs"]["field"]["quality"].to_string();
+        let remarks = state["logs"]["log"]["quality"].to_string();
         assert!(remarks.contains(says), "{name}: {remarks}");
         if name == "flight.ulg" {
             assert!(
@@ -353,7 +353,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     let bench = Bench::new();
     let log = bench.logs().join(format!("{HOSTILE}.csv"));
     write_log(&log, 4.0);
-    let (status, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let (status, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     assert_eq!(status, StatusCode::OK);
     let id = opened["id"].as_u64().unwrap();
     let state = bench.settled(id).await;
@@ -470,7 +470,7 @@ async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
     let bench = Bench::new();
     let log = bench.logs().join("knocked.parquet");
     write_knocked_log(&log);
-    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     let id = opened["id"].as_u64().unwrap();
     let at = |what: &str| format!("/api/studies/{id}/{what}");
     let report = async || {
@@ -483,7 +483,7 @@ async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
     assert_eq!(status, StatusCode::OK);
     let left = bench.settled(id).await;
     assert_eq!(left["error"], Value::Null, "{}", left["error"]);
-    let ranges = left["logs"]["field"]["moved"]["ranges"].as_array().unwrap();
+    let ranges = left["logs"]["log"]["moved"]["ranges"].as_array().unwrap();
     assert_eq!(ranges.len(), KNOCKS_S.len(), "{ranges:?}");
     for (range, knock) in ranges.iter().zip(KNOCKS_S) {
         let (from, to) = (range["from"].as_f64().unwrap(), range["to"].as_f64().unwrap());
@@ -497,7 +497,7 @@ async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
     assert_eq!(status, StatusCode::OK, "{answer}");
     let kept = bench.settled(id).await;
     assert_eq!((&kept["keeps_moved"], &kept["error"]), (&json!(true), &Value::Null));
-    assert_eq!(kept["logs"]["field"]["moved"]["ranges"], json!([]));
+    assert_eq!(kept["logs"]["log"]["moved"]["ranges"], json!([]));
     assert_eq!(kept["axis"], "gy_rads", "the axis that was looked at");
     assert!(!report().await.contains(MOVED));
     let axis = |state: &Value| {
@@ -531,7 +531,7 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
     let bench = Bench::new();
     let log = bench.logs().join("unit.csv");
     write_log(&log, 4.0);
-    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     let id = opened["id"].as_u64().unwrap();
     let began = Instant::now();
     loop {
@@ -597,7 +597,7 @@ async fn a_study_survives_a_restart_of_the_server() {
     let bench = Bench::new();
     let log = bench.logs().join("device.csv");
     write_log(&log, 2.0);
-    let asked = json!({ "field": log.display().to_string(), "columns": ["!temp_c"] });
+    let asked = json!({ "log": log.display().to_string(), "columns": ["!temp_c"] });
     let (status, opened) = bench.post("/api/studies", asked).await;
     assert_eq!(status, StatusCode::OK, "{opened}");
     let id = opened["id"].as_u64().unwrap();
@@ -629,13 +629,13 @@ async fn a_stored_study_that_cannot_be_used_shows_the_reason() {
     let bench = Bench::new();
     let log = bench.logs().join("device.csv");
     write_log(&log, 2.0);
-    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     let id = opened["id"].as_u64().unwrap();
     bench.settled(id).await;
     let whole = std::fs::read_to_string(bench.stored(id)).unwrap();
     let mut elsewhere: Value = serde_json::from_str(&whole).unwrap();
-    for refinement in elsewhere["growth"].as_array_mut().unwrap() {
-        refinement["logs"]["field"]["path"] = json!("/etc/passwd");
+    for refinement in elsewhere["refinements"].as_array_mut().unwrap() {
+        refinement["logs"]["log"]["path"] = json!("/etc/passwd");
     }
     let unusable = [
         (2, whole[..whole.len() / 2].to_owned(), "not a study"),
@@ -656,7 +656,7 @@ async fn a_stored_study_that_cannot_be_used_shows_the_reason() {
     }
     assert_eq!(bench.get("/api/studies/5").await.0, StatusCode::NOT_FOUND);
     assert_eq!(bench.settled(id).await["error"], Value::Null, "the whole one opens");
-    let (_, opened) = bench.post("/api/studies", json!({ "field": log.display().to_string() })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     assert_eq!(opened["id"], 5, "no file is overwritten");
 
     // another log in the place of the one that the study names
@@ -672,13 +672,13 @@ async fn a_log_that_is_named_again_resumes_its_study() {
     let log = bench.logs().join("device.csv");
     write_log(&log, 2.0);
     let field = log.display().to_string();
-    let (_, opened) = bench.post("/api/studies", json!({ "field": field })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": field })).await;
     bench.settled(opened["id"].as_u64().unwrap()).await;
     let bench = bench.restarted();
     let files = |keep_moved| LogFiles {
-        field: field.clone(),
-        quiet: None,
-        judged: None,
+        log: field.clone(),
+        reference: None,
+        evaluation: None,
         read: LoadOptions { keep_moved, ..LoadOptions::default() },
     };
     assert_eq!(bench.desk.open_or_resume(files(true)), Ok(2), "read in another way");
@@ -700,7 +700,7 @@ async fn columns_are_corrected_after_reading() {
         .collect();
     std::fs::write(&log, format!("t_s,ax_mps2,gx_rads\n{rows}")).unwrap();
     let path = log.display().to_string();
-    let (_, opened) = bench.post("/api/studies", json!({ "field": path })).await;
+    let (_, opened) = bench.post("/api/studies", json!({ "log": path })).await;
     let id = opened["id"].as_u64().unwrap();
     let counts = bench.settled(id).await;
     assert_eq!(counts["files"]["read"]["columns"], json!([]));
@@ -708,7 +708,7 @@ async fn columns_are_corrected_after_reading() {
     let (status, preview) = bench.post("/api/preview", json!({ "path": path, "columns": columns })).await;
     assert_eq!(status, StatusCode::OK, "{preview}");
     let (status, answer) =
-        bench.post(&format!("/api/studies/{id}/logs"), json!({ "field": path, "columns": columns })).await;
+        bench.post(&format!("/api/studies/{id}/logs"), json!({ "log": path, "columns": columns })).await;
     assert_eq!((status, &answer["id"]), (StatusCode::OK, &json!(id)), "{answer}");
     let corrected = bench.settled(id).await;
     assert_eq!(corrected["error"], Value::Null, "{}", corrected["error"]);
@@ -722,12 +722,12 @@ async fn columns_are_corrected_after_reading() {
     let mdps = 0.061e-3 * std::f64::consts::PI / 180.0;
     assert!((ratio / mdps - 1.0).abs() < 1e-6, "{ratio}");
 
-    let wrong = json!({ "field": path, "columns": ["gx_rads=none"] });
+    let wrong = json!({ "log": path, "columns": ["gx_rads=none"] });
     let (status, _) = bench.post(&format!("/api/studies/{id}/logs"), wrong).await;
     assert_eq!(status, StatusCode::OK);
     let kept = bench.settled(id).await;
     assert!(kept["error"].as_str().unwrap().contains("none"), "{}", kept["error"]);
     assert_eq!(slow(&kept), slow(&corrected), "the present study stays");
-    let (status, _) = bench.post(&format!("/api/studies/{id}/logs"), json!({ "field": "/etc/passwd" })).await;
+    let (status, _) = bench.post(&format!("/api/studies/{id}/logs"), json!({ "log": "/etc/passwd" })).await;
     assert_eq!(status, StatusCode::FORBIDDEN);
 }

@@ -7,16 +7,16 @@ use std::path::Path;
 use crate::session::{done, fails};
 use serde_json::Value;
 
-/// Creates `work/logs/quiet.parquet`, and its study `work/studies/unit.json`, from within `work`.
+/// Creates `work/logs/reference.parquet`, and its study `work/studies/unit.json`, from within `work`.
 fn study(world: &Path) {
     let work = world.join("work");
     for folder in ["logs", "studies"] {
         fs::create_dir_all(work.join(folder)).expect("made");
     }
-    for (log, seed) in [("logs/quiet.parquet", "1"), ("logs/field.parquet", "2")] {
+    for (log, seed) in [("logs/reference.parquet", "1"), ("logs/field.parquet", "2")] {
         done(&work, &["simulate", log, "--minutes", "1", "--seed", seed, "--at-rest"]);
     }
-    let fit = ["fit", "logs/quiet.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
+    let fit = ["fit", "logs/reference.parquet", "--axis", "gx", "--max-terms", "2", "--memory", "none"];
     done(&work, &[&fit[..], &["-o", "studies/unit.json"]].concat());
 }
 
@@ -41,20 +41,20 @@ fn study_finds_its_logs_from_any_folder_and_after_a_move() {
 
     // moved together
     fs::rename(&work, world.join("moved")).expect("moved");
-    let again = done(world, &["compare", "moved/studies/unit.json", "moved/logs/quiet.parquet"]);
+    let again = done(world, &["compare", "moved/studies/unit.json", "moved/logs/reference.parquet"]);
     assert_eq!(again.lines().count(), done(world, &["compare", "moved/studies/unit.json"]).lines().count());
     done(world, &["diagnose", "moved/studies/unit.json"]);
 
     // into one folder, with a study that does not state the location of its logs
     let flat = world.join("flat");
     fs::create_dir(&flat).expect("made");
-    for log in ["quiet", "field"] {
+    for log in ["reference", "field"] {
         fs::rename(world.join(format!("moved/logs/{log}.parquet")), flat.join(format!("{log}.parquet")))
             .expect("moved");
     }
     let text = fs::read_to_string(world.join("moved/studies/unit.json")).expect("there");
     let mut old: Value = serde_json::from_str(&text).expect("JSON");
-    for source in ["/data/sources/0", "/growth/0/logs/field", "/growth/0/logs/quiet"] {
+    for source in ["/data/sources/0", "/refinements/0/logs/log", "/refinements/0/logs/reference"] {
         let source = old.pointer_mut(source).and_then(Value::as_object_mut).expect(source);
         let seen = source.remove("from_study").expect("noted");
         assert!(seen.as_str().is_some_and(|path| path.starts_with("../logs/")), "{seen}");
@@ -71,22 +71,22 @@ fn rejects_another_log_of_the_same_name() {
     study(world);
     let other = world.join("other");
     fs::create_dir_all(other.join("logs")).expect("made");
-    done(&other, &["simulate", "logs/quiet.parquet", "--minutes", "1", "--seed", "9", "--at-rest"]);
+    done(&other, &["simulate", "logs/reference.parquet", "--minutes", "1", "--seed", "9", "--at-rest"]);
     // another log has the stored name here
     let compared = done(&other, &["compare", "../work/studies/unit.json"]);
-    assert!(compared.contains("studies/../logs/quiet.parquet"), "{compared}");
-    fs::remove_file(world.join("work/logs/quiet.parquet")).expect("it was there");
+    assert!(compared.contains("studies/../logs/reference.parquet"), "{compared}");
+    fs::remove_file(world.join("work/logs/reference.parquet")).expect("it was there");
     let message = fails(&other, 1, &["compare", "../work/studies/unit.json"]);
     assert!(
-        message.contains("logs/quiet.parquet: not the log that ../work/studies/unit.json was made with"),
+        message.contains("logs/reference.parquet: not the log that ../work/studies/unit.json was made with"),
         "{message}"
     );
     let message = fails(&world.join("work"), 1, &["compare", "studies/unit.json"]);
     for words in [
-        "logs/quiet.parquet: the log that studies/unit.json names is not there",
-        "looked for as logs/quiet.parquet, ",
-        "studies/../logs/quiet.parquet, ",
-        "studies/quiet.parquet\nhelp: put it back, or beside the study",
+        "logs/reference.parquet: the log that studies/unit.json names is not there",
+        "looked for as logs/reference.parquet, ",
+        "studies/../logs/reference.parquet, ",
+        "studies/reference.parquet\nhelp: put it back, or beside the study",
     ] {
         assert!(message.contains(words), "{words:?}: {message}");
     }

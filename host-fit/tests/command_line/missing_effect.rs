@@ -95,7 +95,7 @@ fn holds_out_the_last_part_without_an_evaluation_log() {
     let folder = folder.path();
     done(folder, &[&["add", "unit.json", "--best"][..], &FIELD].concat());
     let refined = refinement(folder);
-    assert!(refined.logs.judged.is_none());
+    assert!(refined.logs.evaluation.is_none());
     assert!(
         (290_000 * 3 / 5..310_000 * 3 / 5).contains(&refined.logs.fitted_rows),
         "{}",

@@ -31,8 +31,8 @@ const MAP: (&str, &str) = ("map_file", "map.toml");
 const IMAGE: (&str, &str) = ("image", "unit.fosm");
 const EFFECTS: (&str, &str) = ("effects", "effect.toml");
 const FROM: (&str, &str) = ("from", "field.parquet");
-const QUIET: (&str, &str) = ("quiet", "log.parquet");
-const JUDGE: (&str, &str) = ("judge", "later.parquet");
+const REFERENCE: (&str, &str) = ("reference", "log.parquet");
+const EVALUATION: (&str, &str) = ("evaluation", "later.parquet");
 const TURNED: (&str, &str) = ("logs", "turned.csv");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
@@ -107,8 +107,8 @@ const LINES: [Line; 35] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_linear --from {from} --reference {quiet} --evaluate-on {judge} --effect {effect_files} --map-file {map_file} --figures figures",
-        inputs: &[UNIT, FROM, QUIET, JUDGE, ("effect_files", "effect.toml"), MAP],
+        words: "add {study} temp_linear --from {from} --reference {reference} --evaluate-on {evaluation} --effect {effect_files} --map-file {map_file} --figures figures",
+        inputs: &[UNIT, FROM, REFERENCE, EVALUATION, ("effect_files", "effect.toml"), MAP],
     },
     Line {
         output: "figures",
@@ -149,32 +149,32 @@ const LINES: [Line; 35] = [
     Line {
         output: "image",
         at: "out",
-        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {judge}",
-        inputs: &[UNIT, JUDGE],
+        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {evaluation}",
+        inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "rust",
         at: "out",
-        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {judge}",
-        inputs: &[UNIT, JUDGE],
+        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {evaluation}",
+        inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "c",
         at: "out.h",
-        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {judge}",
-        inputs: &[UNIT, JUDGE],
+        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {evaluation}",
+        inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "px4",
         at: "out",
-        words: "export {study} --instance 0 --px4 out --evaluate-on {judge}",
-        inputs: &[UNIT, JUDGE],
+        words: "export {study} --instance 0 --px4 out --evaluate-on {evaluation}",
+        inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "ardupilot",
         at: "out",
-        words: "export {study} --instance 0 --ardupilot out --evaluate-on {judge}",
-        inputs: &[UNIT, JUDGE],
+        words: "export {study} --instance 0 --ardupilot out --evaluate-on {evaluation}",
+        inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "csv",
@@ -233,8 +233,8 @@ const LINES: [Line; 35] = [
     Line {
         output: "output",
         at: "out.md",
-        words: "report {study} --from {from} --reference {quiet} --evaluate-on {judge} --effect {effects} --map-file {map_file} -o out.md",
-        inputs: &[UNIT, FROM, QUIET, JUDGE, EFFECTS, MAP],
+        words: "report {study} --from {from} --reference {reference} --evaluate-on {evaluation} --effect {effects} --map-file {map_file} -o out.md",
+        inputs: &[UNIT, FROM, REFERENCE, EVALUATION, EFFECTS, MAP],
     },
     Line {
         output: "output",

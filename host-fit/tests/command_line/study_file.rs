@@ -18,7 +18,7 @@ fn rejects_an_inconsistent_study_with_the_reason() {
         Study::read(&path).map_err(|error| error.to_string())
     };
     read(&good).expect("sound");
-    let step = "/growth/0/stairs/1";
+    let step = "/refinements/0/steps/1";
     for (place, value, says) in [
         ("/model/axes", json!([]), "model: there is no axis"),
         ("/model/period_s", json!(0), "the sample period"),
@@ -28,9 +28,9 @@ fn rejects_an_inconsistent_study_with_the_reason() {
         ("/steps/0/errors", json!([]), "the errors of 0 axes"),
         ("/data/trained_rows", json!(u32::MAX), "more rows than there are"),
         ("/data/columns", json!(["gx_rads=gyro:furlong"]), "furlong"),
-        ("/growth/0/column", json!("gy_rads"), "no axis of the model"),
-        ("/growth/0/stairs", json!([]), "there is no step"),
-        ("/growth/0/stairs/0/model/axes", json!([]), "step 0: there is no axis"),
+        ("/refinements/0/column", json!("gy_rads"), "no axis of the model"),
+        ("/refinements/0/steps", json!([]), "there is no step"),
+        ("/refinements/0/steps/0/model/axes", json!([]), "step 0: there is no axis"),
         (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
         (&format!("{step}/added"), Value::Null, "each step but the first"),
         (&format!("{step}/added/effect/id"), json!("Thermal Lag"), "small letters"),

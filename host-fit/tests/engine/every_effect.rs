@@ -45,8 +45,8 @@ enum Left {
 
 struct Logs {
     target: String,
-    quiet: Recording,
-    field: Recording,
+    reference: Recording,
+    log: Recording,
     later: Recording,
 }
 
@@ -59,8 +59,8 @@ impl Logs {
         };
         Self {
             target: meta.target.clone(),
-            quiet: recording("quiet", baseline),
-            field: recording("field", field),
+            reference: recording("reference", baseline),
+            log: recording("log", field),
             later: recording("later", eval),
         }
     }
@@ -68,13 +68,13 @@ impl Logs {
     /// Axis of the study before anything is added.
     fn begin(&self, refiner: &Refiner<'_>) -> Refinement {
         let options = FitOptions::default();
-        let fit =
-            fit_axis(&self.quiet, &rest(&self.quiet, options.train), &self.target, &options).expect("a fit");
+        let fit = fit_axis(&self.reference, &rest(&self.reference, options.train), &self.target, &options)
+            .expect("a fit");
         let source = |log: &Recording| log.sources[0].clone();
         let logs = LogSources {
-            field: source(&self.field),
-            quiet: Some(source(&self.quiet)),
-            judged: Some(source(&self.later)),
+            log: source(&self.log),
+            reference: Some(source(&self.reference)),
+            evaluation: Some(source(&self.later)),
             fitted_rows: refiner.fitted_rows(),
             read: LoadOptions::default(),
         };
@@ -196,7 +196,7 @@ struct Outcome {
 
 fn outcome(effect: &Effect, seed: u64) -> Outcome {
     let (library, logs) = (Library::built_in(), Logs::of(&plan(&effect.id, seed)));
-    let refiner = Refiner::new(&logs.field, Some(&logs.quiet), Some(&logs.later), &library);
+    let refiner = Refiner::new(&logs.log, Some(&logs.reference), Some(&logs.later), &library);
     let refinement = logs.begin(&refiner);
     let diagnosis = refiner.diagnose(&refinement).expect("a diagnosis");
     let step = refiner.add(&refinement, effect).unwrap_or_else(|error| panic!("{}: {error}", effect.id));

@@ -153,7 +153,7 @@ fn range_of_p_covers_the_fitted_rows() {
 }
 
 /// Study of a fit, evaluated on the rows after it.
-fn judged(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
+fn evaluation(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     let recording = recording(columns);
     let stillness = rest(&recording, options.train);
     let fit = fit_axis(&recording, &stillness, "gx", options).expect("a fit");
@@ -170,7 +170,7 @@ fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
     let (mut left_out, mut worst) = (0, 0.0_f64);
     for seed in 0..24 {
         let way = options(&["temp_c"], &[]);
-        let (study, fit) = judged(log(ROWS, ROWS / 2, 100 + seed), &way);
+        let (study, fit) = evaluation(log(ROWS, ROWS / 2, 100 + seed), &way);
         let coast = |name: &str| {
             let errors = study.steps.iter().find(|step| step.name == name);
             errors.expect("errors").errors[0].coast_whole_mse
@@ -193,18 +193,19 @@ fn rival_depends_on_the_fitted_rows_only() {
     let clock: Vec<f64> = (0..ROWS).map(|row| 30.0 * (-(row as f64) / 3000.0).exp()).collect();
     columns[3].1.iter_mut().zip(&clock).for_each(|(rate, warm)| *rate += warm);
     let rate = columns[3].1.clone();
-    let (study, fit) = judged(columns, &options(&["clock:decay(30)"], &[]));
+    let (study, fit) = evaluation(columns, &options(&["clock:decay(30)"], &[]));
     assert_eq!(fit.model.axes[0].physical.len(), 1);
-    let (fitted, judged) = rate.split_at(ROWS / 2);
+    let (fitted, evaluation) = rate.split_at(ROWS / 2);
     let mean = fitted.iter().sum::<f64>() / fitted.len() as f64;
     let of = |name: &str| {
         study.steps.iter().find(|step| step.name == name).expect("errors").errors[0].one_step_mse
     };
-    let by_hand = judged.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / judged.len() as f64;
+    let by_hand =
+        evaluation.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / evaluation.len() as f64;
     assert!((of(Rival::Mean.name()) / by_hand - 1.0).abs() < 1e-9, "{} {by_hand}", of(Rival::Mean.name()));
     // the first evaluated row has no row before it in the trace
-    let steps = judged.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
-    let held = steps.sum::<f64>() / (judged.len() - 1) as f64;
+    let steps = evaluation.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
+    let held = steps.sum::<f64>() / (evaluation.len() - 1) as f64;
     assert!(
         (of(Rival::LastValue.name()) / held - 1.0).abs() < 1e-2,
         "{} {held}",

@@ -36,10 +36,10 @@ fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
     let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
     let recording =
         |columns| Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording");
-    let (field, quiet) = (recording(field), recording(case.baseline.clone()));
+    let (field, reference) = (recording(field), recording(case.baseline.clone()));
     let library = Library::built_in();
-    let answer =
-        diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), None, &library)).expect("a diagnosis");
+    let answer = diagnose(&question_of_logs(&case.meta, &field, Some(&reference), None, &library))
+        .expect("a diagnosis");
 
     // every slow effect that can act on this axis is listed
     let stands = |id: &String| {

@@ -49,8 +49,8 @@ static MADE: LazyLock<[Recording; 2]> = LazyLock::new(|| {
 });
 
 fn assert_made_linear(axis: usize, name: &str, per_unit: f64) {
-    let [field, judged] = &*MADE;
-    let diagnosis = diagnosed(field, judged, name);
+    let [field, evaluation] = &*MADE;
+    let diagnosis = diagnosed(field, evaluation, name);
     let first = &diagnosis.findings[0];
     assert_eq!(first.effect, "temp_linear", "{}", diagnosis.sentence);
     let [low, high] = first.sizes[0].interval;
@@ -71,8 +71,8 @@ fn finds_synthetic_drifts_with_their_sizes() {
 
 #[test]
 fn temperature_law_valid_in_one_log_only_is_not_reported() {
-    let [field, judged] = &*MADE;
-    let diagnosis = diagnosed(field, judged, "gx_rads");
+    let [field, evaluation] = &*MADE;
+    let diagnosis = diagnosed(field, evaluation, "gx_rads");
     assert_eq!(diagnosis.verdict, Verdict::Unexplained, "{}", diagnosis.sentence);
 }
 
@@ -93,16 +93,17 @@ fn orientations() -> Option<[Recording; 2]> {
     }))
 }
 
-fn diagnosed(field: &Recording, judged: &Recording, target: &str) -> Diagnosis {
+fn diagnosed(field: &Recording, evaluation: &Recording, target: &str) -> Diagnosis {
     let library = Library::built_in();
-    let question = Question { judged: Some(judged), ..Question::new(field, target, &library) };
-    with_measured_reduction(diagnose(&question).unwrap(), field, judged, &(0..judged.n_rows())).unwrap()
+    let question = Question { evaluation: Some(evaluation), ..Question::new(field, target, &library) };
+    with_measured_reduction(diagnose(&question).unwrap(), field, evaluation, &(0..evaluation.n_rows()))
+        .unwrap()
 }
 
 /// Checks the first finding on an axis of the tag, by its size and the measured reduction.
 fn assert_linear(axis: &str, sizes: std::ops::Range<f64>, unit: &str) {
-    let Some([field, judged]) = orientations() else { return };
-    let diagnosis = diagnosed(&field, &judged, axis);
+    let Some([field, evaluation]) = orientations() else { return };
+    let diagnosis = diagnosed(&field, &evaluation, axis);
     let first = &diagnosis.findings[0];
     assert_eq!(first.effect, "temp_linear");
     assert_eq!(first.sizes[0].unit, unit);
@@ -137,10 +138,10 @@ fn gyro_y_of_the_tag_drifts_with_temperature() {
 /// its means follow the temperature by 0.12 to 0.14 mrad/s/K.
 #[test]
 fn gyro_x_of_the_tag_stays_unexplained_and_gyro_z_follows_temperature() {
-    let Some([field, judged]) = orientations() else { return };
-    let of_x = diagnosed(&field, &judged, "gx_rads");
+    let Some([field, evaluation]) = orientations() else { return };
+    let of_x = diagnosed(&field, &evaluation, "gx_rads");
     assert_eq!(of_x.verdict, Verdict::Unexplained, "{}", of_x.sentence);
-    let of_z = diagnosed(&field, &judged, "gz_rads");
+    let of_z = diagnosed(&field, &evaluation, "gz_rads");
     let claims = of_z.findings.iter().filter(|finding| finding.doubt.is_none());
     let claims: Vec<&str> = claims.map(|finding| finding.effect.as_str()).collect();
     assert_eq!(claims, ["noise_temperature", "temp_linear"], "{}", of_z.sentence);
@@ -152,7 +153,7 @@ fn gyro_x_of_the_tag_stays_unexplained_and_gyro_z_follows_temperature() {
 #[ignore = "minutes; .ci/real-logs runs it for the tables of docs/real-logs.md"]
 fn table_of_the_tag_in_both_directions() {
     let Some([one, two]) = orientations() else { return };
-    for (heading, field, judged) in
+    for (heading, field, evaluation) in
         [("orientation 1, evaluated on 2", &one, &two), ("orientation 2, evaluated on 1", &two, &one)]
     {
         println!("\n**Found in {heading}**\n");
@@ -161,7 +162,7 @@ fn table_of_the_tag_in_both_directions() {
         );
         println!("|---|---|---|---|---|---|---|---|");
         for axis in ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"] {
-            let diagnosis = diagnosed(field, judged, axis);
+            let diagnosis = diagnosed(field, evaluation, axis);
             print_rows(&diagnosis);
         }
     }

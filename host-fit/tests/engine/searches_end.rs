@@ -99,9 +99,9 @@ impl Searches {
                 let Ok(first) = refiner.first_step(&fit.model) else { return };
                 let source = || Source::made_by("test");
                 let logs = LogSources {
-                    field: source(),
-                    quiet: None,
-                    judged: None,
+                    log: source(),
+                    reference: None,
+                    evaluation: None,
                     fitted_rows: refiner.fitted_rows(),
                     read: LoadOptions::default(),
                 };

@@ -66,8 +66,8 @@ class Study:
         self,
         log: Recording | None,
         axis: str | None,
-        quiet: Recording | None,
-        judged: Recording | None,
+        reference: Recording | None,
+        evaluation: Recording | None,
         effects: Sequence[str],
     ) -> tuple[str, str]: ...
     def add(
@@ -75,8 +75,8 @@ class Study:
         effect: str | None,
         log: Recording | None,
         axis: str | None,
-        quiet: Recording | None,
-        judged: Recording | None,
+        reference: Recording | None,
+        evaluation: Recording | None,
         effects: Sequence[str],
     ) -> str: ...
     def undo(self, axis: str | None) -> str: ...
@@ -84,10 +84,10 @@ class Study:
     def export_image(self, sensor: str) -> bytes: ...
 
 def diagnose(
-    field: Recording,
+    log: Recording,
     axis: str,
-    quiet: Recording | None,
-    judged: Recording | None,
+    reference: Recording | None,
+    evaluation: Recording | None,
     full_scale: float | None,
     lsb: float | None,
     effects: Sequence[str],

@@ -286,11 +286,11 @@ class Comparison:
     """A model against the measurements.
 
     Attributes:
-        judged_s: First and last time stamp of the evaluated rows, s.
+        evaluated_s: First and last time stamp of the evaluated rows, s.
         axes: The axes of the model.
     """
 
-    judged_s: Interval
+    evaluated_s: Interval
     axes: tuple[AxisComparison, ...]
 
     def __getitem__(self, axis: str) -> AxisComparison:

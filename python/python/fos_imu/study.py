@@ -342,7 +342,7 @@ class Study:
     @property
     def history(self) -> tuple[Refinement, ...]:
         """The axes that effects were added to, with every step."""
-        return tuple(_refinement(one) for one in self._json().get("growth", []))
+        return tuple(_refinement(one) for one in self._json().get("refinements", []))
 
     def compare(self, log: Recording | None = None) -> Comparison:
         """The model against the measurements and against plain rivals.
@@ -467,7 +467,7 @@ class Study:
 
 def _refinement(data: dict[str, Any]) -> Refinement:
     steps: list[Step] = []
-    for step in data["stairs"]:
+    for step in data["steps"]:
         added = step["added"]
         if added is not None:
             added = Added(added["effect"]["id"], finding_of(added["finding"]), added["realised_fall"])
@@ -481,9 +481,9 @@ def _refinement(data: dict[str, Any]) -> Refinement:
 
     return Refinement(
         data["column"],
-        build(Source, logs["field"]),
-        source("quiet"),
-        source("judged"),
+        build(Source, logs["log"]),
+        source("reference"),
+        source("evaluation"),
         logs["fitted_rows"],
         tuple(steps),
     )

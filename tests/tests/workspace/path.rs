@@ -116,11 +116,11 @@ fn beats_the_constant_mean_only_on_predictable_axes() {
         fits[0].report.steps
     );
     let study = study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
-        .expect("judged");
+        .expect("evaluated");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {
         let step = study.steps.iter().find(|step| step.name == model);
-        step.expect("it was judged").errors[axis].one_step_mse
+        step.expect("it was evaluated").errors[axis].one_step_mse
     };
     assert!((mse(0, MODEL) / mse(0, "constant mean") - 1.0).abs() < 0.01);
     // innovation variance 1 of a process of variance 1/((1−φ₂²)…): four times less

@@ -52,8 +52,9 @@ fn identifies_a_hidden_effect_from_telemetry() {
     let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
     let case = simulate_case(&plan).expect("a case");
-    let quiet = recording("quiet", case.baseline);
-    let fitted = fit_axis(&quiet, &stillness::find(&quiet), "gx", &FitOptions::default()).expect("a fit");
+    let reference = recording("reference", case.baseline);
+    let fitted =
+        fit_axis(&reference, &stillness::find(&reference), "gx", &FitOptions::default()).expect("a fit");
     let bytes = image(&fitted.model, "simulated", "").expect("an image");
 
     // on the device
@@ -98,7 +99,7 @@ fn identifies_a_hidden_effect_from_telemetry() {
     let log = recording("telemetry", recorded.columns);
     assert!(log.segments.len() > 50, "lost frames are gaps: {}", log.segments.len());
     let library = Library::built_in();
-    let question = Question { quiet: Some(&quiet), ..Question::new(&log, "gx_rads", &library) };
+    let question = Question { reference: Some(&reference), ..Question::new(&log, "gx_rads", &library) };
     let answer = diagnose(&question).expect("an answer");
     let named: Vec<&str> = answer.findings.iter().map(|finding| finding.effect.as_str()).collect();
     assert_eq!(answer.verdict, Verdict::Missing, "{}", answer.sentence);

@@ -31,16 +31,16 @@ impl Bench {
     /// Axes of the shared study with an added effect.
     fn grown(&self) -> Result<Vec<String>, Box<dyn Error>> {
         let study: Value = serde_json::from_slice(&fs::read(self.shared())?)?;
-        let growths = study["growth"].as_array().cloned().unwrap_or_default();
-        let has = |growth: &&Value| {
-            growth["stairs"]
+        let refinements = study["refinements"].as_array().cloned().unwrap_or_default();
+        let has = |refinement: &&Value| {
+            refinement["steps"]
                 .as_array()
-                .is_some_and(|stairs| stairs.iter().any(|stair| !stair["added"].is_null()))
+                .is_some_and(|steps| steps.iter().any(|step| !step["added"].is_null()))
         };
-        Ok(growths
+        Ok(refinements
             .iter()
             .filter(has)
-            .filter_map(|growth| Some(growth["column"].as_str()?.get(..2)?.to_owned()))
+            .filter_map(|refinement| Some(refinement["column"].as_str()?.get(..2)?.to_owned()))
             .collect())
     }
 
@@ -128,9 +128,9 @@ pub(crate) fn look(bench: &Bench) -> Result<bool, Box<dyn Error>> {
     }
     let refused_late = bench.late()?;
     println!(
-        "\nThree processes took a step back in one study at once, {rounds} times: {} did, {} were refused (“changed meanwhile by \
-         another process; run the command again”), {} steps were lost. An `add` whose study was replaced while it estimated {}. \
-         Negative control: the same on copies, renamed over the study, lost {} of 15.",
+        "\nThree processes ran `undo` on one study at the same time, {rounds} times: {} succeeded, {} were refused (“changed meanwhile \
+         by another process; run the command again”), {} steps were lost. An `add` whose study was replaced during its computation {}. \
+         Negative control: processes that edit a copy and rename it over the study lost {} of 15 steps.",
         tally.done,
         tally.refused,
         tally.lost,

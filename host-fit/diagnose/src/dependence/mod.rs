@@ -123,24 +123,24 @@ pub fn dependence(
         other_residuals.map(|trained| residuals(model, trained.recording, trained.stillness)).transpose()?;
     let length_s = (rows.len() as f64 * recording.rate.period_s / BLOCKS).max(SHORTEST_S);
     let n_axes = model.axes.len();
-    let judged: Vec<EvaluatedRows> = in_parallel(0..n_axes, |axis| {
+    let evaluated: Vec<EvaluatedRows> = in_parallel(0..n_axes, |axis| {
         let (blocks, means) = in_blocks(recording, &rows, &left[axis], length_s);
         EvaluatedRows { blocks, means, length_s }
     });
     // usually the axes are known in the same rows; their channels are then averaged once
     let first_alike = |axis: usize| {
-        let known = judged[axis].blocks.known();
-        (0..axis).find(|other| judged[*other].blocks.known() == known).unwrap_or(axis)
+        let known = evaluated[axis].blocks.known();
+        (0..axis).find(|other| evaluated[*other].blocks.known() == known).unwrap_or(axis)
     };
     let first_alike: Vec<usize> = in_parallel(0..n_axes, first_alike);
     let channels: Vec<&Channel> =
         recording.channels().iter().filter(|channel| !channel.column().is_of_model()).collect();
     let delays = Delays::new(recording);
-    let wanted = (0..n_axes).filter(|axis| first_alike[*axis] == *axis && judged[*axis].is_enough());
+    let wanted = (0..n_axes).filter(|axis| first_alike[*axis] == *axis && evaluated[*axis].is_enough());
     let pairs: Vec<(usize, &Channel)> =
         wanted.flat_map(|axis| channels.iter().map(move |channel| (axis, *channel))).collect();
     let in_blocks: Vec<Option<ChannelInBlocks>> = in_parallel(&pairs, |(axis, channel)| {
-        ChannelInBlocks::of(recording, channel, &rows, &judged[*axis].blocks, &delays)
+        ChannelInBlocks::of(recording, channel, &rows, &evaluated[*axis].blocks, &delays)
     });
     Ok(in_parallel(0..n_axes, |axis| {
         let learnt_from = trained.map(|trained| {
@@ -154,7 +154,7 @@ pub fn dependence(
             .filter(|((first, channel), _)| *first == first_alike[axis] && channel.name != *column);
         let channels = alike.filter_map(|((_, channel), in_blocks)| Some((*channel, in_blocks.as_ref()?)));
         let power = || bands::power_map(recording, rows.clone(), &left[axis]);
-        axis_dependence(&judged[axis], channels.collect(), learnt_from, power)
+        axis_dependence(&evaluated[axis], channels.collect(), learnt_from, power)
     }))
 }
 

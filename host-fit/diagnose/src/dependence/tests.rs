@@ -39,9 +39,10 @@ struct Log {
 impl Log {
     fn new(blocks: &Blocks, noise: &NoiseLevels, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let quiet = noise.simulate(blocks, &mut random);
-        let prior =
-            LevelPrior::of_log(blocks, &quiet).learnt(blocks, &quiet, &[vec![1.0; blocks.len()]]).unwrap();
+        let reference = noise.simulate(blocks, &mut random);
+        let prior = LevelPrior::of_log(blocks, &reference)
+            .learnt(blocks, &reference, &[vec![1.0; blocks.len()]])
+            .unwrap();
         let channel = temperature(blocks.len(), &mut random);
         Self { means: noise.simulate(blocks, &mut random), channel, prior }
     }

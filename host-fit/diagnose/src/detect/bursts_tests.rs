@@ -53,9 +53,9 @@ fn short_log_lists_untested_effects_and_finds_faults() {
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default())
             .expect("a recording")
     };
-    let quiet = answer(&recording(columns.clone()));
-    assert_eq!((quiet.verdict, quiet.findings.len()), (Verdict::NotEnoughData, 0));
-    let untested = quiet.untested.iter().find(|untested| untested.effect == "temp_linear").expect("said");
+    let reference = answer(&recording(columns.clone()));
+    assert_eq!((reference.verdict, reference.findings.len()), (Verdict::NotEnoughData, 0));
+    let untested = reference.untested.iter().find(|untested| untested.effect == "temp_linear").expect("said");
     assert_eq!(untested.needs, ["30 s at rest, 3 s more than this log has"]);
     // dropped samples
     for (_, values) in &mut columns {

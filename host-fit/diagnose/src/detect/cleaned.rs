@@ -14,9 +14,9 @@ use fos_data::recording::{LogWarning, Recording};
 #[derive(Debug)]
 pub(super) struct Cleaned<'a> {
     column: String,
-    field: Log<'a>,
-    quiet: Option<Log<'a>>,
-    judged: Option<Cow<'a, Recording>>,
+    log: Log<'a>,
+    reference: Option<Log<'a>>,
+    evaluation: Option<Cow<'a, Recording>>,
 }
 
 /// A log as read, and without the outliers of the column to explain.
@@ -36,38 +36,38 @@ impl<'a> Cleaned<'a> {
     ///
     /// The column to explain is missing or stuck, or a log is never at rest.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
-        let column = question.field.axis(question.target)?.name.clone();
+        let column = question.log.axis(question.target)?.name.clone();
         let is_coarse = has_coarse_steps(question);
-        let field = Log::of(question.field, &column, is_coarse)?;
-        let quiet = question.quiet.map(|quiet| Log::of(quiet, &column, false)).transpose()?;
-        [Some(question.field), question.quiet, question.judged]
+        let log = Log::of(question.log, &column, is_coarse)?;
+        let reference = question.reference.map(|reference| Log::of(reference, &column, false)).transpose()?;
+        [Some(question.log), question.reference, question.evaluation]
             .into_iter()
             .flatten()
             .try_for_each(disturbance::check)?;
-        let judged = question.judged.map(|judged| disturbance::marked(judged).0);
-        Ok(Self { column, field, quiet, judged })
+        let evaluation = question.evaluation.map(|evaluation| disturbance::marked(evaluation).0);
+        Ok(Self { column, log, reference, evaluation })
     }
 
     /// Returns the question with the cleaned logs.
     pub(super) fn question<'q>(&'q self, question: &Question<'q>) -> Question<'q> {
-        let quiet = self.quiet.as_ref().map(|quiet| &*quiet.without);
-        Question { field: &self.field.without, quiet, judged: self.judged.as_deref(), ..*question }
+        let reference = self.reference.as_ref().map(|reference| &*reference.without);
+        Question { log: &self.log.without, reference, evaluation: self.evaluation.as_deref(), ..*question }
     }
 
     /// Returns the detected motion in the log to explain.
     pub(super) fn disturbances(&self) -> &[Disturbance] {
-        &self.field.disturbances
+        &self.log.disturbances
     }
 
     /// Returns the result of the search for a dead zone in the column to explain.
     pub(super) fn zone(&self) -> Searched {
-        self.field.zone
+        self.log.zone
     }
 
     /// Returns the warnings about the logs that concern the column to explain.
     pub(super) fn cautions(&self) -> Vec<String> {
-        let mut cautions = self.field.cautions(&self.column);
-        let reference_cautions = self.quiet.iter().flat_map(|quiet| quiet.cautions(&self.column));
+        let mut cautions = self.log.cautions(&self.column);
+        let reference_cautions = self.reference.iter().flat_map(|reference| reference.cautions(&self.column));
         cautions.extend(reference_cautions.map(|caution| format!("reference log: {caution}")));
         cautions
     }
@@ -116,6 +116,6 @@ impl<'a> Log<'a> {
 /// then repeat one value at rest.
 fn has_coarse_steps(question: &Question<'_>) -> bool {
     // noise densities of data sheets are one-sided
-    let noise = |sheet: DataSheet| sheet.noise_density / (2.0 * question.field.rate.period_s).sqrt();
+    let noise = |sheet: DataSheet| sheet.noise_density / (2.0 * question.log.rate.period_s).sqrt();
     question.lsb.zip(question.sheet).is_some_and(|(lsb, sheet)| lsb > STAIRS * noise(sheet))
 }

@@ -33,8 +33,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let mut diagnosis = diagnose_cleaned(&logs.question(question), logs.zone())?;
     diagnosis.cautions.extend(logs.cautions());
-    diagnosis.notes.extend(question.field.duty_cycle().map(|cycle| cycle.to_string()));
-    diagnosis.moved = disturbance::describe_disturbances(question.field, logs.disturbances());
+    diagnosis.notes.extend(question.log.duty_cycle().map(|cycle| cycle.to_string()));
+    diagnosis.moved = disturbance::describe_disturbances(question.log, logs.disturbances());
     Ok(diagnosis)
 }
 
@@ -49,9 +49,9 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         false => lines(question, &prepared.column, &prepared.reduced, prepared.shaken)?,
     };
     // in block means a line of a few hertz is an oscillation of minutes
-    prepared.reduced.means = lines::means_without(&lines, &prepared.reduced, question.field);
+    prepared.reduced.means = lines::means_without(&lines, &prepared.reduced, question.log);
     let Prepared { column, faults, reduced, given, shaken, .. } = &prepared;
-    let inputs = Inputs::new(question.field);
+    let inputs = Inputs::new(question.log);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let hidden = stairs || prepared.is_short();
     let mut untested = prepared.testable.untested.clone();
@@ -86,7 +86,7 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         false => telegraph::instead(&prepared, &slow, &left),
     };
     if let Some(lead) =
-        telegraph.as_ref().and_then(|found| telegraph::decided(found, &prepared, question.field))
+        telegraph.as_ref().and_then(|found| telegraph::decided(found, &prepared, question.log))
     {
         telegraph = None;
         left = LeftOver { leads: vec![lead], anomalies: Vec::new(), instead: true };
@@ -150,7 +150,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let prepared = Prepared::new(question)?;
     prepared.long_enough()?;
     let Prepared { column, reduced, shaken, .. } = &prepared;
-    let inputs = Inputs::new(question.field);
+    let inputs = Inputs::new(question.log);
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, column);
     let not_there = |effect: &str, reason: &str| DiagnoseError::NotThere {
         effect: effect.to_owned(),
@@ -229,7 +229,7 @@ fn assembly<'s>(
 }
 
 fn learnt_from(question: &Question<'_>) -> String {
-    match (question.sheet.is_some(), question.quiet.is_some()) {
+    match (question.sheet.is_some(), question.reference.is_some()) {
         (true, true) => "the reference log, with the data sheet as prior",
         (false, true) => "the reference log",
         (true, false) => "the data sheet; there is no reference log",
@@ -246,7 +246,7 @@ fn lines(
     reduced: &ErrorInBlocks,
     shaken: bool,
 ) -> Result<Vec<Line>, DiagnoseError> {
-    let mut lines = lines::of(reduced, question.field);
+    let mut lines = lines::of(reduced, question.log);
     if shaken {
         lines.retain(|line| line.duty >= lines::STEADY);
     }
@@ -255,10 +255,10 @@ fn lines(
         if !lines.iter().any(may_be_motion) {
             break;
         }
-        if question.field.channel(other).is_ok() {
+        if question.log.channel(other).is_ok() {
             let same_unit = Column::named(other).unit() == Column::named(column).unit();
-            let other = ErrorInBlocks::new(question.field, other, &[])?;
-            let mut shared = lines::shared(question.field, &other, &lines, same_unit).into_iter();
+            let other = ErrorInBlocks::new(question.log, other, &[])?;
+            let mut shared = lines::shared(question.log, &other, &lines, same_unit).into_iter();
             lines.retain(|line| !(shared.next().unwrap_or(false) && may_be_motion(line)));
         }
     }

@@ -29,7 +29,7 @@ fn predicted_reduction_of_a_step_matches_the_measured_one_beside_a_drift() {
     let fitted = log("log", (900.0, 20.0, 0.0), |time, temperature| error(time > 400.0, temperature));
     let evaluation = log("evaluation", (600.0, 20.0, 1.0), |_, temperature| error(true, temperature));
     let library = Library::built_in();
-    let question = Question { judged: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
+    let question = Question { evaluation: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
     let diagnosis = diagnose(&question).expect("a diagnosis");
     let diagnosis = with_measured_reduction(diagnosis, &fitted, &evaluation, &(0..evaluation.n_rows()))
         .expect("a measured reduction");
@@ -69,7 +69,7 @@ fn lag_continues_in_an_evaluation_log_that_follows() {
     let fitted = part("fitted", &rows[..9000], 0.0);
     let lag = |shift_s: f64| {
         let evaluation = part("evaluation", &rows[9000..], shift_s);
-        let question = Question { judged: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
+        let question = Question { evaluation: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
         let mut findings = diagnose_and_measure(&question).expect("a diagnosis").findings;
         let place = findings.iter().position(|finding| finding.effect == "thermal_lag").expect("the lag");
         findings.swap_remove(place)
@@ -90,7 +90,7 @@ fn evaluation_log_in_the_fitted_range_is_not_beyond_it() {
     let fitted = log("log", (900.0, 20.0, 0.0), error);
     let evaluation = log("evaluation", (600.0, 20.0, 1.0), error);
     let library = Library::built_in();
-    let question = Question { judged: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
+    let question = Question { evaluation: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
     let findings = estimate(&question, &["temp_poly".to_owned()]).expect("an estimate");
     assert_eq!(findings[0].doubt, None);
     assert!(findings[0].predicted_reduction > 0.8, "{}", findings[0].predicted_reduction);

@@ -54,10 +54,10 @@ pub(super) struct Converter {
     pub(super) lsb: Option<f64>,
 }
 
-/// Finds the faults of the column `target` of `field`; `quiet` is a log without faults to compare with.
+/// Finds the faults of the column `target` of `log`; `reference` is a log without faults to compare with.
 pub(super) fn find(
-    field: &Recording,
-    quiet: Option<&Recording>,
+    log: &Recording,
+    reference: Option<&Recording>,
     target: &str,
     converter: &Converter,
 ) -> Vec<Fault> {
@@ -65,27 +65,27 @@ pub(super) fn find(
         let channel = recording.channel(target);
         channel.map_or_else(|_| Vec::new(), |c| c.values.iter().copied().filter(|v| v.is_finite()).collect())
     };
-    let own = values(field);
+    let own = values(log);
     let mut faults = Vec::new();
     let step = |values: &[f64]| quantisation(&[values]).map(|found| found.step);
     // a constant column shows no step: use that of the other axes
-    let own_step = step(&own).or_else(|| hidden_step(field, target));
+    let own_step = step(&own).or_else(|| hidden_step(log, target));
     faults.extend(clipped(&own, converter, own_step));
     let missing = |recording: &Recording| {
         let missing = recording.samples_missing();
         missing as f64 / (recording.n_rows() as f64 + missing as f64)
     };
-    let share = missing(field);
-    if share > DROPPED_SHARE + 2.0 * quiet.map_or(0.0, missing) {
+    let share = missing(log);
+    if share > DROPPED_SHARE + 2.0 * reference.map_or(0.0, missing) {
         faults.push(Fault::Dropped { share });
     }
-    let known = quiet.and_then(|quiet| step(&values(quiet))).or(converter.lsb);
+    let known = reference.and_then(|reference| step(&values(reference))).or(converter.lsb);
     if let (Some(step), Some(known)) = (own_step, known)
         && step > COARSE * known
     {
         faults.push(Fault::Coarse { multiple: (step / known).round(), step });
-    } else if quiet.is_none()
-        && let Some(step) = hidden_step(field, target)
+    } else if reference.is_none()
+        && let Some(step) = hidden_step(log, target)
     {
         // a step that hides the noise is too coarse, whatever the data sheet states
         faults.push(Fault::Coarse { multiple: known.map_or(f64::NAN, |known| (step / known).round()), step });
@@ -94,17 +94,17 @@ pub(super) fn find(
 }
 
 /// Returns the value of a column that never changes.
-pub(super) fn only_value(field: &Recording, target: &str) -> Option<f64> {
-    let mut values = field.channel(target).ok()?.values.iter().copied().filter(|value| value.is_finite());
+pub(super) fn only_value(log: &Recording, target: &str) -> Option<f64> {
+    let mut values = log.channel(target).ok()?.values.iter().copied().filter(|value| value.is_finite());
     let first = values.next()?;
     values.all(|value| value == first).then_some(first)
 }
 
 /// Returns the step of a column if it hides the noise.
-pub(super) fn hidden_step(field: &Recording, target: &str) -> Option<f64> {
-    match &field.still {
-        Some(still) => field.hidden_step(target, still),
-        None => field.hidden_step(target, &vec![true; field.n_rows()]),
+pub(super) fn hidden_step(log: &Recording, target: &str) -> Option<f64> {
+    match &log.still {
+        Some(still) => log.hidden_step(target, still),
+        None => log.hidden_step(target, &vec![true; log.n_rows()]),
     }
 }
 

@@ -194,9 +194,9 @@ fn dropped_samples_are_counted() {
             let (log, share) = with_gaps(seed, probability, run);
             let found = dropped(&find(&log, None, "ax_mps2", &UNKNOWN)).expect("dropped");
             assert!((found - share).abs() < 1e-12, "{probability}, {run}: {found} for {share}");
-            let (quiet, _) = with_gaps(100 + seed, probability, run);
-            let compared = find(&log, Some(&quiet), "ax_mps2", &UNKNOWN);
-            assert_eq!(dropped(&compared), None, "{probability}, {run}: the quiet log drops as many");
+            let (reference, _) = with_gaps(100 + seed, probability, run);
+            let compared = find(&log, Some(&reference), "ax_mps2", &UNKNOWN);
+            assert_eq!(dropped(&compared), None, "{probability}, {run}: the reference log drops as many");
         }
     }
     let whole = recording(noise(&mut ChaCha8Rng::seed_from_u64(1), 1.0, 20_000));
@@ -215,7 +215,7 @@ fn coarse_steps_are_whole_multiples() {
                 round(&mut values, step);
                 recording(values)
             };
-            let quiet = log(&mut random, lsb);
+            let reference = log(&mut random, lsb);
             let converter = Converter { lsb: Some(lsb), ..UNKNOWN };
             for multiple in [1.0, 2.0, 3.0, 4.0, 5.0, 8.0, 16.0] {
                 // with noise far below a step all samples have one code
@@ -224,7 +224,7 @@ fn coarse_steps_are_whole_multiples() {
                 }
                 let field = log(&mut random, multiple * lsb);
                 for found in [
-                    find(&field, Some(&quiet), "ax_mps2", &UNKNOWN),
+                    find(&field, Some(&reference), "ax_mps2", &UNKNOWN),
                     find(&field, None, "ax_mps2", &converter),
                 ] {
                     match found[..] {

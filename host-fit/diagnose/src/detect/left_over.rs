@@ -41,7 +41,7 @@ pub(super) fn left_over(
     };
     let left = |regressors: &[&[f64]], fitted: &Fitted, prior: &LevelPrior| {
         open::Residual {
-            recording: question.field,
+            recording: question.log,
             blocks: &reduced.blocks,
             target: column,
             y: &reduced.means,
@@ -58,11 +58,11 @@ pub(super) fn left_over(
     let mut anomalies = Vec::new();
     // the noise of a shaken accelerometer is the shaking
     if !shaken {
-        let quiet = away_from_effects(reduced, slow);
-        anomalies.extend(shape::jumps(&quiet, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
+        let reference = away_from_effects(reduced, slow);
+        anomalies.extend(shape::jumps(&reference, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
     }
     if sound && !shaken {
-        anomalies.extend(shape::level(question.field, &reduced.blocks, column, !slow.found.is_empty()));
+        anomalies.extend(shape::level(question.log, &reduced.blocks, column, !slow.found.is_empty()));
     }
     // findings that follow nothing logged may be stand-ins for a logged cause
     let replaced = slow.unbacked() + slow.noise_score;
@@ -72,10 +72,10 @@ pub(super) fn left_over(
             blocks: &reduced.blocks,
             y: &reduced.means,
             regressors: &backed,
-            prior: &slow.quiet_prior,
+            prior: &slow.reference_prior,
         };
-        let fitted = regression.fit(NoiseLevels::from_logs(&slow.quiet_prior.mean));
-        let instead = left(&backed, &fitted, &slow.quiet_prior);
+        let fitted = regression.fit(NoiseLevels::from_logs(&slow.reference_prior.mean));
+        let instead = left(&backed, &fitted, &slow.reference_prior);
         if instead.first().is_some_and(|lead| lead.score > replaced + INSTEAD) {
             return LeftOver { leads: instead, anomalies, instead: true };
         }

@@ -9,24 +9,24 @@ const TAIL: f64 = 0.05;
 
 /// Returns the largest leverage xᵀ C⁻¹ x of the blocks of a log divided by the largest of the fitted blocks, with C
 /// their covariance; 5 % of the blocks are ignored. `None` for a single column, which is bounded by its limits.
-pub(super) fn beyond(learnt: &[&[f64]], judged: &[Vec<f64>]) -> Option<f64> {
+pub(super) fn beyond(learnt: &[&[f64]], evaluated: &[Vec<f64>]) -> Option<f64> {
     let (k, n) = (learnt.len(), learnt.first()?.len());
-    if k < 2 || judged.len() != k {
+    if k < 2 || evaluated.len() != k {
         return None;
     }
     let means: Vec<f64> = learnt.iter().map(|column| signal::mean(&[column])).collect();
     let at = |columns: &dyn Fn(usize) -> f64| DVector::from_fn(k, |i, _| columns(i) - means[i]);
     let learnt_vectors: Vec<DVector<f64>> = (0..n).map(|block| at(&|i| learnt[i][block])).collect();
-    let judged_vectors: Vec<DVector<f64>> =
-        (0..judged[0].len()).map(|block| at(&|i| judged[i][block])).collect();
+    let evaluated_vectors: Vec<DVector<f64>> =
+        (0..evaluated[0].len()).map(|block| at(&|i| evaluated[i][block])).collect();
     let covariance = learnt_vectors.iter().fold(DMatrix::zeros(k, k), |sum, x| sum + x * x.transpose());
     let cholesky = covariance.cholesky()?;
     let leverage = |x: &DVector<f64>| x.dot(&cholesky.solve(x));
     let most = learnt_vectors.iter().map(leverage).fold(0.0, f64::max);
-    let mut judged: Vec<f64> = judged_vectors.iter().map(leverage).collect();
-    judged.sort_unstable_by(f64::total_cmp);
-    let last = judged.len().checked_sub(1)?;
-    Some(judged[((1.0 - TAIL) * last as f64) as usize] / most)
+    let mut evaluated: Vec<f64> = evaluated_vectors.iter().map(leverage).collect();
+    evaluated.sort_unstable_by(f64::total_cmp);
+    let last = evaluated.len().checked_sub(1)?;
+    Some(evaluated[((1.0 - TAIL) * last as f64) as usize] / most)
 }
 
 #[cfg(test)]

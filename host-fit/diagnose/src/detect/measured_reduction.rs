@@ -25,16 +25,16 @@ const LEAST_RISE: f64 = 0.005;
 ///
 /// Errors of [`diagnose`].
 pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
-    let Some(judged) = question.judged else { return diagnose(question) };
-    let (log, from) = match question.judged_from {
-        0 => judged.led_in_by(question.field),
-        from => (Cow::Borrowed(judged), from),
+    let Some(evaluation) = question.evaluation else { return diagnose(question) };
+    let (log, from) = match question.evaluation_from {
+        0 => evaluation.led_in_by(question.log),
+        from => (Cow::Borrowed(evaluation), from),
     };
-    let diagnosis = diagnose(&Question { judged: Some(&log), judged_from: from, ..*question })?;
-    with_measured_reduction(diagnosis, question.field, &log, &(from..log.n_rows()))
+    let diagnosis = diagnose(&Question { evaluation: Some(&log), evaluation_from: from, ..*question })?;
+    with_measured_reduction(diagnosis, question.log, &log, &(from..log.n_rows()))
 }
 
-/// Adds to every finding the reduction measured on `rows` of `judged`, with the findings before it in the model. A slow
+/// Adds to every finding the reduction measured on `rows` of `evaluation`, with the findings before it in the model. A slow
 /// effect that makes the error worse than predicted becomes a lead if its predicted interval excludes 0, else it is not
 /// conclusive.
 ///
@@ -43,27 +43,27 @@ pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, Diagno
 /// A column is missing.
 pub fn with_measured_reduction(
     mut diagnosis: Diagnosis,
-    field: &Recording,
-    judged: &Recording,
+    fitted: &Recording,
+    evaluation: &Recording,
     rows: &Range<usize>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let (judged, field) = (&*disturbance::marked(judged).0, &*disturbance::marked(field).0);
-    let reduced = ErrorInBlocks::in_slow_blocks(judged, &diagnosis.target)?;
-    let own = ErrorInBlocks::in_slow_blocks(field, &diagnosis.target)?;
-    let continues = keeps_bias(judged, &diagnosis.target, rows.start);
+    let (evaluation, fitted) = (&*disturbance::marked(evaluation).0, &*disturbance::marked(fitted).0);
+    let reduced = ErrorInBlocks::in_slow_blocks(evaluation, &diagnosis.target)?;
+    let own = ErrorInBlocks::in_slow_blocks(fitted, &diagnosis.target)?;
+    let continues = keeps_bias(evaluation, &diagnosis.target, rows.start);
     let residual_of =
         |reduced: &ErrorInBlocks, log: &Recording, findings: &[Finding]| -> Result<Vec<f64>, DiagnoseError> {
-            let taken = correction(findings, field, log)?;
+            let taken = correction(findings, fitted, log)?;
             Ok(reduced.error.iter().zip(&taken).map(|(error, taken)| error - taken).collect())
         };
     let error = |findings: &[Finding], as_of: &Finding| -> Result<f64, DiagnoseError> {
-        let residual = residual_of(&reduced, judged, findings)?;
+        let residual = residual_of(&reduced, evaluation, findings)?;
         Ok(match as_of.band {
             Band::Wide => reduced.wide_variance(&residual, rows),
             // the error counts from the bias of the log in which the effect was found, if that is known here; a step is a
             // constant
             _ if continues || is_step(as_of) => {
-                let bias = own.slow_mean(&residual_of(&own, field, findings)?, &(0..field.n_rows()));
+                let bias = own.slow_mean(&residual_of(&own, fitted, findings)?, &(0..fitted.n_rows()));
                 reduced.slow_mean_square(&residual, rows, bias)
             }
             _ => reduced.slow_variance(&residual, rows),
@@ -76,7 +76,7 @@ pub fn with_measured_reduction(
             accepted.push(finding);
             continue;
         }
-        if is_step(&finding) && !continues && !is_bias_known(judged, &diagnosis.target) {
+        if is_step(&finding) && !continues && !is_bias_known(evaluation, &diagnosis.target) {
             accepted.push(finding);
             continue;
         }

@@ -14,8 +14,8 @@ fn answer(effect: &str, parameter: Option<f64>, setup: Setup, seed: u64) -> Diag
     plan.planted = vec![Plant { effect: Effect::named(effect).expect("an effect"), parameter, size: 60.0 }];
     plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 60.0 };
     let case = simulate_case(&plan).expect("a case");
-    let [quiet, field, _] = case.recordings().expect("recordings");
-    diagnose(&question_of_logs(&case.meta, &field, Some(&quiet), None, &Library::built_in()))
+    let [reference, field, _] = case.recordings().expect("recordings");
+    diagnose(&question_of_logs(&case.meta, &field, Some(&reference), None, &Library::built_in()))
         .expect("an answer")
 }
 
@@ -115,11 +115,11 @@ fn step_warm_up_and_noise_are_not_mistaken_for_telegraph_noise() {
 fn finds_supply_sensitivity_of_all_axes_with_and_without_motion() {
     let simulation =
         Simulation { duration_s: 900.0, rate_hz: 50.0, seed: 6, temperature: 0.0, motion: false };
-    let quiet = simulate(&simulation).columns;
-    let time = quiet[0].1.clone();
+    let reference = simulate(&simulation).columns;
+    let time = reference[0].1.clone();
     let dip = |time: &f64| 0.3 * f64::from(u8::from(time.rem_euclid(70.0) < 5.0 && *time > 30.0));
     for shift in [0.007, 0.010, 0.017] {
-        let mut columns = quiet.clone();
+        let mut columns = reference.clone();
         for (name, values) in &mut columns {
             let shift = if name.starts_with('g') { shift } else { 10.0 * shift };
             if name.ends_with("_rads") || name.ends_with("_mps2") {

@@ -52,27 +52,30 @@ pub(super) struct Prepared {
 impl Prepared {
     /// Prepares a question whose log to explain is clean.
     pub(super) fn new(question: &Question<'_>) -> Result<Self, DiagnoseError> {
-        let Question { field, target, library, .. } = *question;
-        let column = field.axis(target)?.name.clone();
+        let Question { log, target, library, .. } = *question;
+        let column = log.axis(target)?.name.clone();
         let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
-        let faults = faults::find(field, question.quiet, &column, &converter);
-        let is_known = question.quiet.is_some() || question.sheet.is_some();
-        if let Some(value) = faults::only_value(field, &column)
+        let faults = faults::find(log, question.reference, &column, &converter);
+        let is_known = question.reference.is_some() || question.sheet.is_some();
+        if let Some(value) = faults::only_value(log, &column)
             && !(is_known && faults.iter().any(|fault| matches!(fault, Fault::Coarse { .. })))
         {
-            let step = faults::hidden_step(field, &column).or(question.lsb).unwrap_or(f64::NAN);
+            let step = faults::hidden_step(log, &column).or(question.lsb).unwrap_or(f64::NAN);
             return Err(DiagnoseError::CoarseSteps { column, value, step });
         }
-        let inputs = Inputs::new(field);
+        let inputs = Inputs::new(log);
         let testable = Testable::of(question, &inputs, &column)?;
-        let reduced = ErrorInBlocks::where_known(field, &column, &faults, &testable.known)?;
+        let reduced = ErrorInBlocks::where_known(log, &column, &faults, &testable.known)?;
         if reduced.blocks.beyond_levels() < MIN_NOISE_BLOCKS {
             return Err(too_short(&column, &reduced));
         }
-        let quiet = question.quiet.map(|quiet| ErrorInBlocks::new(quiet, &column, &[])).transpose()?;
+        let reference =
+            question.reference.map(|reference| ErrorInBlocks::new(reference, &column, &[])).transpose()?;
         let shaken = Column::named(&column).is_specific_force()
-            && quiet.as_ref().is_some_and(|quiet| reduced.fast_deviation() > SHAKEN * quiet.fast_deviation());
-        let prior = prior_of(question.sheet.as_ref(), &reduced, quiet.as_ref())?;
+            && reference
+                .as_ref()
+                .is_some_and(|reference| reduced.fast_deviation() > SHAKEN * reference.fast_deviation());
+        let prior = prior_of(question.sheet.as_ref(), &reduced, reference.as_ref())?;
         // shaking adds noise to block means that no reference log shows
         let (prior, reduced) = match shaken {
             true => (prior.widened(SHAKING)?, reduced.shaken()),
@@ -84,9 +87,9 @@ impl Prepared {
             let effect = Arc::new(library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
-        let fast_deviation = quiet.as_ref().unwrap_or(&reduced).fast_deviation();
+        let fast_deviation = reference.as_ref().unwrap_or(&reduced).fast_deviation();
         let free_walk_prior = prior.with_free_walk(FREE_WALK)?;
-        let axes = field.axes()?.len();
+        let axes = log.axes()?.len();
         Ok(Self {
             axes,
             free_walk_prior,
@@ -134,7 +137,7 @@ impl Prepared {
         let blocks = &self.reduced.blocks;
         let (has_s, wanted) =
             (blocks.beyond_levels() as f64 * blocks.length_s, MIN_BLOCKS as f64 * blocks.length_s);
-        let any_inputs = ErrorInBlocks::new(question.field, &self.column, &self.faults)?;
+        let any_inputs = ErrorInBlocks::new(question.log, &self.column, &self.faults)?;
         Ok(match any_inputs.blocks.beyond_levels() < MIN_BLOCKS {
             true => format!("{wanted:.0} s at rest, {:.0} s more than this log has", (wanted - has_s).ceil()),
             false => format!(
@@ -171,17 +174,19 @@ pub(super) fn too_short(column: &str, reduced: &ErrorInBlocks) -> DiagnoseError 
 /// of the log itself if there is neither.
 pub(super) fn prior_of(
     sheet: Option<&DataSheet>,
-    field: &ErrorInBlocks,
-    quiet: Option<&ErrorInBlocks>,
+    log: &ErrorInBlocks,
+    reference: Option<&ErrorInBlocks>,
 ) -> Result<LevelPrior, UnknownLevels> {
-    let quiet = quiet.filter(|quiet| quiet.blocks.beyond_levels() >= MIN_BLOCKS);
-    let start = match (sheet, quiet) {
+    let reference = reference.filter(|reference| reference.blocks.beyond_levels() >= MIN_BLOCKS);
+    let start = match (sheet, reference) {
         (Some(sheet), _) => LevelPrior::of_data_sheet(sheet),
-        (None, Some(quiet)) => LevelPrior::of_log(&quiet.blocks, &quiet.means),
-        (None, None) => LevelPrior::of_log(&field.blocks, &field.means),
+        (None, Some(reference)) => LevelPrior::of_log(&reference.blocks, &reference.means),
+        (None, None) => LevelPrior::of_log(&log.blocks, &log.means),
     };
-    match quiet {
-        Some(quiet) => Ok(start.learnt(&quiet.blocks, &quiet.means, &[vec![1.0; quiet.blocks.len()]])?),
+    match reference {
+        Some(reference) => {
+            Ok(start.learnt(&reference.blocks, &reference.means, &[vec![1.0; reference.blocks.len()]])?)
+        }
         None => Ok(start),
     }
 }

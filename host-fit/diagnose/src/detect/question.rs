@@ -9,13 +9,13 @@ use crate::effects::Library;
 /// A log to explain and the available knowledge about its axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
-    pub field: &'a Recording,
+    pub log: &'a Recording,
     /// Reference log of the same device, without a missing effect.
-    pub quiet: Option<&'a Recording>,
+    pub reference: Option<&'a Recording>,
     /// Evaluation log, whose inputs determine the predicted reduction. By default the log to explain.
-    pub judged: Option<&'a Recording>,
+    pub evaluation: Option<&'a Recording>,
     /// First row of the evaluation log that is evaluated. Those before it only set the states of lags and hysteresis.
-    pub judged_from: usize,
+    pub evaluation_from: usize,
     /// Column to explain.
     pub target: &'a str,
     /// Noise of the axis according to the data sheet.
@@ -31,12 +31,12 @@ pub struct Question<'a> {
 
 impl<'a> Question<'a> {
     /// Returns the question for axis `target` of a log without further knowledge.
-    pub fn new(field: &'a Recording, target: &'a str, library: &'a Library) -> Self {
+    pub fn new(log: &'a Recording, target: &'a str, library: &'a Library) -> Self {
         Self {
-            field,
-            quiet: None,
-            judged: None,
-            judged_from: 0,
+            log,
+            reference: None,
+            evaluation: None,
+            evaluation_from: 0,
             target,
             sheet: None,
             full_scale: None,

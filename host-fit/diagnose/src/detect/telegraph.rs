@@ -57,7 +57,7 @@ pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -
         blocks: &reduced.blocks,
         y: &reduced.means,
         regressors: &regressors,
-        prior: &slow.quiet_prior,
+        prior: &slow.reference_prior,
     };
     let telegraph = residual.telegraph()?;
     let lead = left.leads.iter().map(|lead| lead.score).fold(0.0, f64::max);

@@ -108,17 +108,17 @@ pub fn visibility(
 ) -> Result<Vec<Visibility>, DiagnoseError> {
     let column = recording.axis(target)?.name.clone();
     let inputs = Inputs::new(recording);
-    let question = Question { quiet: Some(reference), ..Question::new(recording, &column, library) };
+    let question = Question { reference: Some(reference), ..Question::new(recording, &column, library) };
     let Testable { mut effects, known, .. } = Testable::of(&question, &inputs, &column)?;
     effects.retain(|effect| effect.search == Detector::Terms);
-    let quiet = ErrorInBlocks::new(reference, &column, &[])?;
+    let reference = ErrorInBlocks::new(reference, &column, &[])?;
     let reduced = ErrorInBlocks::where_known(recording, &column, &[], &known)?;
-    for log in [&quiet, &reduced] {
+    for log in [&reference, &reduced] {
         if log.blocks.beyond_levels() < MIN_BLOCKS {
             return Err(too_short(&column, log));
         }
     }
-    let prior = prior_of(None, &reduced, Some(&quiet))?;
+    let prior = prior_of(None, &reduced, Some(&reference))?;
     let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
     let given = vec![vec![1.0; reduced.blocks.len()]];
     let search = SlowSearch {

@@ -56,7 +56,7 @@ fn predicts_the_interval_that_a_log_then_gives() {
     let mut ratios: Vec<f64> = (10..19)
         .map(|seed| {
             let log = simulated(&COURSE, slope, seed);
-            let question = Question { quiet: Some(&reference), ..Question::new(&log, AXIS, &library) };
+            let question = Question { reference: Some(&reference), ..Question::new(&log, AXIS, &library) };
             let found = estimate(&question, &["temp_linear".to_owned()]).expect("an estimate");
             let [low, high] = found[0].sizes[0].interval;
             // a 95 % interval beside one of 90 %
@@ -80,7 +80,8 @@ fn nine_of_ten_logs_show_an_effect_of_the_predicted_size() {
         (100..100 + logs)
             .filter(|seed| {
                 let log = simulated(&COURSE, size * si, *seed);
-                let question = Question { quiet: Some(&reference), ..Question::new(&log, AXIS, &library) };
+                let question =
+                    Question { reference: Some(&reference), ..Question::new(&log, AXIS, &library) };
                 follows(&diagnose(&question).expect("a diagnosis"))
             })
             .count()

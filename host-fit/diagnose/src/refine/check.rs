@@ -68,11 +68,11 @@ impl Refiner<'_> {
 
     /// Returns the errors of the evaluation log after the physical part of `base` and `findings` are subtracted.
     fn errors(&self, base: &UnitModel, findings: &[Finding], band: Band) -> Result<Errors, RefineError> {
-        let (column, rows) = (&base.axes[0].column, self.judged_rows());
-        let field = self.reduced_without(base, findings, self.field())?;
-        let judged = self.reduced_without(base, findings, self.judged())?;
-        let left = self.left_in(column, &field, &judged);
-        let all = 0..field.1.len();
+        let (column, rows) = (&base.axes[0].column, self.evaluation_rows());
+        let log = self.reduced_without(base, findings, self.log())?;
+        let evaluation = self.reduced_without(base, findings, self.evaluation())?;
+        let left = self.left_in(column, &log, &evaluation);
+        let all = 0..log.1.len();
         let parts = |(reduced, left): &(ErrorInBlocks, Vec<f64>), rows: &Range<usize>| {
             let length = rows.len().div_ceil(PARTS).max(1);
             let ends = |start: usize| (start + length).min(rows.end);
@@ -81,11 +81,11 @@ impl Refiner<'_> {
             signal::variance(&[&means.filter(|mean| mean.is_finite()).collect::<Vec<f64>>()])
         };
         // the RMS of a log that continues contains it
-        let has_mean = is_bias_known(self.field(), column) && !self.continues(column);
+        let has_mean = is_bias_known(self.log(), column) && !self.continues(column);
         Ok(Errors {
             mean: left.bias.filter(|_| has_mean),
             rms: if band == Band::Wide { left.wide.sqrt() } else { left.slow.sqrt() },
-            deviation: (parts(&field, &all) + parts(&judged, &rows)).sqrt(),
+            deviation: (parts(&log, &all) + parts(&evaluation, &rows)).sqrt(),
         })
     }
 }

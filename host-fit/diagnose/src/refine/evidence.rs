@@ -47,26 +47,26 @@ pub struct Against {
 }
 
 impl Evidence {
-    /// Returns the evidence in `field`; `without` is `field` after everything except the finding is subtracted.
+    /// Returns the evidence in `log`; `without` is `log` after everything except the finding is subtracted.
     fn of(
-        field: &Recording,
+        log: &Recording,
         without: &Recording,
         column: &str,
         finding: &Finding,
     ) -> Result<Self, RecordingError> {
-        let seconds = field.n_rows() as f64 * field.rate.period_s;
+        let seconds = log.n_rows() as f64 * log.rate.period_s;
         let length_s = (seconds / BLOCKS).max(SHORTEST_S);
         let reduced = ErrorInBlocks::in_blocks_of(without, column, &[], length_s)?;
         let blocks = &reduced.blocks;
-        let effect = blocks.means(&correction(std::slice::from_ref(finding), field, field)?);
+        let effect = blocks.means(&correction(std::slice::from_ref(finding), log, log)?);
         let against = match &finding.shows_against {
             Some(column) => {
-                let held = field.held_from_first(field.channel(column)?);
+                let held = log.held_from_first(log.channel(column)?);
                 Some(Against { column: column.clone(), values: blocks.means(&held) })
             }
             None => None,
         };
-        let middle = |block: &fos_fit::noise::Block| field.time_s[(block.rows.start + block.rows.end) / 2];
+        let middle = |block: &fos_fit::noise::Block| log.time_s[(block.rows.start + block.rows.end) / 2];
         Ok(Self {
             block_s: blocks.length_s,
             time_s: blocks.blocks.iter().map(middle).collect(),
@@ -81,14 +81,14 @@ fn shows_in_blocks(finding: &Finding) -> bool {
     finding.band == Band::Slow && !finding.correction.is_empty()
 }
 
-/// Returns the evidence for one of the `findings` of a diagnosis of `field` without a model; none for an effect that
+/// Returns the evidence for one of the `findings` of a diagnosis of `log` without a model; none for an effect that
 /// does not show in blocks.
 ///
 /// # Errors
 ///
 /// A column is missing.
 pub fn evidence_without_model(
-    field: &Recording,
+    log: &Recording,
     column: &str,
     findings: &[Finding],
     finding: &Finding,
@@ -97,11 +97,11 @@ pub fn evidence_without_model(
         return Ok(None);
     }
     let others: Vec<Finding> = findings.iter().filter(|other| *other != finding).cloned().collect();
-    let taken = correction(&others, field, field)?;
-    let measured = field.channel(column)?.values.iter();
+    let taken = correction(&others, log, log)?;
+    let measured = log.channel(column)?.values.iter();
     let without = measured.zip(&taken).map(|(measured, taken)| measured - taken).collect();
-    let without = field.with_values(column, without);
-    Ok(Some(Evidence::of(field, &without, column, finding)?))
+    let without = log.with_values(column, without);
+    Ok(Some(Evidence::of(log, &without, column, finding)?))
 }
 
 /// Returns the spectrum of the error of `column` as logged, unit²/Hz, in bins narrow enough to show a line. None if the
@@ -110,16 +110,16 @@ pub fn evidence_without_model(
 /// # Errors
 ///
 /// The column is missing.
-pub fn line_spectrum(field: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
-    let error = field.error_series(column)?.values;
+pub fn line_spectrum(log: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
+    let error = log.error_series(column)?.values;
     let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
-    let segments = field.segments.iter();
+    let segments = log.segments.iter();
     let stretches: Vec<&[f64]> =
         segments.flat_map(|segment| finite(segment.rows.clone())).map(|rows| &error[rows]).collect();
     let longest = stretches.iter().map(|stretch| stretch.len()).max().unwrap_or(0);
     // half a minute, if available
-    let length = ((LINE_WINDOW_S * field.rate.true_hz) as usize).min(longest);
-    Ok(welch(&stretches, field.rate.true_hz, length))
+    let length = ((LINE_WINDOW_S * log.rate.true_hz) as usize).min(longest);
+    Ok(welch(&stretches, log.rate.true_hz, length))
 }
 
 impl Refiner<'_> {
@@ -141,7 +141,7 @@ impl Refiner<'_> {
         let mut others: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         others.extend(findings.iter().filter(|other| *other != finding).cloned());
         let without = self.without_base(refinement, &others)?;
-        Ok(Some(Evidence::of(&self.field, &without, &refinement.column, finding)?))
+        Ok(Some(Evidence::of(&self.log, &without, &refinement.column, finding)?))
     }
 
     /// Returns the additional cost of `finding` on the device.
@@ -154,7 +154,7 @@ impl Refiner<'_> {
             return Ok(None);
         };
         let mut grown = last.model.clone();
-        terms::add(&mut grown, std::slice::from_ref(finding), &self.field)?;
+        terms::add(&mut grown, std::slice::from_ref(finding), &self.log)?;
         Ok(Some(Cost::of(&grown).beyond(&last.cost)))
     }
 }

@@ -9,18 +9,18 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 #[derive(Debug, Clone)]
 pub struct Logs {
     /// Log to explain.
-    pub field: Recording,
+    pub log: Recording,
     /// Reference log of the same device.
-    pub quiet: Option<Recording>,
+    pub reference: Option<Recording>,
     /// Evaluation log; without one the last part of the log to explain is reserved.
-    pub judged: Option<Recording>,
+    pub evaluation: Option<Recording>,
     pub read: LoadOptions,
 }
 
 impl Logs {
     /// Returns a refiner of these logs.
     pub fn refiner<'a>(&'a self, library: &'a Library) -> Refiner<'a> {
-        Refiner::new(&self.field, self.quiet.as_ref(), self.judged.as_ref(), library)
+        Refiner::new(&self.log, self.reference.as_ref(), self.evaluation.as_ref(), library)
     }
 
     /// Returns the sources as a study stores them; effects are estimated from `fitted_rows` of the log to explain.
@@ -29,9 +29,9 @@ impl Logs {
             recording.sources.first().cloned().unwrap_or_else(|| Source::made_by("nothing"))
         };
         LogSources {
-            field: source(&self.field),
-            quiet: self.quiet.as_ref().map(source),
-            judged: self.judged.as_ref().map(source),
+            log: source(&self.log),
+            reference: self.reference.as_ref().map(source),
+            evaluation: self.evaluation.as_ref().map(source),
             fitted_rows,
             read: self.read.clone(),
         }

@@ -37,42 +37,42 @@ const MAX_AUTO_EFFECTS: usize = 6;
 #[derive(Debug)]
 pub struct Refiner<'a> {
     /// Rows from which effects are estimated.
-    pub(super) field: Cow<'a, Recording>,
-    quiet: Option<&'a Recording>,
+    pub(super) log: Cow<'a, Recording>,
+    reference: Option<&'a Recording>,
     /// Evaluation log, and the rows of it that were not fitted.
-    judged: Cow<'a, Recording>,
-    judged_rows: Range<usize>,
+    evaluation: Cow<'a, Recording>,
+    evaluation_rows: Range<usize>,
     library: &'a Library,
     /// Both logs without detected motion; `None` if there is none.
-    field_at_rest: Option<Recording>,
-    judged_at_rest: Option<Recording>,
+    log_at_rest: Option<Recording>,
+    evaluation_at_rest: Option<Recording>,
 }
 
 impl<'a> Refiner<'a> {
-    /// `judged` is a separate evaluation log; without one the last part of `field` is reserved. One that begins where
-    /// `field` ends is evaluated after it, so that lags and hysteresis have their states.
+    /// `evaluation` is a separate evaluation log; without one the last part of `log` is reserved. One that begins where
+    /// `log` ends is evaluated after it, so that lags and hysteresis have their states.
     pub fn new(
-        field: &'a Recording,
-        quiet: Option<&'a Recording>,
-        judged: Option<&'a Recording>,
+        log: &'a Recording,
+        reference: Option<&'a Recording>,
+        evaluation: Option<&'a Recording>,
         library: &'a Library,
     ) -> Self {
-        let cut = (FITTED_SHARE * field.n_rows() as f64) as usize;
-        let (field, judged, judged_rows) = match judged {
-            Some(judged) => {
-                let (judged, from) = judged.led_in_by(field);
-                let rows = from..judged.n_rows();
-                (Cow::Borrowed(field), judged, rows)
+        let cut = (FITTED_SHARE * log.n_rows() as f64) as usize;
+        let (log, evaluation, evaluation_rows) = match evaluation {
+            Some(evaluation) => {
+                let (evaluation, from) = evaluation.led_in_by(log);
+                let rows = from..evaluation.n_rows();
+                (Cow::Borrowed(log), evaluation, rows)
             }
-            None => (Cow::Owned(field.first_rows(cut)), Cow::Borrowed(field), cut..field.n_rows()),
+            None => (Cow::Owned(log.first_rows(cut)), Cow::Borrowed(log), cut..log.n_rows()),
         };
-        let (field_at_rest, judged_at_rest) = (at_rest(&field), at_rest(&judged));
-        Self { field, quiet, judged, judged_rows, library, field_at_rest, judged_at_rest }
+        let (log_at_rest, evaluation_at_rest) = (at_rest(&log), at_rest(&evaluation));
+        Self { log, reference, evaluation, evaluation_rows, library, log_at_rest, evaluation_at_rest }
     }
 
     /// Returns the number of rows from which effects are estimated.
     pub fn fitted_rows(&self) -> usize {
-        self.field.n_rows()
+        self.log.n_rows()
     }
 
     /// Returns the state before any effect is added: the fitted axis of the study with the bias of the log to explain.
@@ -82,8 +82,8 @@ impl<'a> Refiner<'a> {
     /// A column is missing, or fos-core refuses the model.
     pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
         let left = self.left(model, &[])?;
-        let field = self.measured(&model.axes[0].column);
-        self.step(self.recalibrated(model.clone(), &[], &field)?, None, left)
+        let log = self.measured(&model.axes[0].column);
+        self.step(self.recalibrated(model.clone(), &[], &log)?, None, left)
     }
 
     /// Starts the refinement of an axis of a study; `logs` are stored in it.
@@ -100,7 +100,7 @@ impl<'a> Refiner<'a> {
 
     fn refuse_other_sensor(&self, study: &Study, column: &str) -> Result<(), RefineError> {
         let Some((triad, _)) = Column::named(column).place() else { return Ok(()) };
-        let found = self.field.provenance(triad);
+        let found = self.log.provenance(triad);
         let mut known = SensorProvenance::of_sources(&study.data.sources, triad);
         // the log format does not state whether values are raw; the model does
         if known.values == Values::Unstated && study.model.fitted_on == FittedOn::Raw {
@@ -109,7 +109,7 @@ impl<'a> Refiner<'a> {
         match known.contradiction(&found) {
             None => Ok(()),
             Some([study, found]) => {
-                let (log, column) = (self.field.paths(), column.to_owned());
+                let (log, column) = (self.log.paths(), column.to_owned());
                 Err(RefineError::OtherSensor { log, column, study, found })
             }
         }
@@ -138,7 +138,7 @@ impl<'a> Refiner<'a> {
     ///
     /// The alternative to adding the effect.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
-        if effect.search == Detector::Step && !is_bias_known(&self.field, column) {
+        if effect.search == Detector::Step && !is_bias_known(&self.log, column) {
             let help = "at rest an accelerometer shows gravity beside its bias, and in a later log a step of one is indistinguishable from a step of the other; log the true values (`ref_…`)";
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), help));
         }
@@ -168,19 +168,23 @@ impl<'a> Refiner<'a> {
     pub fn diagnose(&self, refinement: &Refinement) -> Result<Diagnosis, RefineError> {
         let wide = refinement.added().filter(|added| added.finding.band == Band::Wide);
         let wide: Vec<Finding> = wide.map(|added| added.finding.clone()).collect();
-        let field = self.without_base(refinement, &wide)?;
+        let log = self.without_base(refinement, &wide)?;
         let given = refinement.added().filter(|added| added.finding.band != Band::Wide).map(|added| Given {
             effect: added.effect.id.clone(),
             value: added.finding.params.values().next().copied(),
         });
         let given: Vec<Given> = given.collect();
         let library = self.library_with(refinement);
-        let question = Question { given: &given, ..self.question(&field, &refinement.column, &library) };
+        let question = Question { given: &given, ..self.question(&log, &refinement.column, &library) };
         let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
-        let judged = self.without(refinement, &added, &self.judged)?;
+        let evaluation = self.without(refinement, &added, &self.evaluation)?;
         let field_residual = self.without_base(refinement, &added)?;
-        let mut diagnosis =
-            with_measured_reduction(diagnose(&question)?, &field_residual, &judged, &self.judged_rows)?;
+        let mut diagnosis = with_measured_reduction(
+            diagnose(&question)?,
+            &field_residual,
+            &evaluation,
+            &self.evaluation_rows,
+        )?;
         // the diagnosis fits the added effects again, so it does not see that they made the model worse
         if diagnosis.verdict == Verdict::NothingMissing
             && let Some((verdict, sentence)) =
@@ -221,8 +225,8 @@ impl<'a> Refiner<'a> {
         // an effect that is not conclusive would take a share of the error that the others explain
         let found = diagnosis.findings.iter().filter(|f| f.band == Band::Slow && f.doubt.is_none());
         wanted.extend(found.filter(|finding| finding.effect != effect.id).map(|f| f.effect.clone()));
-        let field = self.without_base(refinement, &[])?;
-        let question = self.question(&field, &refinement.column, &library);
+        let log = self.without_base(refinement, &[])?;
+        let question = self.question(&log, &refinement.column, &library);
         let mut findings = match estimate(&question, &wanted) {
             // an additional effect that cannot be estimated must not prevent the estimation of the others
             Err(DiagnoseError::NotThere { effect, .. }) if wanted[in_model..].contains(&effect) => {
@@ -238,10 +242,10 @@ impl<'a> Refiner<'a> {
         self.check_errors(&first.model, &findings, in_question, effect)?;
         findings.truncate(in_model);
         let mut model = first.model.clone();
-        let effects = terms::add(&mut model, &findings, &self.field)?;
-        let field = self.measured(&refinement.column);
+        let effects = terms::add(&mut model, &findings, &self.log)?;
+        let log = self.measured(&refinement.column);
         let model =
-            self.recalibrated(model, &effects, &as_after_steps(&findings, &refinement.column, &field)?)?;
+            self.recalibrated(model, &effects, &as_after_steps(&findings, &refinement.column, &log)?)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -328,9 +332,14 @@ impl<'a> Refiner<'a> {
         library
     }
 
-    fn question<'q>(&'q self, field: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
-        let (judged, judged_from) = (Some(&*self.judged), self.judged_rows.start);
-        Question { quiet: self.quiet, judged, judged_from, ..Question::new(field, column, library) }
+    fn question<'q>(&'q self, log: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
+        let (evaluation, evaluation_from) = (Some(&*self.evaluation), self.evaluation_rows.start);
+        Question {
+            reference: self.reference,
+            evaluation,
+            evaluation_from,
+            ..Question::new(log, column, library)
+        }
     }
 
     /// Returns the log to explain after the physical part of the initial model and `found` are subtracted.
@@ -339,7 +348,7 @@ impl<'a> Refiner<'a> {
         refinement: &Refinement,
         found: &[Finding],
     ) -> Result<Cow<'_, Recording>, RefineError> {
-        self.without(refinement, found, &self.field)
+        self.without(refinement, found, &self.log)
     }
 
     /// Returns `log` after the physical part of the initial model and `found` are subtracted.
@@ -358,7 +367,7 @@ impl<'a> Refiner<'a> {
             let base = self.physical(&first.model, log)?;
             values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
         }
-        let taken = correction(found, &self.field, log)?;
+        let taken = correction(found, &self.log, log)?;
         values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
         Ok(Cow::Owned(log.with_values(&refinement.column, values)))
     }
@@ -391,7 +400,7 @@ impl<'a> Refiner<'a> {
             false => (parameters.reference, parameters.offset) = (level, 0.0),
         }
         let known = known_rows(log, &column);
-        let in_one_pose = self.in_one_pose(&model, log, self.field_at_rest.as_ref(), level)?;
+        let in_one_pose = self.in_one_pose(&model, log, self.log_at_rest.as_ref(), level)?;
         let playback = Playback::new(in_one_pose.as_ref().unwrap_or(log), &model, &known)?;
         let mut alone = model.clone();
         alone.axes[0].stochastic.clear();
@@ -433,18 +442,18 @@ impl<'a> Refiner<'a> {
     }
 
     /// Returns the log to explain without detected motion.
-    pub(super) fn field(&self) -> &Recording {
-        self.field_at_rest.as_ref().unwrap_or(&self.field)
+    pub(super) fn log(&self) -> &Recording {
+        self.log_at_rest.as_ref().unwrap_or(&self.log)
     }
 
     /// Returns the evaluation log without detected motion.
-    pub(super) fn judged(&self) -> &Recording {
-        self.judged_at_rest.as_ref().unwrap_or(&self.judged)
+    pub(super) fn evaluation(&self) -> &Recording {
+        self.evaluation_at_rest.as_ref().unwrap_or(&self.evaluation)
     }
 
     /// Returns the rows of the evaluation log that were not fitted.
-    pub(super) fn judged_rows(&self) -> Range<usize> {
-        self.judged_rows.clone()
+    pub(super) fn evaluation_rows(&self) -> Range<usize> {
+        self.evaluation_rows.clone()
     }
 
     /// Returns the error of `log` in blocks of the slow error, and its samples after the physical part of `base` and
@@ -459,20 +468,20 @@ impl<'a> Refiner<'a> {
         let mut left = reduced.error.clone();
         let base = self.physical(base, log)?;
         left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
-        let taken = correction(findings, &self.field, log)?;
+        let taken = correction(findings, &self.log, log)?;
         left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
         Ok((reduced, left))
     }
 
     /// Returns the log to explain without outliers of an axis.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
-        self.field.without_outliers(column, 0..self.field.n_rows(), &stillness::find(&self.field).still).0
+        self.log.without_outliers(column, 0..self.log.n_rows(), &stillness::find(&self.log).still).0
     }
 
     /// Returns the data for the simpler rivals, from the log to explain as read.
     fn plain(&self, column: &str) -> Result<Plain, RefineError> {
-        let (error, known) = (self.field.error_series(column)?, known_rows(&self.field, column));
-        let rows = self.field.stretches_where(|row| known[row] && error.values[row].is_finite());
+        let (error, known) = (self.log.error_series(column)?, known_rows(&self.log, column));
+        let rows = self.log.stretches_where(|row| known[row] && error.values[row].is_finite());
         let stretches: Vec<&[f64]> = rows.into_iter().map(|rows| &error.values[rows]).collect();
         Ok(Plain::of(&stretches.concat(), &stretches))
     }
@@ -495,33 +504,33 @@ impl<'a> Refiner<'a> {
 
     /// Returns the errors on the evaluation rows after the physical part of `base` and `findings` are subtracted.
     fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
-        let field = self.reduced_without(base, findings, self.field())?;
-        let judged = self.reduced_without(base, findings, self.judged())?;
-        Ok(self.left_in(&base.axes[0].column, &field, &judged))
+        let log = self.reduced_without(base, findings, self.log())?;
+        let evaluation = self.reduced_without(base, findings, self.evaluation())?;
+        Ok(self.left_in(&base.axes[0].column, &log, &evaluation))
     }
 
     /// Returns the errors on the evaluation rows of a residual, given for the log to explain and for the evaluation log.
     pub(super) fn left_in(
         &self,
         column: &str,
-        (field, left_of_field): &(ErrorInBlocks, Vec<f64>),
+        (log, left_of_log): &(ErrorInBlocks, Vec<f64>),
         (reduced, left): &(ErrorInBlocks, Vec<f64>),
     ) -> Left {
-        let rows = &self.judged_rows;
-        let bias = field.slow_mean(left_of_field, &(0..self.field.n_rows()));
+        let rows = &self.evaluation_rows;
+        let bias = log.slow_mean(left_of_log, &(0..self.log.n_rows()));
         Left {
             slow: match self.continues(column) {
                 true => reduced.slow_mean_square(left, rows, bias),
                 false => reduced.slow_variance(left, rows),
             },
             wide: reduced.wide_variance(left, rows),
-            bias: is_bias_known(&self.judged, column).then(|| reduced.slow_mean(left, rows) - bias),
+            bias: is_bias_known(&self.evaluation, column).then(|| reduced.slow_mean(left, rows) - bias),
         }
     }
 
     /// Returns true if the axis has the bias of the log to explain in the evaluated rows.
     pub(super) fn continues(&self, column: &str) -> bool {
-        keeps_bias(self.judged(), column, self.judged_rows.start)
+        keeps_bias(self.evaluation(), column, self.evaluation_rows.start)
     }
 
     fn step(
@@ -531,16 +540,17 @@ impl<'a> Refiner<'a> {
         left: Left,
     ) -> Result<RefinementStep, RefineError> {
         let column = model.axes[0].column.clone();
-        let known = known_rows(&self.judged, &column);
-        let mut judged = model.clone();
-        let (level, is_bias_known) = self.level(&model, &self.judged, self.judged_rows.clone())?;
+        let known = known_rows(&self.evaluation, &column);
+        let mut evaluated = model.clone();
+        let (level, is_bias_known) = self.level(&model, &self.evaluation, self.evaluation_rows.clone())?;
         if !is_bias_known {
             // another orientation has another constant
-            (judged.axes[0].parameters.reference, judged.axes[0].parameters.offset) = (level, 0.0);
+            (evaluated.axes[0].parameters.reference, evaluated.axes[0].parameters.offset) = (level, 0.0);
         }
-        let in_one_pose = self.in_one_pose(&model, &self.judged, self.judged_at_rest.as_ref(), level)?;
-        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(&self.judged), &judged, &known)?;
-        let trace = trace::<f64>(&judged, &playback, self.judged_rows.clone(), |_| {})?;
+        let in_one_pose =
+            self.in_one_pose(&model, &self.evaluation, self.evaluation_at_rest.as_ref(), level)?;
+        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(&self.evaluation), &evaluated, &known)?;
+        let trace = trace::<f64>(&evaluated, &playback, self.evaluation_rows.clone(), |_| {})?;
         let name = match &added {
             None => "before".to_owned(),
             Some(added) => format!("+ {}", added.effect.id),

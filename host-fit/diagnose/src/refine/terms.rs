@@ -16,7 +16,7 @@ use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position
 /// extrapolates well. Inputs that occur as powers keep the limits of the finding.
 const WIDTHS: f64 = 1.0;
 
-/// Adds findings to the physical part of the only axis of `model`; `field` is the log in which they were found. Steps
+/// Adds findings to the physical part of the only axis of `model`; `fitted` is the log in which they were found. Steps
 /// become no terms, since they are part of the bias of every later log. Returns the positions of the terms, effect by
 /// effect.
 ///
@@ -26,10 +26,10 @@ const WIDTHS: f64 = 1.0;
 pub(super) fn add(
     model: &mut UnitModel,
     findings: &[Finding],
-    field: &Recording,
+    fitted: &Recording,
 ) -> Result<Vec<Range<usize>>, RecordingError> {
     let mut places = Vec::new();
-    let inputs = Inputs::new(field);
+    let inputs = Inputs::new(fitted);
     let scale = model.axes[0].parameters.scale;
     for finding in findings {
         let first = model.axes[0].physical.len();

@@ -50,13 +50,13 @@ fn log(name: &str, seed: u64, slope: f64, per_kelvin: f64) -> Recording {
 }
 
 /// Axis before any effect is added.
-fn begin(refiner: &Refiner<'_>, quiet: &Recording) -> Refinement {
+fn begin(refiner: &Refiner<'_>, reference: &Recording) -> Refinement {
     let options = FitOptions { max_lag: 2, ..FitOptions::default() };
-    let fit = fit_axis(quiet, &rest(quiet, options.train), "gx", &options).expect("a fit");
+    let fit = fit_axis(reference, &rest(reference, options.train), "gx", &options).expect("a fit");
     let logs = LogSources {
-        field: Source::made_by("field"),
-        quiet: Some(Source::made_by("quiet")),
-        judged: Some(Source::made_by("later")),
+        log: Source::made_by("log"),
+        reference: Some(Source::made_by("reference")),
+        evaluation: Some(Source::made_by("later")),
         fitted_rows: refiner.fitted_rows(),
         read: LoadOptions::default(),
     };
@@ -80,11 +80,11 @@ fn can_be_estimated(field: &Recording, library: &Library) -> usize {
 /// g-sensitivity was estimated from one orientation, and the bias of the gyro grew thirteenfold.
 #[test]
 fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
-    let (quiet, field, later) =
-        (log("quiet", 1, 0.0, 0.0), log("field", 2, 0.0, 0.0), log("later", 3, 0.0, 0.0));
+    let (reference, field, later) =
+        (log("reference", 1, 0.0, 0.0), log("field", 2, 0.0, 0.0), log("later", 3, 0.0, 0.0));
     let library = Library::built_in();
-    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
-    let refinement = begin(&refiner, &quiet);
+    let refiner = Refiner::new(&field, Some(&reference), Some(&later), &library);
+    let refinement = begin(&refiner, &reference);
     let before = refinement.clone();
     let bias = |step: &RefinementStep| {
         let parameters = &step.model.axes[0].parameters;
@@ -120,11 +120,11 @@ fn constant_inputs_are_rejected_or_leave_bias_unchanged() {
 fn adds_determined_effect_and_reduces_error() {
     let coefficient = 2e-4;
     let logs = [(4, 0.0), (5, 0.02), (6, -0.015)];
-    let [quiet, field, later] =
+    let [reference, field, later] =
         logs.map(|(seed, slope)| log(&format!("log {seed}"), seed, slope, coefficient));
     let library = Library::built_in();
-    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
-    let mut refinement = begin(&refiner, &quiet);
+    let refiner = Refiner::new(&field, Some(&reference), Some(&later), &library);
+    let mut refinement = begin(&refiner, &reference);
     let step = refiner.add(&refinement, library.get("temp_linear").expect("known")).expect("added");
     let found = step.added.as_ref().expect("added").finding.correction[0].coefficient;
     assert!((found / coefficient - 1.0).abs() < 0.05, "{found}");
@@ -135,21 +135,21 @@ fn adds_determined_effect_and_reduces_error() {
 /// The effect is absent from the evaluation log, so it would increase the error there.
 #[test]
 fn rejects_effect_that_increases_evaluation_error() {
-    let (quiet, field, later) =
-        (log("quiet", 7, 0.0, 0.0), log("field", 8, 0.02, 2e-4), log("later", 9, 0.04, 0.0));
+    let (reference, field, later) =
+        (log("reference", 7, 0.0, 0.0), log("field", 8, 0.02, 2e-4), log("later", 9, 0.04, 0.0));
     let library = Library::built_in();
-    let refiner = Refiner::new(&field, Some(&quiet), Some(&later), &library);
-    let refused = refiner.add(&begin(&refiner, &quiet), library.get("temp_linear").expect("known"));
+    let refiner = Refiner::new(&field, Some(&reference), Some(&later), &library);
+    let refused = refiner.add(&begin(&refiner, &reference), library.get("temp_linear").expect("known"));
     assert!(matches!(refused, Err(RefineError::MakesWorse { .. })), "{refused:?}");
 }
 
 /// A study of an earlier version may contain an effect that its log did not determine.
 #[test]
 fn undetermined_effect_prevents_all_clear() {
-    let (quiet, field) = (log("quiet", 10, 0.0, 0.0), log("field", 11, 0.0, 0.0));
+    let (reference, field) = (log("reference", 10, 0.0, 0.0), log("field", 11, 0.0, 0.0));
     let library = Library::built_in();
-    let refiner = Refiner::new(&field, Some(&quiet), Some(&field), &library);
-    let mut refinement = begin(&refiner, &quiet);
+    let refiner = Refiner::new(&field, Some(&reference), Some(&field), &library);
+    let mut refinement = begin(&refiner, &reference);
     assert_eq!(refiner.diagnose(&refinement).expect("a diagnosis").verdict, Verdict::NothingMissing);
     let question = Question::new(&field, "gx", &library);
     let finding = estimate(&question, &["g_sensitivity".to_owned()]).expect("estimated").remove(0);

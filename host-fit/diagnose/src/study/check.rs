@@ -41,7 +41,7 @@ impl Study {
             if !columns.contains(&column) || !grown.insert(column) {
                 return Err(format!("refinement: {column:?} is no axis of the model, or stands there twice"));
             }
-            check_growth(refinement).map_err(|wrong| format!("refinement of {column}: {wrong}"))?;
+            check_refinement(refinement).map_err(|wrong| format!("refinement of {column}: {wrong}"))?;
         }
         Ok(())
     }
@@ -101,7 +101,7 @@ fn check_model(model: &UnitModel) -> Result<(), String> {
     Ok(())
 }
 
-fn check_growth(refinement: &Refinement) -> Result<(), String> {
+fn check_refinement(refinement: &Refinement) -> Result<(), String> {
     if refinement.steps.is_empty() {
         return Err("there is no step".to_owned());
     }

@@ -97,7 +97,8 @@ impl Study {
         let study = followed(study);
         let Ok(folder) = fs::canonicalize(folder_of(&study)) else { return };
         let grown = self.refinements.iter_mut().map(|refinement| &mut refinement.logs);
-        let grown = grown.flat_map(|logs| [Some(&mut logs.field), logs.quiet.as_mut(), logs.judged.as_mut()]);
+        let grown =
+            grown.flat_map(|logs| [Some(&mut logs.log), logs.reference.as_mut(), logs.evaluation.as_mut()]);
         for source in self.data.sources.iter_mut().chain(grown.flatten()) {
             let found = source.found.as_ref().and_then(|found| relative(&folder, found));
             if let Some(path) = found {

@@ -44,7 +44,7 @@ pub struct Study {
     /// Simpler rivals and states of the model, in order, with their errors on data that were not fitted.
     pub steps: Vec<StudyStep>,
     /// Axes that effects were added to.
-    #[serde(rename = "growth", default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refinements: Vec<Refinement>,
 }
 

@@ -19,7 +19,7 @@ pub struct Refinement {
     pub column: String,
     pub logs: LogSources,
     /// Model before any effect was added, then after each.
-    #[serde(rename = "stairs", serialize_with = "with_rms")]
+    #[serde(serialize_with = "with_rms")]
     #[cfg_attr(feature = "page-types", ts(as = "Vec<StepWithRms>"))]
     pub steps: Vec<RefinementStep>,
 }
@@ -29,11 +29,11 @@ pub struct Refinement {
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct LogSources {
     /// Log to explain.
-    pub field: Source,
+    pub log: Source,
     /// Reference log for the noise.
-    pub quiet: Option<Source>,
+    pub reference: Option<Source>,
     /// Evaluation log; without one, the rows of the log to explain from `fitted_rows` on.
-    pub judged: Option<Source>,
+    pub evaluation: Option<Source>,
     /// Number of rows of the log to explain, from the first on, that effects are estimated from.
     pub fitted_rows: usize,
     #[serde(flatten)]
@@ -100,9 +100,9 @@ impl LogSources {
             (None, Some(now)) => Some(format!("{} is given as the {which} and was not then", now.path)),
             (None, None) => None,
         };
-        changes.extend(of("log to explain", Some(&self.field), Some(&now.field)));
-        changes.extend(of("reference log", self.quiet.as_ref(), now.quiet.as_ref()));
-        changes.extend(of("evaluation log", self.judged.as_ref(), now.judged.as_ref()));
+        changes.extend(of("log to explain", Some(&self.log), Some(&now.log)));
+        changes.extend(of("reference log", self.reference.as_ref(), now.reference.as_ref()));
+        changes.extend(of("evaluation log", self.evaluation.as_ref(), now.evaluation.as_ref()));
         if self.read != now.read {
             changes.push("the logs were read with other options".to_owned());
         }
@@ -159,19 +159,19 @@ mod tests {
     #[test]
     fn changes_list_only_the_changed_log() {
         let then = LogSources {
-            field: source("field.csv", "a"),
-            quiet: Some(source("quiet.csv", "b")),
-            judged: Some(source("later.csv", "c")),
+            log: source("log.csv", "a"),
+            reference: Some(source("reference.csv", "b")),
+            evaluation: Some(source("later.csv", "c")),
             fitted_rows: 10,
             read: LoadOptions::default(),
         };
         assert_eq!(then.changes(&then), "");
-        let judged = LogSources { judged: Some(source("later.csv", "d")), ..then.clone() };
-        assert_eq!(then.changes(&judged), "later.csv (the evaluation log) has changed since");
-        let field = LogSources { field: source("other.csv", "e"), ..then.clone() };
-        assert_eq!(then.changes(&field), "the log to explain was field.csv and is now other.csv");
-        let none = LogSources { quiet: None, ..then.clone() };
-        assert_eq!(then.changes(&none), "the reference log was quiet.csv and is not given now");
+        let evaluation = LogSources { evaluation: Some(source("later.csv", "d")), ..then.clone() };
+        assert_eq!(then.changes(&evaluation), "later.csv (the evaluation log) has changed since");
+        let other = LogSources { log: source("other.csv", "e"), ..then.clone() };
+        assert_eq!(then.changes(&other), "the log to explain was log.csv and is now other.csv");
+        let none = LogSources { reference: None, ..then.clone() };
+        assert_eq!(then.changes(&none), "the reference log was reference.csv and is not given now");
         let read =
             LogSources { read: LoadOptions { rate_hz: Some(9.0), ..LoadOptions::default() }, ..then.clone() };
         assert_eq!(then.changes(&read), "the logs were read with other options");

@@ -173,7 +173,7 @@ mod tests {
         let (missed, _) = misses(false);
         assert!(missed.len() > 35, "{missed:?}");
         println!(
-            "attack: coarse steps | a resolution of 0.1 to 8 standard deviations, with the mean at 7 positions between two codes: all 70 intervals of N contain the true value, {limits} of them as upper limits | negative control: if N is estimated from the rounded samples, {} intervals do not contain it",
+            "attack: coarse steps | a resolution of 0.1 to 8 standard deviations, with the mean at 7 positions between two codes: all 70 intervals of N contain the true value, {limits} of them as upper limits | negative control: if N is estimated from the rounded samples, {} intervals do not",
             missed.len(),
         );
     }

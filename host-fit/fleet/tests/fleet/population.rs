@@ -1,6 +1,6 @@
 //! Statistics of populations of random estimates with known truth, without logs.
 
-use fos_fleet::{Estimate, Member, Population, discoveries, judge};
+use fos_fleet::{Estimate, Member, Population, assess, discoveries};
 use fos_testkit::is_thorough;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -228,15 +228,15 @@ fn odd_units_are_found_at_stated_false_discovery_rate() {
                 estimate.values[i] += 8.0 * deviation;
                 planted += 1;
             }
-            let judged = judge(&drawn.members(), &names()).unwrap();
-            let p_values: Vec<f64> = judged.distances.iter().map(|distance| distance.p_value).collect();
+            let assessment = assess(&drawn.members(), &names()).unwrap();
+            let p_values: Vec<f64> = assessment.distances.iter().map(|distance| distance.p_value).collect();
             let found = discoveries(&p_values, RATE);
             let wrong_here = (0..300).filter(|index| found[*index] && !is_odd(*index)).count();
             wrong += wrong_here;
             fleets_with_a_wrong_one += u32::from(wrong_here > 0);
             called += found.iter().filter(|found| **found).count();
             for index in (0..300).filter(|index| found[*index] && is_odd(*index)) {
-                assert_eq!(judged.distances[index].most, names()[index % 2], "by what it is odd");
+                assert_eq!(assessment.distances[index].most, names()[index % 2], "by what it is odd");
             }
         }
         println!(

@@ -1,7 +1,7 @@
 //! Small fleets of random estimates with known truth: intervals hold as often as stated, and the false positive rate of odd devices is at
 //! most the stated one. The same checks fail for a rule that treats an estimated population as known.
 
-use fos_fleet::{Estimate, Member, Population, devices_needed, discoveries, judge};
+use fos_fleet::{Estimate, Member, Population, assess, devices_needed, discoveries};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -57,20 +57,20 @@ fn members(estimates: &[Estimate]) -> Vec<Member<'_>> {
 }
 
 /// Returns the population of estimates and the p-value of each.
-type Judge = fn(&[Estimate], &[String]) -> (Population, Vec<f64>);
+type Assess = fn(&[Estimate], &[String]) -> (Population, Vec<f64>);
 
 /// A method of evaluating a fleet: population and p-values, interval of a mean, interval of the scatter.
 struct Rule {
-    judge: Judge,
+    assess: Assess,
     mean_interval: fn(&Population, usize) -> [f64; 2],
     units_interval: fn(&Population, usize) -> [f64; 2],
 }
 
 const PROGRAM: Rule = Rule {
-    judge: |estimates, names| {
-        let judged = judge(&members(estimates), names).expect("a population");
-        let p_values = judged.distances.iter().map(|distance| distance.p_value).collect();
-        (judged.population, p_values)
+    assess: |estimates, names| {
+        let assessment = assess(&members(estimates), names).expect("a population");
+        let p_values = assessment.distances.iter().map(|distance| distance.p_value).collect();
+        (assessment.population, p_values)
     },
     mean_interval: Population::mean_interval,
     units_interval: |population, place| population.scatter[place].units_interval,
@@ -79,7 +79,7 @@ const PROGRAM: Rule = Rule {
 /// Treats the estimated population as known: a median trim, then tails of χ² of two coefficients, until the set of trimmed devices is
 /// stable.
 const IGNORES_UNCERTAINTY: Rule = Rule {
-    judge: |estimates, names| {
+    assess: |estimates, names| {
         let middle = |mut values: Vec<f64>| {
             values.sort_by(f64::total_cmp);
             0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
@@ -166,7 +166,7 @@ fn shares(rule: &Rule, units: usize, fleets: Fleets) -> Shares {
         let mut least = vec![1.0_f64; units];
         for axis in 0..axes {
             let estimates = draw(units, coefficients, errors, &mut random);
-            let (population, p_values) = (rule.judge)(&estimates, &names);
+            let (population, p_values) = (rule.assess)(&estimates, &names);
             // Bonferroni correction, as over the axes of a device.
             least.iter_mut().zip(&p_values).for_each(|(least, p)| *least = least.min(p * axes as f64));
             if axis > 0 {
@@ -269,9 +269,9 @@ fn small_lots_have_stated_false_positive_rate() {
             for (index, estimate) in estimates.iter().enumerate() {
                 members.push(Member { lot: Some(&names_of_lots[index / a_lot]), estimate });
             }
-            let judged = judge(&members, &names(1)).expect("a population");
-            let p_values: Vec<f64> = judged.distances.iter().map(|distance| distance.p_value).collect();
-            let population = &judged.population;
+            let assessment = assess(&members, &names(1)).expect("a population");
+            let p_values: Vec<f64> = assessment.distances.iter().map(|distance| distance.p_value).collect();
+            let population = &assessment.population;
             let inside = |[low, high]: [f64; 2], value: f64| i32::from(low <= value && value <= high);
             odd += i32::from(discoveries(&p_values, RATE).contains(&true));
             mean += inside(population.mean_interval(0), MEAN[0]);
@@ -303,9 +303,12 @@ fn devices_needed_suffice_to_find_a_far_device() {
         for _ in 0..fleets {
             let mut estimates = draw(units, 1, 0.2, &mut random);
             estimates[0].values[0] += 8.0 * (UNITS[0].powi(2) + estimates[0].covariance[0][0]).sqrt();
-            let judged = judge(&members(&estimates), &names(1)).expect("a population");
-            let mut p_values: Vec<f64> =
-                judged.distances.iter().map(|distance| (distance.p_value * tests as f64).min(1.0)).collect();
+            let assessment = assess(&members(&estimates), &names(1)).expect("a population");
+            let mut p_values: Vec<f64> = assessment
+                .distances
+                .iter()
+                .map(|distance| (distance.p_value * tests as f64).min(1.0))
+                .collect();
             p_values.resize(units, 1.0);
             found += i32::from(discoveries(&p_values, RATE)[0]);
         }

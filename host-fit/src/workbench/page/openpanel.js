@@ -10,15 +10,15 @@ import { populationAddress } from "./populationpage.js";
 
 /** @typedef {import("./types.js").Preview} Preview */
 /** @typedef {import("./types.js").Listed} LogEntry */
-/** @typedef {"field" | "quiet" | "judged" | "none"} Role */
+/** @typedef {"log" | "reference" | "evaluation" | "none"} Role */
 /** A log that was picked. @typedef {{path: string, preview: Preview, role: Role}} Picked */
 /** @typedef {import("./types.js").Page} Study */
 
 /** @type {{role: Role, text: string}[]} */
 const ROLES = [
-  { role: "field", text: "the log to explain" },
-  { role: "quiet", text: "reference log (optional)" },
-  { role: "judged", text: "evaluation log (optional)" },
+  { role: "log", text: "the log to explain" },
+  { role: "reference", text: "reference log (optional)" },
+  { role: "evaluation", text: "evaluation log (optional)" },
   { role: "none", text: "not used" },
 ];
 const MOST = 3;
@@ -94,7 +94,7 @@ export class OpenPanel {
       if (!files) return this.#problem("The example is still being simulated.\nhelp: wait until the study shows its chart, then open its columns again");
       const { columns, rate_hz } = files.read;
       this.#mapping.setRate(rate_hz ?? null);
-      for (const role of /** @type {const} */ (["field", "quiet", "judged"])) {
+      for (const role of /** @type {const} */ (["log", "reference", "evaluation"])) {
         const path = files[role];
         if (path) this.#picked.push({ path, role, preview: await post("/api/preview", { path, columns }) });
       }
@@ -193,7 +193,7 @@ export class OpenPanel {
     };
     replace(this.#files, picked.length > 0 ? [el("h2", {}, "Roles of the files"), el("ul", {}, picked.map(entry))] : null);
     this.#mapping.show(picked.map(({ preview }) => preview));
-    this.#reading.hidden = !picked.some(({ role }) => role === "field");
+    this.#reading.hidden = !picked.some(({ role }) => role === "log");
     this.#sayReadable();
   }
 
@@ -227,15 +227,15 @@ export class OpenPanel {
   #leaveOut(one) {
     this.#picked = this.#picked.filter((picked) => picked !== one);
     const [first] = this.#picked;
-    if (first && !this.#picked.some(({ role }) => role === "field")) first.role = "field";
+    if (first && !this.#picked.some(({ role }) => role === "log")) first.role = "log";
     this.#draw();
   }
 
   async #readLogs() {
     const path = (/** @type {Role} */ role) => this.#picked.find((picked) => picked.role === role)?.path ?? null;
-    const field = path("field");
-    if (!field || !this.#mapping.hasSensor()) return;
-    await this.#open({ field, quiet: path("quiet"), judged: path("judged"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
+    const log = path("log");
+    if (!log || !this.#mapping.hasSensor()) return;
+    await this.#open({ log, reference: path("reference"), evaluation: path("evaluation"), columns: this.#mapping.specs(), rate_hz: this.#mapping.rate() });
   }
 
   /** @param {import("./types.js").Wanted} study */

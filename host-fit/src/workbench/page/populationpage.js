@@ -157,10 +157,10 @@ export class PopulationPage {
     this.#unit.querySelector("h2")?.focus({ preventScroll: true });
   }
 
-  /** @param {string} field */
-  async #open(field) {
+  /** @param {string} log */
+  async #open(log) {
     try {
-      this.#around.opened((await post("/api/studies", { field })).id);
+      this.#around.opened((await post("/api/studies", { log })).id);
     } catch (error) {
       this.#around.notices.show(messageOf(error));
     }

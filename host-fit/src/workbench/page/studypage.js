@@ -205,7 +205,7 @@ export class StudyPage {
   /** @param {State} state */
   #update(state) {
     this.#state = state;
-    const field = state.logs?.field;
+    const field = state.logs?.log;
     const log = field ? `${field.sha256} ${field.from_s} ${field.to_s}` : "";
     if (field && log !== this.#log) {
       this.#log = log;
@@ -281,7 +281,7 @@ export class StudyPage {
 
 /** Key that differs between two states of an axis' model. @param {AxisState} axis */
 export function modelKey(axis) {
-  return JSON.stringify([axis.model, axis.growth?.stairs.length ?? 0, axis.comparison?.errors ?? null]);
+  return JSON.stringify([axis.model, axis.refinement?.steps.length ?? 0, axis.comparison?.errors ?? null]);
 }
 
 /** @param {string} what */
@@ -294,20 +294,20 @@ function studyHead({ id, name, logs, files }) {
   const columns = files && el("a", { class: "button", "data-key": "columns", href: columnsAddress(id), title: "Change columns, units, scale, offset and roles of the logs" }, "Columns…");
   const title = el("div", { class: "study-title" }, el("h1", {}, name), columns);
   if (!logs) return title;
-  const { field, quiet, judged } = logs;
+  const { log, reference, evaluation } = logs;
   const facts = [
-    `${duration(field.seconds)} at ${Number(field.rate_hz.toFixed(2))} Hz`,
-    `${count(field.rows)} rows`,
-    field.segments > 1 ? `${field.segments} pieces, ${count(field.missing)} samples missing` : field.missing > 0 ? `${count(field.missing)} samples missing` : "no gaps",
-    field.still_share === null ? null : `still for ${percent(field.still_share, 0)}`,
+    `${duration(log.seconds)} at ${Number(log.rate_hz.toFixed(2))} Hz`,
+    `${count(log.rows)} rows`,
+    log.segments > 1 ? `${log.segments} pieces, ${count(log.missing)} samples missing` : log.missing > 0 ? `${count(log.missing)} samples missing` : "no gaps",
+    log.still_share === null ? null : `still for ${percent(log.still_share, 0)}`,
   ].filter((fact) => fact !== null);
-  const other = (/** @type {string} */ role, /** @type {import("./types.js").LogSummary | null} */ log) =>
-    log && el("span", {}, el("b", {}, role), ` ${fileName(log.path)}, ${duration(log.seconds)}`);
+  const other = (/** @type {string} */ role, /** @type {import("./types.js").LogSummary | null} */ one) =>
+    one && el("span", {}, el("b", {}, role), ` ${fileName(one.path)}, ${duration(one.seconds)}`);
   return [
     title,
-    el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(field.path)}, ${facts.join(", ")}`), other("Reference log", quiet), other("Evaluated on", judged)),
-    field.quality.length > 0
-      ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${field.quality.length === 1 ? "One remark" : `${field.quality.length} remarks`} on the data`), el("ul", {}, field.quality.map((text) => el("li", {}, text))))
+    el("p", { class: "facts" }, el("span", {}, el("b", {}, "Log to explain"), ` ${fileName(log.path)}, ${facts.join(", ")}`), other("Reference log", reference), other("Evaluated on", evaluation)),
+    log.quality.length > 0
+      ? el("details", { class: "log-quality", "data-key": "quality" }, el("summary", {}, `${log.quality.length === 1 ? "One remark" : `${log.quality.length} remarks`} on the data`), el("ul", {}, log.quality.map((text) => el("li", {}, text))))
       : null,
   ];
 }

@@ -75,7 +75,7 @@ pub(crate) const FORMATS: &[Format] = &[
         make: make::hub_log,
     },
     Format {
-        title: "log for replay",
+        title: "replay log",
         name: "replay_log",
         extension: "fosr",
         version: PredictorLogHeader::VERSION as u32,
@@ -85,7 +85,7 @@ pub(crate) const FORMATS: &[Format] = &[
         make: make::replay_log,
     },
     Format {
-        title: "store of images in flash",
+        title: "image store in flash",
         name: "flash",
         extension: "bin",
         // without its own version: sequential-storage's layout, four bytes before the image, and the version of the
@@ -117,7 +117,7 @@ pub(crate) const FORMATS: &[Format] = &[
         make: make::study,
     },
     Format {
-        title: "description of a case",
+        title: "case description",
         name: "case",
         extension: "json",
         version: number_of(case::SCHEMA),
@@ -281,13 +281,12 @@ fn of_study(bytes: &[u8]) -> Result<String, String> {
             errors(&mut outputs, &step.name, &axis.column, left);
         }
     }
-    for growth in &study.refinements {
-        for stair in &growth.steps {
-            let added = stair.added.as_ref();
+    for refinement in &study.refinements {
+        for step in &refinement.steps {
+            let added = step.added.as_ref();
             let name = added.map_or("before", |added| &added.finding.effect);
-            errors(&mut outputs, name, &growth.column, &stair.errors);
-            for term in stair.model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic))
-            {
+            errors(&mut outputs, name, &refinement.column, &step.errors);
+            for term in step.model.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic)) {
                 let _ = writeln!(outputs, "{name}: coefficient {:?}", term.coefficient);
             }
             if let Some(added) = added {

@@ -194,26 +194,26 @@ fn written_study() -> Study {
         let options = LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() };
         Recording::from_columns(Source::made_by(name), columns, &options).expect("a log")
     };
-    let (quiet, field) =
-        (recording("simulated quiet log", case.baseline), recording("simulated field log", case.field));
-    let stillness = stillness::find(&quiet);
+    let (reference, log) =
+        (recording("simulated reference log", case.baseline), recording("simulated log", case.field));
+    let stillness = stillness::find(&reference);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
-    let fit = fit_axis(&quiet, &stillness, "gx", &options).expect("fits");
-    let mut study =
-        study_of(&quiet, &stillness, vec![fit], options, LoadOptions::default(), |_| {}).expect("judged");
+    let fit = fit_axis(&reference, &stillness, "gx", &options).expect("fits");
+    let mut study = study_of(&reference, &stillness, vec![fit], options, LoadOptions::default(), |_| {})
+        .expect("evaluated");
     let library = Library::built_in();
-    let refiner = Refiner::new(&field, Some(&quiet), None, &library);
+    let refiner = Refiner::new(&log, Some(&reference), None, &library);
     let logs = LogSources {
-        field: field.sources[0].clone(),
-        quiet: Some(quiet.sources[0].clone()),
-        judged: None,
+        log: log.sources[0].clone(),
+        reference: Some(reference.sources[0].clone()),
+        evaluation: None,
         fitted_rows: refiner.fitted_rows(),
         read: LoadOptions { rate_hz: Some(200.0), ..LoadOptions::default() },
     };
-    let mut growth = refiner.begin(&study, "gx_rads", logs).expect("begun");
-    let stair = refiner.add(&growth, library.get("thermal_lag").expect("an effect")).expect("added");
-    growth.steps.push(stair);
-    study.keep(growth);
+    let mut refinement = refiner.begin(&study, "gx_rads", logs).expect("begun");
+    let step = refiner.add(&refinement, library.get("thermal_lag").expect("an effect")).expect("added");
+    refinement.steps.push(step);
+    study.keep(refinement);
     study
 }
 

@@ -112,7 +112,7 @@ fn every_changed_byte_is_refused_or_changes_the_results() {
         }
         assert!(refused + differs > 10, "{}: {refused} + {differs} bytes", path.display());
         println!(
-            "control: {}, {} bytes changed: {refused} refused, {differs} with other results, 0 unnoticed",
+            "control: {}, {} bytes changed: {refused} refused, {differs} with different results, 0 undetected",
             format.title,
             refused + differs
         );

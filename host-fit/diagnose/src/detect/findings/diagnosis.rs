@@ -101,9 +101,9 @@ impl Assembly<'_> {
         let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());
         let rejected = self.rejected(&findings, &all_findings, &leads);
         let mut cautions = beyond_typical(&findings, self.question.library, self.column);
-        if self.question.quiet.is_none() {
+        if self.question.reference.is_none() {
             cautions
-                .push("no reference log: the noise was estimated from this log, so slow drift of the sensor may be mistaken for an effect, and a spectral line of the sensor for interference; record 10 min at rest with the same device and pass it as `quiet`".to_owned());
+                .push("no reference log: the noise was estimated from this log, so slow drift of the sensor may be mistaken for an effect, and a spectral line of the sensor for interference; record 10 min at rest with the same device and pass it as `reference`".to_owned());
         }
         Ok(Diagnosis {
             target: self.column.to_owned(),

@@ -28,7 +28,7 @@ impl Assembly<'_> {
         let coefficients = slow.fitted.gls.coefficients();
         let covariance = slow.fitted.gls.covariance();
         let kept = &slow.fitted.gls.kept;
-        let inputs = Inputs::new(self.question.field);
+        let inputs = Inputs::new(self.question.log);
         let estimates: Vec<Estimate> =
             order.iter().map(|found| Estimate::of(&slow.fitted.gls, found.place.clone())).collect();
         let mut limits = Vec::new();
@@ -117,7 +117,7 @@ impl Assembly<'_> {
         let windows = (0..=blocks.len() - length).step_by((length / 4).max(1));
         let power = |start: &usize| (*start..start + length).map(|block| size(block).powi(2)).sum::<f64>();
         let start = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
-        let time = &self.question.field.time_s;
+        let time = &self.question.log.time_s;
         let (first, last) = (&blocks.blocks[start], &blocks.blocks[start + length - 1]);
         Some([time[first.rows.start], time[last.rows.end - 1]])
     }
@@ -131,18 +131,18 @@ impl Assembly<'_> {
         estimates: Vec<Estimate>,
         limits: &[BTreeMap<String, [f64; 2]>],
     ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
-        let judged = self.question.judged.filter(|judged| {
-            let inputs = Inputs::new(judged);
+        let evaluation = self.question.evaluation.filter(|evaluation| {
+            let inputs = Inputs::new(evaluation);
             let mut regressors = order.iter().flat_map(|found| &found.hypothesis.regressors);
             regressors.all(|regressor| is_logged(&inputs, regressor))
         });
-        let log: &Recording = judged.unwrap_or(self.question.field);
-        let from = if judged.is_some() { self.question.judged_from } else { 0 };
+        let log: &Recording = evaluation.unwrap_or(self.question.log);
+        let from = if evaluation.is_some() { self.question.evaluation_from } else { 0 };
         let continues = keeps_bias(log, self.column, from);
         let mut in_blocks = PredictedReductions::blocks(log, self.column, from)?;
         in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
         let blocks = &in_blocks.blocks;
-        let other = judged.map(Inputs::new);
+        let other = evaluation.map(Inputs::new);
         let inputs = other.as_ref().unwrap_or(fitted);
         // about the mean of the fitted log, as in `correction`: a step is compared in mean squares, in which 25 °C times
         // a temperature coefficient would count as error
@@ -172,8 +172,8 @@ impl Assembly<'_> {
             if effect.search == Detector::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
                 // a past step is a constant in another log, relative to the mean of its own log
-                let share = step_share(self.question.field, time_s);
-                let after = |block: usize| judged.is_some() || blocks.middle_s(block) > time_s;
+                let share = step_share(self.question.log, time_s);
+                let after = |block: usize| evaluation.is_some() || blocks.middle_s(block) > time_s;
                 let column: Vec<f64> =
                     (0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect();
                 found_so.columns.push(column.clone());
@@ -213,11 +213,11 @@ impl Assembly<'_> {
             log: &in_blocks,
             regression: &regression,
             fitted: &self.slow.fitted,
-            continues_s: continues.then(|| self.question.field.duration_s()),
+            continues_s: continues.then(|| self.question.log.duration_s()),
         };
         let reduction = |at: usize| {
             let learnt = order[at].hypothesis.columns();
-            let beyond = leverage::beyond(&learnt, &effects[at].corrected).filter(|_| judged.is_some());
+            let beyond = leverage::beyond(&learnt, &effects[at].corrected).filter(|_| evaluation.is_some());
             Ok(PredictedReduction { beyond, ..reductions.of(&effects[at], &effects[at + 1..])? })
         };
         (0..effects.len()).map(reduction).collect()

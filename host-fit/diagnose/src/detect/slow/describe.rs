@@ -86,7 +86,7 @@ impl SlowSearch<'_> {
             noise_score,
             fitted: state.fitted,
             prior,
-            quiet_prior: self.prior,
+            reference_prior: self.prior,
             tried: tried.scores,
             beside: Vec::new(),
             silent: tried.silent,

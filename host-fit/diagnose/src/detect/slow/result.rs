@@ -68,7 +68,7 @@ pub(crate) struct SlowResult {
     /// Regression with all findings.
     pub(crate) fitted: Fitted,
     /// Prior of the noise levels without excess noise.
-    pub(crate) quiet_prior: LevelPrior,
+    pub(crate) reference_prior: LevelPrior,
     /// Prior of the noise levels in `fitted`.
     pub(crate) prior: LevelPrior,
     /// Best score of every effect that was tried alone, highest first.

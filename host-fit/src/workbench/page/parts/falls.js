@@ -11,7 +11,7 @@ import { section, waitingFor } from "./section.js";
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
 /** @typedef {import("../types.js").Refinement} Refinement */
-/** @typedef {import("../types.js").StepWithRms} Stair */
+/** @typedef {import("../types.js").StepWithRms} Step */
 /** @typedef {import("../types.js").AxisPage} AxisPage */
 
 /** Free-run horizons in the table, s. */
@@ -42,20 +42,20 @@ export function fallsPart(context) {
     update(scene) {
       const { axis, state } = scene;
       const isBusy = state.job?.asked_for ?? false;
-      const steps = axis?.growth?.stairs.length ?? 0;
+      const steps = axis?.refinement?.steps.length ?? 0;
       overlay.hidden = steps < 2;
       if (axis) {
         chart.setUnit(chosen(axis.units.errors));
         chart.setLabel(axis.label);
       }
-      const now = JSON.stringify([axis?.column, axis?.growth, axis?.pays, axis?.units, isBusy, steps < 2 ? emptyText(scene) : null, system()]);
+      const now = JSON.stringify([axis?.column, axis?.refinement, axis?.pays, axis?.units, isBusy, steps < 2 ? emptyText(scene) : null, system()]);
       if (now === drawn) return;
       drawn = now;
-      if (!axis?.growth || steps < 2) {
+      if (!axis?.refinement || steps < 2) {
         replace(picture);
         return replace(body, el("div", { class: "card" }, el("p", { class: "empty" }, emptyText(scene))));
       }
-      replace(body, el("div", { class: "card" }, el("p", { class: "judged" }, judgedOn(axis.growth, scene)), table(axis, axis.growth, isBusy, context)));
+      replace(body, el("div", { class: "card" }, el("p", { class: "evaluated" }, evaluatedOn(axis.refinement, scene)), table(axis, axis.refinement, isBusy, context)));
       replace(picture, axis.staircase ? el("div", { class: "card" }, figureElement(figureIn(axis.staircase, axis.unit, chosen(axis.units.errors)), { height: 210 })) : null);
     },
   };
@@ -69,21 +69,21 @@ function emptyText(scene) {
 }
 
 /** @param {Refinement} refinement @param {Scene} scene */
-function judgedOn({ logs }, { axis }) {
-  if (logs.judged) return ["Evaluated on ", el("b", {}, fileName(logs.judged.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.field.path)), "."];
-  const where = axis?.judged_s ? ` (${seconds(axis.judged_s[0])} to ${seconds(axis.judged_s[1])})` : "";
-  return ["Evaluated on the rows of ", el("b", {}, fileName(logs.field.path)), ` from row ${count(logs.fitted_rows)} on${where}, which were not fitted.`];
+function evaluatedOn({ logs }, { axis }) {
+  if (logs.evaluation) return ["Evaluated on ", el("b", {}, fileName(logs.evaluation.path)), ", a later log that nothing was fitted to; the effects were estimated from ", el("b", {}, fileName(logs.log.path)), "."];
+  const where = axis?.evaluated_s ? ` (${seconds(axis.evaluated_s[0])} to ${seconds(axis.evaluated_s[1])})` : "";
+  return ["Evaluated on the rows of ", el("b", {}, fileName(logs.log.path)), ` from row ${count(logs.fitted_rows)} on${where}, which were not fitted.`];
 }
 
 /** @param {AxisPage} axis @param {Refinement} refinement @param {boolean} isBusy @param {Context} context */
-function table({ units, pays }, { column, stairs }, isBusy, { change, announce }) {
+function table({ units, pays }, { column, steps }, isBusy, { change, announce }) {
   const unit = chosen(units.errors);
   const root = (/** @type {number | null | undefined} */ square) => (isNumber(square) ? number(Math.sqrt(square) / unit.divisor) : number(null));
-  const coast = (/** @type {Stair} */ { errors }, /** @type {number} */ horizon) => root(errors.coast.find(({ horizon_s }) => horizon_s === horizon)?.mse);
+  const coast = (/** @type {Step} */ { errors }, /** @type {number} */ horizon) => root(errors.coast.find(({ horizon_s }) => horizon_s === horizon)?.mse);
 
   const undo = (/** @type {number} */ at) => {
-    const isLast = at === stairs.length - 1;
-    const name = stairs[at]?.added?.finding.name ?? "";
+    const isLast = at === steps.length - 1;
+    const name = steps[at]?.added?.finding.name ?? "";
     return el(
       "button",
       {
@@ -102,15 +102,15 @@ function table({ units, pays }, { column, stairs }, isBusy, { change, announce }
     );
   };
 
-  const row = (/** @type {Stair} */ stair, /** @type {number} */ at) => {
-    const { added, left, errors, cost } = stair;
+  const row = (/** @type {Step} */ step, /** @type {number} */ at) => {
+    const { added, left, errors, cost } = step;
     return el(
       "tr",
       { "data-step": added?.effect.id ?? "before" },
       el("th", { scope: "row" }, el("span", { class: "step-number" }, at), added ? capitalised(added.finding.name) : "Before", added ? undo(at) : null),
       el("td", {}, added ? [el("b", {}, percent(added.finding.rms_reduction)), el("br"), el("span", { class: "note" }, interval(added.finding.rms_reduction_interval, (value) => percent(value)))] : null),
-      el("td", {}, added ? measured(stair, pays[at] ?? true) : null),
-      [root(left.slow), root(left.wide), root(errors.one_step_mse), ...HORIZONS.map((horizon) => coast(stair, horizon)), count(cost.terms), count(cost.ram_bytes), count(cost.instructions)].map((text) => el("td", { class: "right" }, text)),
+      el("td", {}, added ? measured(step, pays[at] ?? true) : null),
+      [root(left.slow), root(left.wide), root(errors.one_step_mse), ...HORIZONS.map((horizon) => coast(step, horizon)), count(cost.terms), count(cost.ram_bytes), count(cost.instructions)].map((text) => el("td", { class: "right" }, text)),
     );
   };
 
@@ -128,12 +128,12 @@ function table({ units, pays }, { column, stairs }, isBusy, { change, announce }
         el("tr", {}, head("Step", { rowspan: 2 }), head("Reduction of the RMS", { colspan: 2, scope: "colgroup" }), head(`Residual RMS${inUnit}`, { colspan: 2, scope: "colgroup" }), head(`RMS${inUnit}`, { colspan: 4, scope: "colgroup" }), head("Cost", { colspan: 3, scope: "colgroup" })),
         el("tr", {}, head("predicted (90 %)"), head("measured"), ["slow", "samples", "one step", ...HORIZONS.map((horizon) => `${horizon} s ahead`), "terms", "RAM, bytes", "instructions"].map((text) => head(text, { class: "right" }))),
       ),
-      el("tbody", {}, stairs.map(row)),
+      el("tbody", {}, steps.map(row)),
     ),
   );
 }
 
-/** @param {Stair} stair @param {boolean} pays */
+/** @param {Step} step @param {boolean} pays */
 function measured({ rms_reduction: reduction, added }, pays) {
   const [low, high] = added?.finding.rms_reduction_interval ?? [0, 0];
   const fell = reduction ?? 0;

@@ -116,8 +116,8 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
         chart.setLabel(scene.axis ? scene.axis.label : "Measured");
       }
       if (scene.axis) chart.setUnit(unitOf(scene.axis.units.measured));
-      const begin = scene.axis?.judged_s?.[0];
-      const field = scene.state.logs?.field;
+      const begin = scene.axis?.evaluated_s?.[0];
+      const field = scene.state.logs?.log;
       late.hidden = begin === undefined || !field || begin - field.from_s < LATE * (field.to_s - field.from_s);
       if (begin !== undefined) late.textContent = `Predictions begin at ${seconds(begin)}: the model was fitted to the rows before.`;
       chart.setShades(shadesOf(scene));

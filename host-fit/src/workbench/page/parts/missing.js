@@ -32,7 +32,7 @@ export function missingPart(context) {
     const { axis, state } = scene;
     const diagnosis = axis?.diagnosis ?? null;
     const isBusy = state.job?.asked_for ?? false;
-    const now = JSON.stringify([axis?.column, diagnosis, axis?.standing, axis?.offers, isBusy, diagnosis ? null : waitingFor(scene, ""), axis?.growth?.stairs.length, system()]);
+    const now = JSON.stringify([axis?.column, diagnosis, axis?.standing, axis?.offers, isBusy, diagnosis ? null : waitingFor(scene, ""), axis?.refinement?.steps.length, system()]);
     if (now !== drawn) {
       drawn = now;
       replace(verdict, axis?.standing ? verdictElement(axis.standing, diagnosis) : el("div", { class: "card" }, el("p", { class: "empty" }, waitingFor(scene, "This axis has not been diagnosed yet."))));
@@ -92,15 +92,15 @@ function verdictElement({ outcome, sentence, record }, diagnosis) {
 const MOST_TOLD = 12;
 
 /** True if any axis has an added effect. @param {State["axes"]} axes */
-const hasEffects = (axes) => axes.some(({ growth }) => (growth?.stairs.length ?? 0) > 1);
+const hasEffects = (axes) => axes.some(({ refinement }) => (refinement?.steps.length ?? 0) > 1);
 
 /** Detected motion, and the button that excludes or keeps it. @param {State} state @param {Context} context */
 function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   if (!logs) return null;
   // a stretch shaded in two parts is listed once
   const says = (/** @type {import("../types.js").LogSummary | null} */ log) => [...new Set(log?.moved.ranges.map((range) => range.says))];
-  const field = says(logs.field);
-  const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.quiet)], ["Evaluation log", says(logs.judged)]]).filter(([, told]) => told.length > 0);
+  const field = says(logs.log);
+  const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.reference)], ["Evaluation log", says(logs.evaluation)]]).filter(([, told]) => told.length > 0);
   if (!isKept && field.length === 0 && others.length === 0) return null;
   const list = (/** @type {string[]} */ told) => el("ul", {}, told.slice(0, MOST_TOLD).map((text) => el("li", {}, text)), told.length > MOST_TOLD && el("li", {}, `and ${told.length - MOST_TOLD} more`));
   const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Exclude them again" : "Count them as any others");

@@ -17,7 +17,7 @@ export function shadesOf({ axis, chosen }) {
 }
 
 /** Detected motion: shaded too, and not part of any stretch. @param {Scene} scene */
-export const movedOf = ({ state }) => state.logs?.field.moved ?? null;
+export const movedOf = ({ state }) => state.logs?.log.moved ?? null;
 
 /** @param {Chosen | null} chosen @param {number} from @param {number} to */
 const isSame = (chosen, from, to) => chosen !== null && chosen.from === from && chosen.to === to;
