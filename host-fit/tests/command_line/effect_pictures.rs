@@ -1,9 +1,11 @@
-//! Pictures of the effects for docs/effects.md: the regressors of the library on a log in which every input varies.
+//! Pictures of the effects for docs/effects.md: the regressors of the library on a log in which every input varies, and a
+//! course of each effect without regressors.
 
 use std::f64::consts::TAU;
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::effects::{Detector, Effect, Inputs, Regressor};
+use fos_testkit::noise::white_noise;
 use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, svg};
 
 const RATE_HZ: f64 = 20.0;
@@ -42,13 +44,73 @@ fn log() -> Recording {
     Recording::from_columns(Source::made_by("picture"), columns, &LoadOptions::default()).expect("a log")
 }
 
-/// The regressors of an effect, each over its largest value, against the first input, or against time if that is the
-/// clock, comes in pulses or is averaged; none of an effect without regressors.
-pub(crate) fn picture(effect: &Effect) -> Option<String> {
-    // steps and lines are found by detectors of their own
-    if effect.search != Detector::Terms {
-        return None;
-    }
+/// Course of an effect that has no regressors: titles of both axes, and points.
+fn course(id: &str) -> Option<(&'static str, &'static str, Vec<(f64, f64)>)> {
+    let noise = white_noise(1, POINTS);
+    // over `range` of x, from the number of the point and x
+    let over = |range: f64, y: &mut dyn FnMut(usize, f64) -> f64| -> Vec<(f64, f64)> {
+        let x = |point: usize| range * point as f64 / POINTS as f64;
+        (0..POINTS).map(|point| (x(point), y(point, x(point)))).collect()
+    };
+    let (seconds, error, signal) = ("time (s)", "error (1)", "sensor output (1)");
+    let course = match id {
+        "bias_step" => {
+            (seconds, error, over(DURATION_S, &mut |_, t| f64::from(u8::from(t > DURATION_S / 2.0))))
+        }
+        "spectral_line" => (seconds, error, over(1.0, &mut |_, t| (TAU * 9.0 * t).sin())),
+        "drifting_line" => (seconds, error, over(1.0, &mut |_, t| (TAU * (5.0 + 4.0 * t) * t).sin())),
+        "noise_temperature" => {
+            ("temp_c", error, over(60.0, &mut |point, temp_c| noise[point] * (1.0 + 0.05 * temp_c)))
+        }
+        "saturation" => {
+            (seconds, signal, over(1.0, &mut |_, t| (1.5 * (TAU * 2.0 * t).sin()).clamp(-1.0, 1.0)))
+        }
+        // a third of the samples is missing from half of the log, and the logger counts those that arrive
+        "dropped_samples" => {
+            (seconds, signal, over(1.0, &mut |_, t| (TAU * 4.0 * (t + 0.5 * (t - 0.5).max(0.0))).sin()))
+        }
+        "quantisation" => (seconds, signal, over(1.0, &mut |_, t| (4.0 * (TAU * t).sin()).round() / 4.0)),
+        "dead_zone" => {
+            let shrunk = |rate: f64| if rate.abs() < 0.3 { 0.0 } else { rate };
+            let points = over(2.0, &mut |_, from_left| shrunk(from_left - 1.0));
+            ("true rate (1)", signal, points.into_iter().map(|(x, y)| (x - 1.0, y)).collect())
+        }
+        "gauss_markov" | "rate_random_walk" => {
+            let (keeps, mut state) = (if id == "gauss_markov" { 0.93 } else { 1.0 }, 0.0);
+            let mut step = |point: usize, _| {
+                state = keeps * state + noise[point];
+                state
+            };
+            (seconds, error, over(DURATION_S, &mut step))
+        }
+        "random_telegraph" => {
+            let mut level = 1.0;
+            let mut step = |point: usize, _| {
+                level *= if noise[point].abs() > 2.0 { -1.0 } else { 1.0 };
+                level + 0.05 * noise[point]
+            };
+            (seconds, error, over(DURATION_S, &mut step))
+        }
+        _ => return None,
+    };
+    Some(course)
+}
+
+/// Picture of an effect: its regressors, each over its largest value, against the first input, or against time if that is
+/// the clock, comes in pulses or is averaged; without regressors, a course of it.
+pub(crate) fn picture(effect: &Effect) -> String {
+    let panel = match course(&effect.id) {
+        Some((x, y, points)) => {
+            let series = Series { label: String::new(), ink: Ink::Method(0), shape: Shape::Line(points) };
+            Panel { x: Axis::linear(x), y: Axis::linear(y), series: vec![series], ..Panel::default() }
+        }
+        None => of_regressors(effect),
+    };
+    svg(&Figure { title: effect.name.clone(), panels: vec![panel] }).expect("a picture")
+}
+
+fn of_regressors(effect: &Effect) -> Panel {
+    assert_eq!(effect.search, Detector::Terms, "{}", effect.id);
     let log = log();
     let inputs = Inputs::new(&log);
     let target = if effect.strikes("gx_rads") { "gx_rads" } else { "ax_mps2" };
@@ -56,7 +118,7 @@ pub(crate) fn picture(effect: &Effect) -> Option<String> {
     let value =
         effect.parameter.as_ref().map(|parameter| (parameter.low * parameter.high).sqrt().clamp(0.0, 300.0));
     let regressors = effect.regressors(target, value).expect("regressors");
-    let (_, first) = regressors.first()?;
+    let (_, first) = regressors.first().expect("a regressor");
     let column = first.columns().next().unwrap_or(CLOCK);
     let is_over_time = column == CLOCK || column == "load_pct" || first.to_string().contains("variance");
     let column = if is_over_time { CLOCK } else { column };
@@ -88,11 +150,10 @@ pub(crate) fn picture(effect: &Effect) -> Option<String> {
         ink: Ink::Method(place),
         shape: line(regressor),
     });
-    let panel = Panel {
+    Panel {
         x: Axis::linear(if is_over_time { "time (s)" } else { column }),
         y: Axis::linear("error about its mean (1)"),
         series: series.collect(),
         ..Panel::default()
-    };
-    Some(svg(&Figure { title: effect.name.clone(), panels: vec![panel] }).expect("a picture"))
+    }
 }

@@ -84,11 +84,9 @@ fn the_page_of_the_command_line_lists_every_subcommand_and_option() {
 fn entry(effect: &Effect) -> String {
     let mut text =
         format!("### {}\n\n`{}`\n\n{}\n\n", capitalised(&effect.name), effect.id, effect.mechanism);
-    if let Some(picture) = picture(effect) {
-        let file = format!("figures/effects/{}.svg", effect.id);
-        page::file_holds(&file, &picture);
-        text += &format!("![Error against its input or time: {}]({file})\n\n", effect.name);
-    }
+    let file = format!("figures/effects/{}.svg", effect.id);
+    page::file_holds(&file, &picture(effect));
+    text += &format!("![Error against its input or time: {}]({file})\n\n", effect.name);
     let mut row = |title: &str, content: &str| {
         if !content.is_empty() {
             text += &format!("- **{title}**: {}\n", content.replace('|', "\\|"));
