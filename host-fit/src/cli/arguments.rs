@@ -241,5 +241,5 @@ fn quality(recording: &Recording, stillness: &Stillness, printed: Printed) -> St
     let moved = first(moved, printed.at_most(3)).into_iter();
     let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
     let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);
-    lines.chain(moved.map(|moved| format!("moved: {moved}"))).map(|line| format!("\n  {line}")).collect()
+    lines.chain(moved.map(|moved| format!("motion: {moved}"))).map(|line| format!("\n  {line}")).collect()
 }

@@ -250,7 +250,7 @@ fn print_remarks(answers: &[Diagnosis], printed: Printed) {
     for (kind, lines) in [
         ("caution", of(|answer| &answer.cautions)),
         ("note", of(|answer| &answer.notes)),
-        ("moved", of(|answer| &answer.moved)),
+        ("motion", of(|answer| &answer.moved)),
     ] {
         for line in first(lines, printed.at_most(2 * SHOWN)) {
             print_line!("  {kind}: {}", with_flags(&line, options.get_arguments()));

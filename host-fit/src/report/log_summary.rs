@@ -93,7 +93,7 @@ impl LogSummary {
         let quality = read_as.chain(joined.lines().chain(quality.lines()).map(str::to_owned));
         let told = disturbance::describe_disturbances(log, &stillness.disturbances)
             .into_iter()
-            .map(|told| format!("moved: {told}"));
+            .map(|told| format!("motion: {told}"));
         let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
         Self {
             path: log.paths(),

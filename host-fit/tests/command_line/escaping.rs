@@ -392,8 +392,8 @@ fn raw_text_is_noticed(text: &str, page: &str, markdown: &str) -> &'static str {
     }
     for piece in [text, "\n# injected", "\n| a |", "<img src=x>", "\n- a", "\n```", "\u{9b}"] {
         let place = markdown.replacen(
-            "# How this sensor errs\n",
-            &format!("# How this sensor errs\n\nx {piece}\n"),
+            "# Sensor error report\n",
+            &format!("# Sensor error report\n\nx {piece}\n"),
             1,
         );
         assert!(markdown_differs(&place, markdown).is_some(), "{piece:?}");

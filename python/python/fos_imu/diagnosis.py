@@ -327,7 +327,7 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         colours = {"nothing_missing": _html.GOOD, "not_enough_data": _html.PLAIN}
-        notes = [f"caution: {caution}" for caution in self.cautions] + [f"moved: {moved}" for moved in self.moved]
+        notes = [f"caution: {caution}" for caution in self.cautions] + [f"motion: {moved}" for moved in self.moved]
         notes += [f"note: {note}" for note in self.notes]
         leads = "; ".join(lead.follows for lead in self.leads[:3])
         near = ", ".join(f"{one.effect} ({one.score:.0f})" for one in self.rejected[:6])
