@@ -22,6 +22,14 @@ const SIDES_DIFFER: f64 = 1.5;
 const PARTS: usize = 6;
 const PARTS_WITH_VALUES: usize = 4;
 
+/// Least width of the empty range in steps of the sensor, from which on it shows in values on a regular lattice, and least
+/// ratio of the repeated value to the mean count of a step: it has the samples of the steps that are empty, two or more.
+const LATTICE_STEPS: f64 = 1.5;
+const LATTICE_COUNT: f64 = 2.5;
+
+/// Largest ratio of the steps of a regular lattice.
+const REGULAR: f64 = 1.2;
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeadZone {
     /// Repeated value, unit of the axis.
@@ -78,9 +86,16 @@ pub(super) fn search(values: &[f64]) -> Searched {
         }
         let mut gaps: Vec<f64> = beyond.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
         gaps.sort_unstable_by(f64::total_cmp);
+        let (Some(least), Some(gap), Some(largest)) = (gaps.first(), gaps.get(gaps.len() / 2), gaps.last())
+        else {
+            return false;
+        };
+        let is_filled = || parts.iter().filter(|has| **has).count() >= PARTS_WITH_VALUES;
+        let per_step = samples as f64 / beyond.len() as f64;
+        let is_regular = || largest < &(REGULAR * least) && per_step >= MIN_OUTSIDE as f64;
+        let on_lattice = || half_width > LATTICE_STEPS * gap && count as f64 > LATTICE_COUNT * per_step;
         samples >= MIN_OUTSIDE
-            && parts.iter().filter(|has| **has).count() >= PARTS_WITH_VALUES
-            && gaps.get(gaps.len() / 2).is_some_and(|gap| half_width > EMPTY_STEPS * gap)
+            && (half_width > EMPTY_STEPS * gap && is_filled() || is_regular() && on_lattice())
             && beyond.iter().all(|(_, outside)| 2 * outside < count)
     });
     if is_edged { Searched::Found(DeadZone { value, half_width }) } else { nothing }
@@ -117,6 +132,17 @@ mod tests {
             };
             assert!((found.half_width / dead - 1.0).abs() < 0.15, "{dead}: {found:?}");
             assert!((found.value - 7.3).abs() < 0.06, "{found:?}");
+        }
+    }
+
+    /// Two or three steps of the sensor wide: its edges were looked for between steps.
+    #[test]
+    fn finds_a_dead_zone_of_a_few_steps() {
+        for seed in 0..5 {
+            let Searched::Found(found) = search(&turning(0.5, 1.2, seed)) else {
+                panic!("{seed}: not found")
+            };
+            assert!((found.half_width - 1.2).abs() < 0.5, "{found:?}");
         }
     }
 

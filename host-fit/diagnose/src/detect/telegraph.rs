@@ -13,6 +13,7 @@ use super::prepared::Prepared;
 use super::slow::{ACCEPT, Found, SlowResult};
 use crate::effects::{Band, Detector};
 use fos_data::recording::Recording;
+use fos_data::statistics::median_of;
 
 /// Least number of transitions in each direction: one up and one down may be a temporary fault.
 const MIN_EACH_WAY: usize = 2;
@@ -25,6 +26,9 @@ const TURNS: usize = 8;
 
 /// Penalty for the time of a transition inside its block.
 const MOMENT_PRICE: f64 = 2.0;
+
+/// Largest share of the transitions that may lie in pairs within a block.
+const MAX_VISITS: f64 = 0.5;
 
 /// Excess noise that explains this share of what the two levels explain refutes them.
 const NOISE_SHARE: f64 = 0.2;
@@ -149,7 +153,8 @@ impl Residual<'_> {
     /// Penalty: one coefficient, two transition rates, and −2 ln P of the states under these rates.
     fn price(&self, decoded: &Decoded) -> f64 {
         let n = self.y.len() as f64;
-        3.0 * n.ln() + decoded.code_length() + MOMENT_PRICE * decoded.transitions() as f64
+        let visits = decoded.visits as f64 * visit_price(self.y.len());
+        3.0 * n.ln() + decoded.code_length() + MOMENT_PRICE * decoded.transitions() as f64 + visits
     }
 }
 
@@ -158,6 +163,8 @@ impl Residual<'_> {
 struct Decoded {
     states: Vec<bool>,
     course: Vec<f64>,
+    /// Number of blocks in which the other level was visited, in addition to those at a transition.
+    visits: usize,
 }
 
 impl Decoded {
@@ -219,8 +226,10 @@ fn decoded(values: &[f64], share: f64) -> Option<Decoded> {
         wander = off(&without);
     }
     let flat: Vec<f64> = values.iter().zip(&wander).map(|(value, wander)| value - wander).collect();
-    let decoded = Decoded { course: course(&flat, &states, levels), states };
-    decoded.each_way().iter().all(|count| *count >= MIN_EACH_WAY).then_some(decoded)
+    let (course, visits) = course(&flat, &states, levels);
+    let decoded = Decoded { states, course, visits };
+    let may_visit = decoded.visits as f64 <= MAX_VISITS * decoded.transitions() as f64;
+    (may_visit && decoded.each_way().iter().all(|count| *count >= MIN_EACH_WAY)).then_some(decoded)
 }
 
 /// Returns the means of the values in the lower and in the upper state.
@@ -260,19 +269,39 @@ fn viterbi(values: &[f64], levels: [f64; 2], variance: f64, change: f64) -> Vec<
     states
 }
 
-/// Returns 0 in the lower and 1 in the upper level. Of the two blocks at a transition, the one whose mean is further
-/// between the levels contains it and gets a fraction.
-fn course(values: &[f64], states: &[bool], levels: [f64; 2]) -> Vec<f64> {
-    let share = |block: usize| ((values[block] - levels[0]) / (levels[1] - levels[0])).clamp(0.0, 1.0);
-    let mut course: Vec<f64> = states.iter().map(|state| f64::from(u8::from(*state))).collect();
+/// Penalty of a visit to the other level within one block of `n`: two transitions, each in any block.
+fn visit_price(n: usize) -> f64 {
+    4.0 * (n as f64).ln()
+}
+
+/// Returns 0 in the lower and 1 in the upper level about the mean, and the number of visits. Of the two blocks at a
+/// transition, the one whose mean is further between the levels contains it and gets a fraction. So does any block that is
+/// further between them than noise puts it by the price of a visit: the other level was visited within it.
+fn course(values: &[f64], states: &[bool], levels: [f64; 2]) -> (Vec<f64>, usize) {
+    let difference = levels[1] - levels[0];
+    let share = |block: usize| ((values[block] - levels[0]) / difference).clamp(0.0, 1.0);
+    let state = |block: usize| f64::from(u8::from(states[block]));
+    let off = |block: usize| (share(block) - state(block)).abs();
+    let mut course: Vec<f64> = (0..states.len()).map(state).collect();
     for block in 1..states.len() {
         if states[block] != states[block - 1] {
-            let off = |block: usize| (share(block) - f64::from(u8::from(states[block]))).abs();
             let mixed = if off(block) > off(block - 1) { block } else { block - 1 };
             course[mixed] = share(mixed);
         }
     }
-    centred(course)
+    let left =
+        (0..states.len()).map(|block| (values[block] - levels[0] - course[block] * difference).powi(2));
+    // half of the squares of normal noise lie below 0.455 of its variance
+    let variance = median_of(left).unwrap_or(0.0) / 0.455;
+    let mut visits = 0;
+    for block in 0..states.len() {
+        let is_whole = course[block] == state(block);
+        if is_whole && (off(block) * difference).powi(2) > visit_price(states.len()) * variance {
+            course[block] = share(block);
+            visits += 1;
+        }
+    }
+    (centred(course), visits)
 }
 
 /// Centred moving means, shorter at the ends.

@@ -2,7 +2,7 @@
 
 use super::assembly::Assembly;
 use super::doubt::{beyond_typical, doubt};
-use super::verdict::{sentence, verdict};
+use super::verdict::{faults, sentence, verdict};
 use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
@@ -31,7 +31,10 @@ impl Assembly<'_> {
         let mut order: Vec<&Found> = self.slow.found.iter().collect();
         order.sort_by(|a, b| b.score.total_cmp(&a.score));
         findings.extend(self.slow_findings(order)?);
-        findings.extend(self.noise_finding()?);
+        // what hides slow effects also raises the noise
+        if self.lacks.is_none() {
+            findings.extend(self.noise_finding()?);
+        }
         findings.extend(self.telegraph_finding()?);
         findings.extend(self.level_findings()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
@@ -111,7 +114,7 @@ impl Assembly<'_> {
             verdict,
             sentence: match (verdict, &self.lacks) {
                 (Verdict::NotEnoughData, Some(lacks)) => {
-                    format!("Not enough data to test any slow effect: {lacks}.")
+                    format!("Not enough data to test any slow effect: {lacks}.{}", faults(&findings))
                 }
                 _ => sentence(verdict, &findings, &leads),
             },

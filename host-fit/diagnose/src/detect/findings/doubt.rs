@@ -161,7 +161,7 @@ fn reduction_includes_zero(finding: &Finding) -> Option<String> {
     let [low, high] = finding.predicted_reduction_interval;
     (low <= 0.0).then(|| {
         format!(
-            "its predicted reduction of the RMS, {:.1} … {:.1} %, includes none",
+            "its predicted reduction of the RMS, {:.1} … {:.1} %, includes 0",
             100.0 * rms_reduction(low),
             100.0 * rms_reduction(high)
         )

@@ -13,6 +13,9 @@ const OUTWEIGHS: f64 = 5.0;
 /// Least share of the predicted reduction that confirms an effect.
 const CONFIRMED: f64 = 0.5;
 
+/// Effect that explains nothing: other faults of the data hide slow effects, gaps only make a log shorter.
+const GAPS: &str = "dropped_samples";
+
 /// Returns true if the reduction measured on the evaluation log confirms the predicted one.
 pub(crate) fn is_confirmed(finding: &Finding) -> bool {
     let predicted = finding.predicted_reduction;
@@ -50,7 +53,9 @@ pub(crate) fn verdict(findings: &mut Vec<Finding>, leads: &[Lead], tested: bool)
     let slow_is_explained = !has_slow_lead || claims().any(is_slow) && gain(findings) > OUTWEIGHS * withheld;
     match (findings.is_empty(), leads.iter().all(|lead| !lead.decides)) {
         (true, true) if tested => Verdict::NothingMissing,
-        (true, true) => Verdict::NotEnoughData,
+        (_, true) if !tested && findings.iter().all(|finding| finding.effect == GAPS) => {
+            Verdict::NotEnoughData
+        }
         (false, _) if slow_is_explained && claims().next().is_some() => Verdict::Missing,
         _ => Verdict::Unexplained,
     }
@@ -83,7 +88,7 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 "Something is missing{beside}, and nothing in the library explains it. A lead: the residual follows {lead}.{faults}"
             )
         }
-        Verdict::NotEnoughData => "Not enough data to test any slow effect.".to_owned(),
+        Verdict::NotEnoughData => format!("Not enough data to test any slow effect.{}", faults(findings)),
         Verdict::Missing if findings[0].band == Band::Data => {
             let beside = match leads.first() {
                 Some(lead) => format!("A trace in the residual follows {}", lead.follows),
@@ -102,6 +107,12 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 })
                 .collect();
             let claims = if claims.is_empty() { vec![finding] } else { claims };
+            // a part of a joint explanation may increase the error until the others are added
+            let reduces = |claim: &&&Finding| claim.predicted_reduction_interval[1] > 0.0;
+            let named: Vec<&Finding> = match claims.iter().any(|claim| reduces(&claim)) {
+                true => claims.iter().filter(reduces).copied().collect(),
+                false => claims.clone(),
+            };
             let rivals = match finding.confounded_with.is_empty() {
                 true => String::new(),
                 false => format!(
@@ -113,7 +124,7 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 .first()
                 .map_or_else(String::new, |lead| format!(" A smaller residual follows {}.", lead.follows));
             let faults = faults(findings);
-            let names = listed(claims.iter().map(|claim| with_params(claim)));
+            let names = listed(named.iter().map(|claim| with_params(claim)));
             let drop = drop(&claims);
             format!("Most likely missing: {names}{drop}.{rivals}{beside}{faults}")
         }
@@ -149,7 +160,7 @@ pub(in crate::detect) fn listed(names: impl Iterator<Item = String>) -> String {
 }
 
 /// Lists the faults of the data among the findings as a sentence; empty without any.
-fn faults(findings: &[Finding]) -> String {
+pub(super) fn faults(findings: &[Finding]) -> String {
     let faults = findings.iter().filter(|finding| finding.band == Band::Data);
     let faults: Vec<String> = faults.map(with_params).collect();
     if faults.is_empty() { String::new() } else { format!(" Faults of the data: {}.", faults.join(", ")) }
