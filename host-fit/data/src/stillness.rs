@@ -18,6 +18,13 @@ const WINDOW_S: f64 = 0.5;
 /// window of 100 samples and three axes scatters by 8 %, so noise alone never reaches it.
 const VARIANCE_RATIO: f64 = 9.0;
 
+/// Share of the rows from which on the detector is right without further evidence. Below it, motion must be detected too:
+/// an interpolated or low-passed log has windows almost without noise, against which all others look like motion.
+const MIN_DETECTED: f64 = 0.5;
+
+/// Largest share of detected motion in a log that the detector wrongly takes for moving.
+const MAX_MOTION: f64 = 0.1;
+
 /// Rows at rest, and the source of this knowledge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stillness {
@@ -51,6 +58,8 @@ pub enum KnownBy {
     Column,
     /// The detector of fos-core ran over accelerometers and gyros.
     Detector,
+    /// The detector finds little rest, but no motion is detected; the whole log is assumed to be still.
+    NoMotion,
     /// Neither; the whole log is assumed to be still.
     Assumed,
 }
@@ -61,7 +70,8 @@ impl KnownBy {
         match self {
             Self::Column => "by its column `still`",
             Self::Detector => "by the stillness detector",
-            Self::Assumed => "assumed: there is no column `still`, and not all six axes to detect it from",
+            Self::NoMotion => "by the absence of detected motion",
+            Self::Assumed => "by assumption (no column `still`, and not all six axes to detect it from)",
         }
     }
 }
@@ -88,6 +98,9 @@ fn find_uncached(recording: &Recording, learnt_rows: usize) -> Stillness {
     let (mut still, known_by) = match &recording.still {
         Some(still) => (still.clone(), KnownBy::Column),
         None => match detected() {
+            Some(still) if is_refuted(recording, &still, &learnt) => {
+                (vec![true; recording.n_rows()], KnownBy::NoMotion)
+            }
             Some(still) => (still, KnownBy::Detector),
             None => (vec![true; recording.n_rows()], KnownBy::Assumed),
         },
@@ -109,8 +122,22 @@ fn find_uncached(recording: &Recording, learnt_rows: usize) -> Stillness {
         known_by,
         disturbances,
         turns,
-        limits: limits.filter(|_| known_by != KnownBy::Assumed),
+        limits: limits.filter(|_| matches!(known_by, KnownBy::Column | KnownBy::Detector)),
     }
+}
+
+/// Returns true if the detector finds less than half of the `learnt` rows `still`, and hardly any motion is detected there.
+fn is_refuted(recording: &Recording, still: &[bool], learnt: &Range<usize>) -> bool {
+    let detected = still[learnt.clone()].iter().filter(|still| **still).count() as f64;
+    if detected >= MIN_DETECTED * learnt.len() as f64 || !disturbance::is_detectable(recording) {
+        return false;
+    }
+    let found = match learnt.len() < recording.n_rows() {
+        true => disturbance::find_at_rest(&recording.first_rows(learnt.end)),
+        false => disturbance::find_at_rest(recording),
+    };
+    let moved: usize = found.iter().filter(|one| one.is_excluded()).map(|one| one.rows.len()).sum();
+    (moved as f64) < MAX_MOTION * learnt.len() as f64
 }
 
 fn triad<'a>(recording: &'a Recording, names: [&str; 3]) -> Option<[&'a [f64]; 3]> {

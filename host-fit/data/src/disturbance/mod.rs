@@ -183,10 +183,15 @@ pub fn exclude(rest: &mut [bool], disturbances: &[Disturbance]) {
 /// Motion in more than this share of a log is its usual state and no disturbance, unless no sensor at rest can show it.
 const MAX_SHARE: f64 = 0.5;
 
+/// Returns true if motion is searched for: the log is fast enough, and its motion is not kept.
+pub(crate) fn is_detectable(recording: &Recording) -> bool {
+    !recording.keeps_moved && recording.rate.period_s <= shared::LONGEST_PERIOD_S
+}
+
 /// Detected motion, in order, among the rows marked by `rest`. Empty for a log with fewer than two inertial columns, and
 /// for one whose motion is kept. Of an axis with a reference the error is examined: known motion is no disturbance.
 pub fn find(recording: &Recording, rest: &[bool]) -> Vec<Disturbance> {
-    if recording.keeps_moved || recording.rate.period_s > shared::LONGEST_PERIOD_S {
+    if !is_detectable(recording) {
         return Vec::new();
     }
     let mut axes = Vec::new();
