@@ -11,8 +11,9 @@ use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, grouped, number, print_hint, print_json, print_line, progress, table};
 use super::physical_terms::physical_terms;
-use super::units::{Printed, counted, three};
+use super::units::{Printed, three};
 use fos_data::file::compare_and_swap::FileVersion;
+use fos_data::text::counted;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
@@ -259,6 +260,49 @@ fn print_selection(report: &AxisReport, printed: Printed) {
         print_line!("  equally good on these data (n·ln of the MSE ratio):");
         for tie in &report.ties {
             print_line!("    {} for {}: {:.2}", tie.enters.join(", "), tie.leaves.join(", "), tie.deviance);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args as _, Command, FromArgMatches as _};
+
+    use super::*;
+    use crate::command_lines::fit_options;
+
+    /// The command of a report dropped them, and fitted another model.
+    #[test]
+    fn options_of_a_fit_are_parsed_back() {
+        let settings = FitOptions {
+            search: Search::Greedy,
+            max_lag: 3,
+            degree: 1,
+            memory_s: vec![0.5, 20.0],
+            inputs: vec!["temp_c:lowpass(60)".parse().expect("an input")],
+            input_lags: 1,
+            physical: vec!["temp_c".parse().expect("an input")],
+            max_terms: 7,
+            stop: Stop::Never,
+            train: Train::Share(0.99),
+            offset: Some(-1e-3),
+            scale: Some(0.2),
+            full_scale: 34.9,
+            fitted_on: fos_core::FittedOn::FactoryCorrected,
+            ..FitOptions::default()
+        };
+        let burg = FitOptions {
+            method: "burg".parse().expect("a method"),
+            denoising: Some("db4:3:approximation".parse().expect("a kind")),
+            memory_s: Vec::new(),
+            train: Train::Seconds(180.0),
+            ..FitOptions::default()
+        };
+        for settings in [settings, burg, FitOptions::default()] {
+            let line = format!("fit log.csv{}", fit_options(&settings));
+            let matches = Fit::augment_args(Command::new("fit")).get_matches_from(line.split(' '));
+            let parsed = Fit::from_arg_matches(&matches).expect("valid").options().expect("options");
+            assert_eq!(parsed, settings, "{line}");
         }
     }
 }

@@ -122,7 +122,7 @@ impl Report {
         let Summaries { log, reference, evaluation } = summaries;
         let refined =
             axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.refinement.as_ref()));
-        let commands = command_lines(&study.data.sources, logs, refined);
+        let commands = command_lines(&study.data.sources, &study.settings, logs, refined);
         Self {
             tool: Tool::this(),
             provenance: study.provenance().lines().map(str::to_owned).collect(),

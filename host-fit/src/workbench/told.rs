@@ -157,7 +157,9 @@ impl Page {
         let seen = state.axes.iter().filter(|axis| axis.examination.is_some());
         let refined = seen.map(|axis| (axis.section.column.as_str(), axis.refinement.as_ref()));
         let commands = match (fitted, &state.read) {
-            (Some(fitted), Some(read)) => command_lines(&fitted.data.sources, &read.logs, refined),
+            (Some(fitted), Some(read)) => {
+                command_lines(&fitted.data.sources, &fitted.settings, &read.logs, refined)
+            }
             _ => Vec::new(),
         };
         Self {
