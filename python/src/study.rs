@@ -223,7 +223,7 @@ impl State {
             (None, None, Some(named)) => (again(&named.log)?, named.read.clone()),
             (None, None, None) => {
                 return Err(Refused::Said(
-                    "which log does the model fail on?\nhelp: give it in the call".to_owned(),
+                    "no log to explain\nhelp: give it in the call".to_owned(),
                 ));
             }
         };

@@ -24,6 +24,11 @@ macro_rules! stored_as_text {
     };
 }
 
+/// Formats a count with its noun: `1 gap`, `2 gaps`.
+pub fn counted(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
 /// Formats a number with four significant digits.
 pub fn number(value: f64) -> String {
     rounded(value, 4)

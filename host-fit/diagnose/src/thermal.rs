@@ -35,7 +35,7 @@ pub enum LeftError {
     Physical(#[from] PhysicalError),
     /// No row at rest remains for the evaluation.
     #[error(
-        "{log}: no row at rest remains for the evaluation\nhelp: use a smaller `train`, or another evaluation log (`judge`)"
+        "{log}: no row at rest remains for the evaluation\nhelp: use a smaller `train`, or another evaluation log"
     )]
     NothingLeft { log: String },
 }

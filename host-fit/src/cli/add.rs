@@ -35,14 +35,14 @@ pub(super) struct Add {
     /// Effects of your own, one TOML file each. May be repeated
     #[arg(long = "effect", value_name = "FILE", id = "effect_files")]
     effects: Vec<PathBuf>,
-    /// Folder for the picture of the staircase, SVG and PNG; created if missing
+    /// Folder for the figure of the error after each effect, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
     printed: Printed,
-    /// Print the staircase as JSON
+    /// Print the steps as JSON
     #[arg(long)]
     json: bool,
 }

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::{Failure, first, warning_in_words};
-use super::units::{Printed, counted, three};
+use super::units::{Printed, three};
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Rate, Recording, RecordingError, Stamps, load};
 use fos_data::stillness::Stillness;
+use fos_data::text::counted;
 use fos_data::{disturbance, file};
 use fos_diagnose::effects::{EffectError, Library};
 

@@ -140,9 +140,9 @@ fn print_commands(times: &CommandTimes) -> Result<(), Failure> {
         times.minutes,
         rayon::current_num_threads()
     );
-    let mut header = vec!["command", "s", "s of processor", "MB"];
+    let mut header = vec!["command", "s", "CPU, s", "MB"];
     if has_before {
-        header.extend(["before: s", "s of processor", "MB", "times as fast", "same"]);
+        header.extend(["before: s", "CPU, s", "MB", "times as fast", "same"]);
     }
     let mut rows = table(&header);
     let figures = |took: &Took| {

@@ -293,7 +293,15 @@ fn sizes(finding: &Finding, printed: Printed, with_interval: bool) -> String {
     let size = |size: &Size| {
         let (value, unit) = printed.coefficient(size.value, &size.unit);
         let (half, _) = printed.coefficient(0.5 * (size.interval[1] - size.interval[0]), &size.unit);
-        if with_interval { format!("{value} ± {half} {unit}") } else { format!("{value} {unit}") }
+        let has_interval = with_interval && size.interval.iter().all(|end| end.is_finite());
+        let value = if has_interval { format!("{value} ± {half}") } else { value };
+        let value = if unit == "1" { value } else { format!("{value} {unit}") };
+        // sizes of one effect in other units
+        if finding.band == Band::Stochastic && finding.sizes.len() > 1 {
+            format!("{} {value}", size.of)
+        } else {
+            value
+        }
     };
     finding.sizes.iter().map(size).collect::<Vec<_>>().join(", ")
 }

@@ -9,10 +9,11 @@ use fos_embedded::hub::{PERIOD_TOLERANCE, is_given};
 use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_json, print_line, print_warning, print_written};
 use super::temperature_tables::TableArguments;
-use super::units::{counted, three};
+use super::units::three;
 use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
 use fos_data::recording::Source;
+use fos_data::text::counted;
 use fos_diagnose::study::Study;
 use fos_fit::model::UnitModel;
 

@@ -17,12 +17,12 @@ use fos_diagnose::study::Study;
 pub(super) struct History {
     /// The study
     study: PathBuf,
-    /// Folder for the pictures of the staircases, SVG and PNG; created if missing
+    /// Folder for the figures of the error after each effect, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
     #[command(flatten)]
     printed: Printed,
-    /// Print the staircases as JSON
+    /// Print the steps as JSON
     #[arg(long)]
     json: bool,
 }

@@ -172,7 +172,7 @@ fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
         print_line!(
             "  {}: the log is too short for K: {} at rest show none; it is at most {} {} (95 %). About {} would show half as much",
             axis.column,
-            duration(axis.span_s),
+            duration(axis.seconds),
             three(axis.levels.walk.high / walk.divisor),
             walk.label,
             duration(needed)

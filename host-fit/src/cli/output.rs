@@ -225,6 +225,8 @@ pub(super) fn table<S: ToString>(header: &[S]) -> Table {
 pub(super) fn grouped<'a>(remarks: impl IntoIterator<Item = (&'a str, String)>, axes: usize) -> Vec<String> {
     let mut found: Vec<(String, Vec<&str>)> = Vec::new();
     for (axis, remark) in remarks {
+        // some name their axis themselves
+        let remark = remark.strip_prefix(&format!("{axis}: ")).map_or(remark.clone(), str::to_owned);
         match found.iter_mut().find(|(known, _)| *known == remark) {
             Some((_, of)) => of.push(axis),
             None => found.push((remark, vec![axis])),

@@ -45,7 +45,7 @@ pub(super) fn read_logs(
     let read_log = || match (&logs.from, known) {
         (Some(path), _) => given(path),
         (None, Some(known)) => again(&known.log),
-        (None, None) => Err("which log does the model fail on?\nhelp: give it with --from LOG".into()),
+        (None, None) => Err("no log to explain\nhelp: give it with --from LOG".into()),
     };
     // The study's own log is the reference, unless the model fails on it.
     let own = match (&logs.reference, known, &study.data.sources[..]) {

@@ -119,7 +119,9 @@ impl TableArguments {
         let log = name_of(&recording.paths());
         let (left, evaluation) = match &evaluation {
             Some(other) => {
-                (left(other, &stillness::find(other), 0..other.n_rows())?, name_of(&other.paths()))
+                let (led_in, from) = other.led_in_by(&recording);
+                let rows = from..led_in.n_rows();
+                (left(&led_in, &stillness::find_apart(&led_in, from), rows)?, name_of(&other.paths()))
             }
             None => {
                 let rows = fitted_rows..recording.n_rows();

@@ -20,7 +20,7 @@ pub(super) struct Undo {
     axis: Option<String>,
     #[command(flatten)]
     printed: Printed,
-    /// Print the staircase that is left as JSON
+    /// Print the remaining steps as JSON
     #[arg(long)]
     json: bool,
 }
@@ -35,7 +35,7 @@ impl Undo {
         if self.json {
             return print_json(&refinement);
         }
-        print_line!("taken back: {effect}");
+        print_line!("removed: {effect}");
         refinement.iter().for_each(|refinement| print_refinement(refinement, self.printed));
         print_hint(self.printed);
         Ok(())

@@ -391,11 +391,8 @@ fn raw_text_is_noticed(text: &str, page: &str, markdown: &str) -> &'static str {
         assert!(page_differs(&place, page).is_some(), "{piece:?}");
     }
     for piece in [text, "\n# injected", "\n| a |", "<img src=x>", "\n- a", "\n```", "\u{9b}"] {
-        let place = markdown.replacen(
-            "# Sensor error report\n",
-            &format!("# Sensor error report\n\nx {piece}\n"),
-            1,
-        );
+        let place =
+            markdown.replacen("# Sensor error report\n", &format!("# Sensor error report\n\nx {piece}\n"), 1);
         assert!(markdown_differs(&place, markdown).is_some(), "{piece:?}");
     }
     "C (a lone CR, a line's end, a trigraph, a backslash), Rust, terminal, JSON on a terminal, page, picture and Markdown"

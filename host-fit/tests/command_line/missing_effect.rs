@@ -51,7 +51,7 @@ fn identifies_adds_and_removes_a_hidden_effect() {
     let message = fails(folder, 1, &["add", "unit.json", "temp_linear"]);
     assert!(message.contains("in the model already") && message.contains("undo"), "{message}");
     let before = refinement(folder).steps[0].clone();
-    assert!(done(folder, &["undo", "unit.json"]).contains("taken back: temp_linear"));
+    assert!(done(folder, &["undo", "unit.json"]).contains("removed: temp_linear"));
     assert_eq!(refinement(folder).steps, std::slice::from_ref(&before));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
     assert_eq!(study.model, before.model, "the model is what it was");

@@ -27,7 +27,7 @@ pub enum CompareAndSwapError {
     File(#[from] FileError),
     /// Another process wrote the file first.
     #[error(
-        "{}: changed meanwhile by another process; nothing was written, what that one wrote is still there\nhelp: run the command again",
+        "{}: changed meanwhile by another process, whose version is kept; nothing was written\nhelp: run the command again",
         .0.display()
     )]
     Changed(PathBuf),

@@ -352,7 +352,7 @@ pub enum RecordingError {
     },
     /// A channel that the recording does not have.
     #[error(
-        "no channel \"{name}\"{}\nhelp: a column in other units is mapped as in {name}=column:unit",
+        "no channel \"{name}\"{}\nhelp: name a channel of the log, or map a column to it, as in gx_rads=column:unit",
         suggest(closest, available)
     )]
     NoChannel {

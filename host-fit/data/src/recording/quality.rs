@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::text::counted;
+
 use serde::Serialize;
 
 use super::clock_check::ClockProblem;
@@ -161,19 +163,19 @@ impl fmt::Display for Quality {
             lines.extend(self.first_unusable.iter().map(|row| format!("  {row}")));
         }
         let counts = [
-            (self.rows_repeated, "rows repeat the one before and were dropped"),
-            (self.stamps_repeated, "rows repeat the time stamp before them and were kept"),
-            (self.clock_back, "times the stamps go back; where they stay back a segment ends"),
+            (self.rows_repeated, "repeated row", "dropped"),
+            (self.stamps_repeated, "repeated timestamp", "with different values: kept"),
+            (self.clock_back, "backward jump", "of the timestamps; a segment ends where they stay back"),
         ];
-        lines.extend(counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")));
+        let counts = counts.into_iter().filter(|(n, ..)| *n > 0);
+        lines.extend(counts.map(|(n, one, then)| format!("{} {then}", counted(n as usize, one))));
         if self.gaps > 0 {
-            lines.push(format!("{} gaps: {} samples are missing", self.gaps, self.samples_missing));
+            let missing = counted(self.samples_missing as usize, "missing sample");
+            lines.push(format!("{} with {missing}", counted(self.gaps as usize, "gap")));
         }
         if self.pauses > 0 {
-            lines.push(format!(
-                "{} pauses, {:.1} s in all, in which nothing was recorded",
-                self.pauses, self.paused_s
-            ));
+            let pauses = counted(self.pauses as usize, "pause");
+            lines.push(format!("{pauses} in the recording, {:.1} s in total", self.paused_s));
         }
         for cells in &self.missing_cells {
             let MissingCells { column, empty, not_finite } = cells;

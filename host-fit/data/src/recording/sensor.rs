@@ -22,8 +22,12 @@ impl Recording {
         SensorProvenance::of_sources(&self.sources, triad)
     }
 
-    /// Rejects joining logs of different sensors, or of differently corrected values.
-    pub(super) fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
+    /// Rejects a log of another sensor, or of differently corrected values.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::OtherSensor`].
+    pub fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
         for triad in [Triad::Accelerometers, Triad::Gyros] {
             if let Some([here, there]) = self.provenance(triad).contradiction(&next.provenance(triad)) {
                 let sensor = match triad {

@@ -9,6 +9,10 @@ use super::prepared::STAIRS;
 use super::question::{DiagnoseError, Question};
 use fos_data::case::DataSheet;
 use fos_data::recording::{LogWarning, Recording};
+use fos_data::text::rounded;
+
+/// Relative difference of sampling rates beyond which two logs may be of different devices.
+const OTHER_RATE: f64 = 0.1;
 
 /// Cleaned logs of a question.
 #[derive(Debug)]
@@ -34,9 +38,11 @@ impl<'a> Cleaned<'a> {
     ///
     /// # Errors
     ///
-    /// The column to explain is missing or stuck, or a log is never at rest.
+    /// The column to explain is missing or stuck, a log is never at rest, or the logs are of different sensors.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
         let column = question.log.axis(question.target)?.name.clone();
+        let mut others = question.reference.into_iter().chain(question.evaluation);
+        others.try_for_each(|other| question.log.refuse_other_sensor(other))?;
         let is_coarse = has_coarse_steps(question);
         let log = Log::of(question.log, &column, is_coarse)?;
         let reference = question.reference.map(|reference| Log::of(reference, &column, false)).transpose()?;
@@ -69,6 +75,20 @@ impl<'a> Cleaned<'a> {
         let mut cautions = self.log.cautions(&self.column);
         let reference_cautions = self.reference.iter().flat_map(|reference| reference.cautions(&self.column));
         cautions.extend(reference_cautions.map(|caution| format!("reference log: {caution}")));
+        let others = [
+            ("reference log", self.reference.as_ref().map(|reference| reference.whole)),
+            ("evaluation log", self.evaluation.as_deref()),
+        ];
+        let here = self.log.whole.rate.true_hz;
+        for (name, other) in others {
+            let there = other.map_or(here, |other| other.rate.true_hz);
+            if (there / here - 1.0).abs() > OTHER_RATE {
+                let [there, here] = [there, here].map(|rate| rounded(rate, 3));
+                cautions.push(format!(
+                    "the {name} runs at {there} Hz and the log to explain at {here} Hz; record both with the same device and settings"
+                ));
+            }
+        }
         cautions
     }
 }

@@ -59,7 +59,7 @@ impl Display for Description<'_> {
             };
             writeln!(
                 f,
-                "input u{index}     {}, centre {}, scale {}, fitted {} … {}",
+                "input u{index}     {}, centre {}, scale {}, limited to {} … {}",
                 input_text(source, input.transform),
                 number(input.centre.into()),
                 number(input.scale.into()),
@@ -72,7 +72,7 @@ impl Display for Description<'_> {
             let Range { low, high } = axis.parameters.physical_range;
             match axis.parameters.physical_range == Range::unlimited() {
                 true => writeln!(f, "  p =")?,
-                false => writeln!(f, "  p, fitted {} … {} =", number(low.into()), number(high.into()))?,
+                false => writeln!(f, "  p, limited to {} … {} =", number(low.into()), number(high.into()))?,
             }
             for term in axis.physical {
                 writeln!(f, "    {}", term_text(&term))?;

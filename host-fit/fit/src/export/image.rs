@@ -1,7 +1,7 @@
 //! Model image, as specified in docs/MODEL_FORMAT.md.
 
 use fos_core::image::encode;
-use fos_core::{Channel, Image, ImageError, Info, ModelError, Quantity, Source, Transform};
+use fos_core::{Channel, Factor, Image, ImageError, Info, ModelError, Quantity, Source, Transform};
 use fos_data::column::Column;
 
 use crate::model::{HostPredictor, UnitModel};
@@ -53,18 +53,23 @@ fn in_lines(names: impl IntoIterator<Item = String>) -> String {
 
 /// Returns the identifiers of the effects in the physical parts, each once, in the order of the inputs.
 fn effects(model: &UnitModel) -> Vec<String> {
-    let used = |index: usize| {
+    // largest number of times that an input is in a term
+    let power = |index: usize| {
         let physical = model.axes.iter().flat_map(|axis| &axis.physical);
-        physical.flat_map(|term| &term.factors).any(|factor| factor.channel == Channel::Input(index as u8))
+        let is_input = |factor: &&Factor| factor.channel == Channel::Input(index as u8);
+        physical.map(|term| term.factors.iter().filter(is_input).count()).max().unwrap_or(0)
     };
     let mut effects = Vec::new();
-    for (_, named) in model.inputs.iter().enumerate().filter(|(index, _)| used(*index)) {
+    for (index, named) in model.inputs.iter().enumerate().filter(|(index, _)| power(*index) > 0) {
         let quantity = match named.input.source {
             Source::Quantity(index) => Some(model.quantities[usize::from(index)].quantity),
             _ => None,
         };
-        let effect =
-            effect(quantity, named.input.transform).map_or_else(|| named.name.clone(), str::to_owned);
+        let effect = match effect(quantity, named.input.transform) {
+            Some("temp_linear") if power(index) > 1 => "temp_poly".to_owned(),
+            Some(effect) => effect.to_owned(),
+            None => named.name.clone(),
+        };
         if !effects.contains(&effect) {
             effects.push(effect);
         }

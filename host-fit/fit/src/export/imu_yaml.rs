@@ -36,7 +36,7 @@ pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
          # Continuous densities, not to be multiplied by the root of the rate: N is the Allan deviation at 1 s of the\n\
          # white noise, K the random walk of the bias. A data sheet's one-sided density is sqrt(2) times N.\n\
          \n# Kalibr reads these\n{}\
-         \n# OpenVINS reads this block; where the sensor sits and how it is scaled are for Kalibr to find\n\
+         \n# OpenVINS reads this block; Kalibr estimates the extrinsic transformation and the scale factors\n\
          imu0:\n  T_i_b:\n{}{}  time_offset: 0.0\n  model: \"kalibr\"\n\
          \x20 Tw:\n{}  R_IMUtoGYRO:\n{}  Ta:\n{}  R_IMUtoACC:\n{}  Tg:\n{zero}",
         in_ascii(log),

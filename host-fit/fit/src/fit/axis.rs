@@ -244,8 +244,9 @@ fn start(
         let input = logged_input(&mut model, recording, stillness, training, spec)?;
         model.inputs.push(input);
     }
+    let shortest_s = 2.0 * recording.rate.period_s;
     let longest_s = known.len() as f64 * recording.rate.period_s / 5.0;
-    for &tau_s in options.memory_s.iter().filter(|tau_s| **tau_s <= longest_s) {
+    for &tau_s in options.memory_s.iter().filter(|tau_s| (shortest_s..=longest_s).contains(*tau_s)) {
         model.inputs.push(NamedInput {
             name: format!("r:lowpass({tau_s})"),
             input: Input {

@@ -24,7 +24,7 @@ pub struct FitOptions {
     /// Cross-product degree (CP), 1 … 3. Default 2.
     pub degree: usize,
     /// Time constants of low-passes of the remainder that are candidates in addition to its lags, s. Those longer than
-    /// a fifth of the training data are excluded. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and only the
+    /// a fifth of the training data are excluded, and those shorter than two samples, which repeat the lags. Default 0.1, 1, 10, 100: ten lags are 50 ms at 200 Hz, and only the
     /// long memory carries a bias through a motion.
     pub memory_s: Vec<f64>,
     /// Inputs of the stochastic part, alone and in products with the output.

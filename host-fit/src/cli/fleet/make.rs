@@ -6,10 +6,11 @@ use clap::Args;
 
 use crate::cli::arguments::{OutputFile, Reading, library};
 use crate::cli::output::{Failure, print_json, print_line, print_warning, progress, table};
-use crate::cli::units::{Units, UnitsOption, counted, percent, three};
+use crate::cli::units::{Units, UnitsOption, percent, three};
 use crate::program::this_build;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
+use fos_data::text::counted;
 use fos_diagnose::effects::SizeUnit;
 use fos_fleet::{
     Asked, AxisSummary, BIAS, FALSE_ODD, PROGRAM, PartSummary, check_regressors, rows, rows_beside, units_in,
