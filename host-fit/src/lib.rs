@@ -20,6 +20,7 @@ pub mod export;
 pub mod figures;
 pub mod hub_log;
 pub mod paper;
+mod physical_terms;
 pub mod plots;
 mod program;
 pub mod record;

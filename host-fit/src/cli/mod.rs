@@ -27,7 +27,6 @@ mod man;
 mod noise;
 mod numbers;
 mod output;
-mod physical_terms;
 mod plan;
 mod record;
 mod refinement;

@@ -145,7 +145,7 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
         return;
     }
     print_line!(
-        "  slow error: RMS of 1-s means, broadband error: of samples, of the residual of the physical part on the evaluated rows; bias error: the mean there, where the log determines it"
+        "  residual of the physical part on the evaluated rows; slow error: RMS of 1-s means about their mean, or about the bias of the log to explain if the rows continue it; broadband error: RMS of samples about their mean; bias error: the mean there, where the log determines it"
     );
     print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
     let errors: Vec<&ModelErrors> = refinement.steps.iter().map(|step| &step.errors).collect();

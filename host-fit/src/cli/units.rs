@@ -39,7 +39,7 @@ impl Printed {
 
 impl ErrorUnit {
     /// A value in SI, without the unit.
-    pub(super) fn show(self, value: f64) -> String {
+    pub(crate) fn show(self, value: f64) -> String {
         three(value / self.si)
     }
 

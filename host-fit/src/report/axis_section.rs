@@ -7,7 +7,9 @@ use serde::Serialize;
 use super::offer::{Offer, offers};
 use crate::examine::Examination;
 use crate::figures::Figure;
+use crate::physical_terms::physical_terms;
 use crate::plots::staircase_of;
+use crate::units::Units;
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::effects::Library;
@@ -56,18 +58,8 @@ pub struct ModelSummary {
     pub stopped: String,
     /// Terms of the stochastic part, in the order of their selection.
     pub monomials: Vec<String>,
-    /// Terms of the physical part.
-    pub physical: Vec<PhysicalTerm>,
-}
-
-/// A term of the physical part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
-pub struct PhysicalTerm {
-    /// Product of inputs.
-    pub term: String,
-    /// Coefficient, unit of the axis per unit of the product.
-    pub coefficient: f64,
+    /// Terms of the physical part, as in a data sheet: `0.0123 ± 0.0004 (°/s)/K of temp_c`.
+    pub physical: Vec<String>,
 }
 
 impl AxisSection {
@@ -130,17 +122,13 @@ impl ModelSummary {
         let axis = model.axes.first()?;
         let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
         let text = |factors: &[fos_core::Factor]| monomial_text_named(factors, "r", &names);
-        let physical = axis.physical.iter().map(|term| PhysicalTerm {
-            term: text(&term.factors),
-            coefficient: term.coefficient * axis.parameters.scale,
-        });
         Some(Self {
             terms: model.n_terms(),
             candidates: report.candidates,
             method: report.method.to_string(),
             stopped: report.stopped.clone(),
             monomials: axis.stochastic.iter().map(|term| text(&term.factors)).collect(),
-            physical: physical.collect(),
+            physical: physical_terms(model, axis, Units::Field),
         })
     }
 }

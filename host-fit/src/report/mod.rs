@@ -12,7 +12,7 @@ mod template;
 
 use serde::Serialize;
 
-pub use axis_section::{AxisSection, ModelSummary, PhysicalTerm};
+pub use axis_section::{AxisSection, ModelSummary};
 pub(crate) use axis_units::{AxisUnits, UnitChoice};
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};

@@ -53,14 +53,13 @@ pub fn markdown(report: &Report) -> Result<String, RenderError> {
 
 /// Numbers of an axis, with their units for people.
 fn numbers(section: &AxisSection) -> Value {
-    let AxisUnits { measured, errors, sizes, .. } = AxisUnits::of(section);
+    let AxisUnits { errors, sizes, .. } = AxisUnits::of(section);
     let sizes: BTreeMap<String, ShownUnit> =
         sizes.into_iter().map(|(stored, unit)| (stored, unit.field)).collect();
     let unaided =
         section.comparison.as_ref().map_or_else(Vec::new, |axis| UnaidedRow::all(axis, Units::Field));
     context! {
         section => Serde(section),
-        coefficients_in => Serde(&measured.field),
         errors_in => Serde(&errors.field),
         sizes_in => Serde(&sizes),
         unaided => Serde(&unaided),

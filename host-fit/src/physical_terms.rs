@@ -3,12 +3,12 @@
 
 use fos_core::{Channel, Factor, Source, Transform};
 
-use super::units::{ErrorUnit, Units, three};
+use crate::units::{ErrorUnit, Units, three};
 use fos_data::column::Column;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 /// Terms of the physical part of an axis.
-pub(super) fn physical_terms(model: &UnitModel, axis: &FittedAxis, units: Units) -> Vec<String> {
+pub(crate) fn physical_terms(model: &UnitModel, axis: &FittedAxis, units: Units) -> Vec<String> {
     axis.physical.iter().map(|term| line(model, axis, term, units)).collect()
 }
 
