@@ -72,13 +72,13 @@ model: ModelSummary | null,
 /** Comparison of the present model with the log to explain. */
 comparison: AxisComparison | null,
 /** First and last timestamp of the compared rows, s. */
-judged_s: [number, number] | null,
+evaluated_s: [number, number] | null,
 /** Effects missing from the present model. */
 diagnosis: Diagnosis | null,
 /** One offer for each finding of the diagnosis. */
 offers: Array<Offer>,
 /** Every step of the refinement, with the errors of its model. */
-growth: Refinement | null,
+refinement: Refinement | null,
 /** Refinement as a figure. */
 staircase: Figure | null, };
 
@@ -557,7 +557,7 @@ of: number | null,
 asked_for: boolean, };
 
 /** Source of the rows at rest. */
-export type KnownBy = "column" | "detector" | "assumed";
+export type KnownBy = "column" | "detector" | "no_motion" | "assumed";
 
 /** Gain by delay. */
 export type LagProfile = { delays: Array<Delay>,
@@ -633,20 +633,20 @@ keep_moved?: boolean, };
 /** Paths of the logs of a study, and how they are read. */
 export type LogFiles = {
 /** The log to explain. */
-field: string,
+log: string,
 /** The reference log. */
-quiet: string | null,
+reference: string | null,
 /** The evaluation log. */
-judged: string | null, read: LoadOptions, };
+evaluation: string | null, read: LoadOptions, };
 
 /** Logs that effects were estimated from and evaluated on. */
 export type LogSources = {
 /** Log to explain. */
-field: Source,
+log: Source,
 /** Reference log for the noise. */
-quiet: Source | null,
+reference: Source | null,
 /** Evaluation log; without one, the rows of the log to explain from `fitted_rows` on. */
-judged: Source | null,
+evaluation: Source | null,
 /** Number of rows of the log to explain, from the first on, that effects are estimated from. */
 fitted_rows: number,
 /** Channel and unit of each column. */
@@ -736,8 +736,8 @@ method: string,
 stopped: string,
 /** Terms of the stochastic part, in the order of their selection. */
 monomials: Array<string>,
-/** Terms of the physical part. */
-physical: Array<PhysicalTerm>, };
+/** Terms of the physical part, as in a data sheet: `0.0123 ± 0.0004 (°/s)/K of temp_c`. */
+physical: Array<string>, };
 
 /** Figure with the name by which the page finds it: `residual`, `against:temp_c`. */
 export type NamedFigure = { name: string, figure: Figure, };
@@ -870,13 +870,6 @@ odd: Array<OddReport>,
 /** Reason why the search for odd units is not conclusive; none if it is conclusive. */
 not_conclusive: string | null, };
 
-/** A term of the physical part. */
-export type PhysicalTerm = {
-/** Product of inputs. */
-term: string,
-/** Coefficient, unit of the axis per unit of the product. */
-coefficient: number, };
-
 /** A population, as `fos fleet report --json` prints it, and its units. */
 export type PopulationPage = { report: FleetReport,
 /** Units in the order of parts and names. */
@@ -913,7 +906,7 @@ export type Refinement = {
 /** Column of the axis. */
 column: string, logs: LogSources,
 /** Model before any effect was added, then after each. */
-stairs: Array<StepWithRms>, };
+steps: Array<StepWithRms>, };
 
 /** Effect that was tried and rejected. */
 export type Rejected = {
@@ -1062,11 +1055,11 @@ special: Array<string>, };
 /** Summaries of the logs of a study. */
 export type Summaries = {
 /** Log to explain. */
-field: LogSummary,
+log: LogSummary,
 /** Reference log; none if not given. */
-quiet: LogSummary | null,
+reference: LogSummary | null,
 /** Evaluation log; none if not given. */
-judged: LogSummary | null, };
+evaluation: LogSummary | null, };
 
 /** Counts and digests of a replay. */
 export type Summary = {
@@ -1215,4 +1208,4 @@ export type Verdict = "missing" | "nothing_missing" | "unexplained" | "not_enoug
 export type ViewKind = "one_step" | "coast" | "slow";
 
 /** Request for a new study: the example, or logs. */
-export type Wanted = { example?: boolean, field?: string | null, quiet?: string | null, judged?: string | null, columns?: Array<string>, rate_hz?: number | null, };
+export type Wanted = { example?: boolean, log?: string | null, reference?: string | null, evaluation?: string | null, columns?: Array<string>, rate_hz?: number | null, };
