@@ -47,7 +47,8 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let [continued_rms, alone_rms, later_rms] =
         [&continued, &alone, &later].map(|evaluation| error(&evaluation.comparison));
     println!("RMS {continued_rms:e} rad/s; begun anew {alone_rms:e} and {later_rms:e}");
-    assert!(continued_rms < 0.5 * alone_rms && continued_rms < 0.5 * later_rms);
+    // the white noise alone is 3.2e-5 rad/s RMS in 1-s means
+    assert!(continued_rms < 0.75 * alone_rms.min(later_rms));
     assert_eq!((continued.trace.rows, continued.comparison.evaluated_s), (0..6000, (900.0, 1499.9)));
     assert_eq!(continued.stillness.still.len(), 6000);
 }
