@@ -44,14 +44,18 @@ fn log() -> Recording {
     Recording::from_columns(Source::made_by("picture"), columns, &LoadOptions::default()).expect("a log")
 }
 
-/// Course of an effect that has no regressors: titles of both axes, and points.
-fn course(id: &str) -> Option<(&'static str, &'static str, Vec<(f64, f64)>)> {
+/// Values of `y`, which gets the number of a point and its x, at points over `range`.
+fn over(range: f64, y: &mut dyn FnMut(usize, f64) -> f64) -> Vec<(f64, f64)> {
+    let x = |point: usize| range * point as f64 / POINTS as f64;
+    (0..POINTS).map(|point| (x(point), y(point, x(point)))).collect()
+}
+
+/// Titles of both axes, and points.
+type Course = (&'static str, &'static str, Vec<(f64, f64)>);
+
+/// Course of an effect that has no regressors.
+fn course(id: &str) -> Option<Course> {
     let noise = white_noise(1, POINTS);
-    // over `range` of x, from the number of the point and x
-    let over = |range: f64, y: &mut dyn FnMut(usize, f64) -> f64| -> Vec<(f64, f64)> {
-        let x = |point: usize| range * point as f64 / POINTS as f64;
-        (0..POINTS).map(|point| (x(point), y(point, x(point)))).collect()
-    };
     let (seconds, error, signal) = ("time (s)", "error (1)", "sensor output (1)");
     let course = match id {
         "bias_step" => {

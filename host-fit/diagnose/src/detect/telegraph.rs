@@ -294,10 +294,10 @@ fn course(values: &[f64], states: &[bool], levels: [f64; 2]) -> (Vec<f64>, usize
     // half of the squares of normal noise lie below 0.455 of its variance
     let variance = median_of(left).unwrap_or(0.0) / 0.455;
     let mut visits = 0;
-    for block in 0..states.len() {
-        let is_whole = course[block] == state(block);
+    for (block, value) in course.iter_mut().enumerate() {
+        let is_whole = *value == state(block);
         if is_whole && (off(block) * difference).powi(2) > visit_price(states.len()) * variance {
-            course[block] = share(block);
+            *value = share(block);
             visits += 1;
         }
     }
