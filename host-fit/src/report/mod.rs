@@ -13,7 +13,9 @@ mod template;
 use serde::Serialize;
 
 pub use axis_section::{AxisSection, ModelSummary};
-pub(crate) use axis_units::{AxisUnits, UnitChoice};
+pub(crate) use axis_units::AxisUnits;
+#[cfg(feature = "workbench")]
+pub(crate) use axis_units::UnitChoice;
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
 pub use offer::{Card, Offer, offers};
 pub(crate) use render::markdown_environment;
