@@ -32,7 +32,7 @@ const IMAGE: (&str, &str) = ("image", "unit.fosm");
 const EFFECTS: (&str, &str) = ("effects", "effect.toml");
 const FROM: (&str, &str) = ("from", "field.parquet");
 const REFERENCE: (&str, &str) = ("reference", "log.parquet");
-const EVALUATION: (&str, &str) = ("evaluation", "later.parquet");
+const EVALUATION: (&str, &str) = ("evaluate_on", "later.parquet");
 const TURNED: (&str, &str) = ("logs", "turned.csv");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
@@ -107,7 +107,7 @@ const LINES: [Line; 35] = [
     Line {
         output: "figures",
         at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_linear --from {from} --reference {reference} --evaluate-on {evaluation} --effect {effect_files} --map-file {map_file} --figures figures",
+        words: "add {study} temp_linear --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effect_files} --map-file {map_file} --figures figures",
         inputs: &[UNIT, FROM, REFERENCE, EVALUATION, ("effect_files", "effect.toml"), MAP],
     },
     Line {
@@ -149,31 +149,31 @@ const LINES: [Line; 35] = [
     Line {
         output: "image",
         at: "out",
-        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {evaluation}",
+        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "rust",
         at: "out",
-        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {evaluation}",
+        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "c",
         at: "out.h",
-        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {evaluation}",
+        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "px4",
         at: "out",
-        words: "export {study} --instance 0 --px4 out --evaluate-on {evaluation}",
+        words: "export {study} --instance 0 --px4 out --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
     },
     Line {
         output: "ardupilot",
         at: "out",
-        words: "export {study} --instance 0 --ardupilot out --evaluate-on {evaluation}",
+        words: "export {study} --instance 0 --ardupilot out --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
     },
     Line {
@@ -233,7 +233,7 @@ const LINES: [Line; 35] = [
     Line {
         output: "output",
         at: "out.md",
-        words: "report {study} --from {from} --reference {reference} --evaluate-on {evaluation} --effect {effects} --map-file {map_file} -o out.md",
+        words: "report {study} --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effects} --map-file {map_file} -o out.md",
         inputs: &[UNIT, FROM, REFERENCE, EVALUATION, EFFECTS, MAP],
     },
     Line {
