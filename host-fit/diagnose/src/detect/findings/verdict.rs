@@ -107,12 +107,6 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 })
                 .collect();
             let claims = if claims.is_empty() { vec![finding] } else { claims };
-            // a part of a joint explanation may increase the error until the others are added
-            let reduces = |claim: &&&Finding| claim.predicted_reduction_interval[1] > 0.0;
-            let named: Vec<&Finding> = match claims.iter().any(|claim| reduces(&claim)) {
-                true => claims.iter().filter(reduces).copied().collect(),
-                false => claims.clone(),
-            };
             let rivals = match finding.confounded_with.is_empty() {
                 true => String::new(),
                 false => format!(
@@ -124,7 +118,7 @@ pub(crate) fn sentence(verdict: Verdict, findings: &[Finding], leads: &[Lead]) -
                 .first()
                 .map_or_else(String::new, |lead| format!(" A smaller residual follows {}.", lead.follows));
             let faults = faults(findings);
-            let names = listed(named.iter().map(|claim| with_params(claim)));
+            let names = listed(claims.iter().map(|claim| with_params(claim)));
             let drop = drop(&claims);
             format!("Most likely missing: {names}{drop}.{rivals}{beside}{faults}")
         }
