@@ -36,11 +36,7 @@ pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
 }
 
 /// Evidence of a line, as JSON: the spectrum around it.
-pub(crate) fn line_json(
-    log: &Log,
-    column: &str,
-    finding: &Finding,
-) -> Result<Option<Value>, RecordingError> {
+pub(crate) fn line_json(log: &Log, column: &str, finding: &Finding) -> Result<Option<Value>, RecordingError> {
     let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
     let Some(spectrum) = line_spectrum(log, column)? else { return Ok(None) };
     let bins = spectrum.frequency_hz.iter().zip(&spectrum.density);

@@ -222,9 +222,7 @@ impl State {
             (None, Some(known), _) => (known.log.clone(), known.read.clone()),
             (None, None, Some(named)) => (again(&named.log)?, named.read.clone()),
             (None, None, None) => {
-                return Err(Refused::Said(
-                    "no log to explain\nhelp: give it in the call".to_owned(),
-                ));
+                return Err(Refused::Said("no log to explain\nhelp: give it in the call".to_owned()));
             }
         };
         let reference = match (reference, &known, named) {
