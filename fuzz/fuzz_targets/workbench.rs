@@ -113,7 +113,7 @@ fn opened() -> u64 {
     for study in studies {
         ask("DELETE", &format!("/api/studies/{}", study["id"]), b"");
     }
-    let id = answer("POST", "/api/studies", json!({ "field": BENCH.log }).to_string().as_bytes());
+    let id = answer("POST", "/api/studies", json!({ "log": BENCH.log }).to_string().as_bytes());
     let id = id["id"].as_u64().unwrap_or_else(|| panic!("not opened: {id}"));
     let revision = loop {
         if let Some(revision) = revision_of(id) {

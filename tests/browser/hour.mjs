@@ -42,7 +42,7 @@ try {
     requestAnimationFrame(look);
   });
   const { id } = await page.evaluate(async () => {
-    const request = { method: "POST", headers: { "content-type": "application/json", "x-fos-workbench": "1" }, body: JSON.stringify({ field: "hour.parquet" }) };
+    const request = { method: "POST", headers: { "content-type": "application/json", "x-fos-workbench": "1" }, body: JSON.stringify({ log: "hour.parquet" }) };
     return (await fetch("/api/studies", request)).json();
   });
   await page.evaluate((study) => (location.hash = `#/study/${study}`), id);
@@ -52,7 +52,7 @@ try {
   await atRest(page);
   const frames = await framesWhilePanningAndZooming(page);
   const state = await stateOf(page, server);
-  const { rows, columns } = /** @type {NonNullable<typeof state.logs>} */ (state.logs).field;
+  const { rows, columns } = /** @type {NonNullable<typeof state.logs>} */ (state.logs).log;
   const raw = rows * (columns.length + 1) * 8;
   // all that can be known of all six axes
   for (const { column } of state.axes) {
