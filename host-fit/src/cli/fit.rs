@@ -300,7 +300,9 @@ mod tests {
         };
         for settings in [settings, burg, FitOptions::default()] {
             let line = format!("fit log.csv{}", fit_options(&settings));
-            let matches = Fit::augment_args(Command::new("fit")).get_matches_from(line.split(' '));
+            let words = line.split(' ').map(|word| word.trim_matches('\''));
+            let matches =
+                Fit::augment_args(Command::new("fit")).try_get_matches_from(words).expect("options");
             let parsed = Fit::from_arg_matches(&matches).expect("valid").options().expect("options");
             assert_eq!(parsed, settings, "{line}");
         }
