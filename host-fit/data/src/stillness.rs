@@ -83,8 +83,9 @@ pub fn find(recording: &Recording) -> Stillness {
 }
 
 /// The same for fitting on the first `learnt_rows` rows: later rows have no influence on which of them are at rest.
+/// Without such rows, as in a log that nothing was fitted to, all rows count alike.
 pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
-    match learnt_rows < recording.n_rows() {
+    match (1..recording.n_rows()).contains(&learnt_rows) {
         true => find_uncached(recording, learnt_rows),
         false => find(recording),
     }
@@ -239,4 +240,32 @@ impl Window {
 fn low_quantile(mut values: Vec<f64>) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 10).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column::AXES;
+    use crate::recording::{LoadOptions, Source};
+    use fos_testkit::noise::white_noise;
+
+    /// Without a learnt row there were no limits, and the motion of the second minute counted as rest.
+    #[test]
+    fn log_that_nothing_was_fitted_to_is_searched_as_a_whole() {
+        let rows = 12_000;
+        let axis = |(seed, name): (u64, &str)| {
+            let moves = |row: usize| if row < rows / 2 { 0.0 } else { (row as f64 / 7.0).sin() };
+            let noise = white_noise(seed, rows);
+            let values = noise.iter().enumerate().map(|(row, noise)| 1e-3 * noise + moves(row)).collect();
+            (name.to_owned(), values)
+        };
+        let columns = (0..).zip(AXES).map(axis).collect();
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        let log = Recording::from_columns(Source::made_by("test"), columns, &options).expect("a log");
+        let found = find_apart(&log, 0);
+        assert_eq!(found, find(&log));
+        let at_rest = found.still.iter().filter(|still| **still).count();
+        assert_eq!(found.known_by, KnownBy::Detector);
+        assert!((5_500..6_100).contains(&at_rest), "{at_rest}");
+    }
 }

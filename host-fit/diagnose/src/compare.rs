@@ -247,8 +247,7 @@ pub fn compare_on(
     let own = own.filter(|own| !is_own && data.is(own));
     let (evaluated, lead_in) = own.map_or((Cow::Borrowed(log), 0), |own| log.led_in_by(own));
     let is_same = is_own || lead_in > 0;
-    let stillness =
-        stillness::find_apart(&evaluated, if is_same { trained_rows } else { evaluated.n_rows() });
+    let stillness = stillness::find_apart(&evaluated, if is_same { trained_rows } else { 0 });
     let other = own.filter(|_| !is_same).map(|own| (stillness::find_apart(own, trained_rows), own));
     let trained = match &other {
         Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),

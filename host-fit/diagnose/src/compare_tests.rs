@@ -1,5 +1,7 @@
 //! Comparison on a log that continues the fitted one.
 
+use std::ops::Range;
+
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::fit::{FitOptions, Train, fit_axis, rest};
 use fos_testkit::noise::white_noise;
@@ -9,8 +11,9 @@ use crate::compare::{Comparison, compare_study, study_of};
 const RATE_HZ: f64 = 10.0;
 const TAU_S: f64 = 120.0;
 
-/// Rows of a gyro in rad/s that follows a temperature in °C after [`TAU_S`], from `start_s` on.
-fn part(rows: std::ops::Range<usize>, start_s: f64) -> Recording {
+/// Rows of a log of a gyro in rad/s, with white noise of this standard deviation, that follows a temperature in °C after
+/// [`TAU_S`]. The timestamps are shifted by `shift_s`.
+pub(crate) fn lagging(deviation: f64, rows: Range<usize>, shift_s: f64) -> Recording {
     let mut lagging = 25.0;
     let noise = white_noise(7, rows.end);
     let mut columns: Vec<(String, Vec<f64>)> =
@@ -19,7 +22,7 @@ fn part(rows: std::ops::Range<usize>, start_s: f64) -> Recording {
         let time_s = row as f64 / RATE_HZ;
         let temperature = 25.0 + 15.0 * (time_s / 190.0).sin();
         lagging += (temperature - lagging) / (TAU_S * RATE_HZ);
-        let values = [time_s + start_s, 2e-4 * lagging + 1e-4 * noise, temperature];
+        let values = [time_s + shift_s, 2e-4 * lagging + deviation * noise, temperature];
         if rows.contains(&row) {
             columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
         }
@@ -27,9 +30,10 @@ fn part(rows: std::ops::Range<usize>, start_s: f64) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log")
 }
 
-/// The lag of a second file began anew at the temperature of its first row, although the device had run on.
+/// The lag of a second file restarted at the temperature of its first row, although the device had run on.
 #[test]
 fn log_that_continues_the_fitted_one_starts_with_its_lags() {
+    let part = |rows, shift_s| lagging(1e-4, rows, shift_s);
     let fitted = part(0..9000, 0.0);
     let lag = format!("temp_c:lowpass({TAU_S})").parse().expect("an input");
     let options =
@@ -46,7 +50,7 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let later = evaluated(&part(9000..15000, 100.0), Some(&fitted));
     let [continued_rms, alone_rms, later_rms] =
         [&continued, &alone, &later].map(|evaluation| error(&evaluation.comparison));
-    println!("RMS {continued_rms:e} rad/s; begun anew {alone_rms:e} and {later_rms:e}");
+    println!("RMS {continued_rms:e} rad/s; with restarted lags {alone_rms:e} and {later_rms:e}");
     // the white noise alone is 3.2e-5 rad/s RMS in 1-s means
     assert!(continued_rms < 0.75 * alone_rms.min(later_rms));
     assert_eq!((continued.trace.rows, continued.comparison.evaluated_s), (0..6000, (900.0, 1499.9)));

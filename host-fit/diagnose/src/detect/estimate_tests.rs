@@ -6,6 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_testkit::noise::white_noise;
 
 use super::{Question, diagnose, diagnose_and_measure, estimate, with_measured_reduction};
+use crate::compare_tests::lagging;
 use crate::effects::{Effect, Library};
 
 /// A gyro at `rate_hz` with white noise of 0.0015 rad/s, and a temperature of 25 ± 5 °C that begins at `phase`. `error`
@@ -43,42 +44,25 @@ fn predicted_reduction_of_a_step_matches_the_measured_one_beside_a_drift() {
     }
 }
 
-/// A log in two files: in the second the lag began anew, at the temperature of its first row, and its error counted about
+/// A log in two files: in the second the lag restarted, at the temperature of its first row, and its error counted about
 /// another mean.
 #[test]
 fn lag_continues_in_an_evaluation_log_that_follows() {
-    let (n, rate_hz, tau_s) = (1500 * 10, 10.0, 120.0);
-    let mut lagging = 25.0;
-    let noise = white_noise(7, n);
-    let rows: Vec<[f64; 3]> = (0..n)
-        .map(|row| {
-            let time_s = row as f64 / rate_hz;
-            let temperature = 25.0 + 15.0 * (time_s / 190.0).sin();
-            lagging += (temperature - lagging) / (tau_s * rate_hz);
-            [time_s, 2e-4 * lagging + 0.0015 * noise[row], temperature]
-        })
-        .collect();
-    let part = |name: &str, rows: &[[f64; 3]], shift_s: f64| {
-        let column = |at: usize| rows.iter().map(|row| row[at]).collect::<Vec<f64>>();
-        let time_s = column(0).iter().map(|time_s| time_s - shift_s).collect();
-        let columns = [("t_s", time_s), ("gx_rads", column(1)), ("temp_c", column(2))];
-        let columns = columns.map(|(name, values)| (name.to_owned(), values)).into();
-        Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).expect("a log")
-    };
+    let part = |rows, shift_s| lagging(0.0015, rows, shift_s);
     let library = Library::built_in();
-    let fitted = part("fitted", &rows[..9000], 0.0);
+    let fitted = part(0..9000, 0.0);
     let lag = |shift_s: f64| {
-        let evaluation = part("evaluation", &rows[9000..], shift_s);
+        let evaluation = part(9000..15_000, shift_s);
         let question = Question { evaluation: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
         let mut findings = diagnose_and_measure(&question).expect("a diagnosis").findings;
         let place = findings.iter().position(|finding| finding.effect == "thermal_lag").expect("the lag");
         findings.swap_remove(place)
     };
-    let (follows, begins_anew) = (lag(0.0), lag(900.0));
+    let (follows, restarts) = (lag(0.0), lag(-900.0));
     let [low, high] = follows.predicted_reduction_interval;
-    let (measured, other) = (follows.measured_reduction, begins_anew.measured_reduction);
+    let (measured, other) = (follows.measured_reduction, restarts.measured_reduction);
     let (measured, other) = (measured.expect("measured"), other.expect("measured"));
-    println!("measured {measured:.3}, predicted {low:.3} … {high:.3}; begun anew {other:.3}");
+    println!("measured {measured:.3}, predicted {low:.3} … {high:.3}; with restarted lags {other:.3}");
     assert!(measured > 0.9 && measured > other && (low..high).contains(&measured));
 }
 
