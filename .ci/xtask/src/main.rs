@@ -6,8 +6,6 @@ mod files;
 mod form;
 mod memory;
 mod modules;
-mod statistics;
-mod supply;
 mod workspace;
 
 use std::error::Error;
@@ -22,9 +20,7 @@ cargo xtask COMMAND
   modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
   corpus CONTROL FOLDER        the inputs of a merge by libFuzzer that are kept in the repository
   files short|full             what fos writes is there whole, whatever happens meanwhile
-  memory short|full            how much memory a log of a working day takes
-  statistics short|full        how often the diagnosis is right: README, docs/calibration.md
-  supply short|full            what comes into the build: licences, sources, features, the Rust version";
+  memory short|full            how much memory a log of a working day takes";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -56,8 +52,6 @@ fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
     match command {
         "files" => files::run(form, &root),
         "memory" => memory::run(form, &root),
-        "statistics" => statistics::run(form, &root),
-        "supply" => supply::run(form, &root),
         _ => Err(USAGE.into()),
     }
 }
