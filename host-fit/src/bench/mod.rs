@@ -3,7 +3,6 @@
 //! Times are the shortest of several runs on one thread. The reference is the peak rate of multiply-adds of the same machine, measured in
 //! the same process.
 
-pub mod commands;
 pub mod evaluator;
 
 use std::hint::black_box;

@@ -1,12 +1,9 @@
 //! `bench`: cost of fits on this machine.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::numbers::count;
 use super::output::{Failure, print_json, print_line, progress, table};
-use crate::bench::commands::{COMMANDS, CommandSettings, CommandTime, CommandTimes, Took, time_commands};
 use crate::bench::evaluator::{self, StepTimes};
 use crate::bench::{Settings, Timings, measure};
 
@@ -16,11 +13,9 @@ const SAMPLES: [usize; 2] = [36_000, 720_000];
 /// Time fits on this machine
 ///
 /// One thread: moments, search and refit, against a textbook search and the machine's peak rate of multiply-adds, as
-/// ratios in one run; with --commands whole commands.
+/// ratios in one run.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Example: fos bench\nExample: fos bench --commands --against ../before/target/release/fos"
-)]
+#[command(after_help = "Example: fos bench")]
 pub(super) struct Bench {
     /// Largest output lag L
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=50))]
@@ -31,21 +26,6 @@ pub(super) struct Bench {
     /// Terms chosen
     #[arg(long, default_value_t = 10, value_parser = count(1..=1000))]
     terms: usize,
-    /// Time whole commands over simulated logs instead: fit, compare, report, diagnose, demo
-    #[arg(long, conflicts_with_all = ["max_lag", "degree", "terms"])]
-    commands: bool,
-    /// Another build of the program: both run each command in turn, and their outputs are compared
-    #[arg(long, value_name = "PROGRAM", requires = "commands")]
-    against: Option<PathBuf>,
-    /// Length of the logs of --commands, min
-    #[arg(long, default_value_t = 60, requires = "commands", value_parser = clap::value_parser!(u32).range(10..=1440))]
-    minutes: u32,
-    /// With --commands, also fit a log of this many hours
-    #[arg(long, value_name = "HOURS", default_value_t = 0, requires = "commands", value_parser = clap::value_parser!(u32).range(0..=24))]
-    long: u32,
-    /// Runs of each of --commands; the least counts
-    #[arg(long, default_value_t = 3, requires = "commands", value_parser = count(1..=100))]
-    repeats: usize,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -53,9 +33,6 @@ pub(super) struct Bench {
 
 impl Bench {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if self.commands {
-            return self.run_commands();
-        }
         let bar = progress(SAMPLES.len() as u64, "timing");
         let mut timings = Vec::new();
         for samples in SAMPLES {
@@ -71,21 +48,6 @@ impl Bench {
         let steps = evaluator::measure()?;
         bar.finish_and_clear();
         if self.json { print_json(&(timings, steps)) } else { self.print(&timings, steps) }
-    }
-
-    fn run_commands(&self) -> Result<(), Failure> {
-        let settings = CommandSettings {
-            minutes: self.minutes,
-            long_hours: self.long,
-            repeats: self.repeats,
-            // Commands run in folders of their own.
-            against: self.against.as_ref().map(std::path::absolute).transpose()?,
-        };
-        let folder = tempfile::tempdir()?;
-        let bar = progress(COMMANDS as u64 + u64::from(self.long > 0), "timing");
-        let times = time_commands(&std::env::current_exe()?, folder.path(), &settings, || bar.inc(1))?;
-        bar.finish_and_clear();
-        if self.json { print_json(&times) } else { print_commands(&times) }
     }
 
     fn print(&self, timings: &[Timings], steps: StepTimes) -> Result<(), Failure> {
@@ -131,42 +93,4 @@ impl Bench {
         );
         Ok(())
     }
-}
-
-fn print_commands(times: &CommandTimes) -> Result<(), Failure> {
-    let has_before = times.commands.iter().any(|command| command.before.is_some());
-    print_line!(
-        "logs of {} min, six axes, {} cores, least of several runs\n",
-        times.minutes,
-        rayon::current_num_threads()
-    );
-    let mut header = vec!["command", "s", "CPU, s", "MB"];
-    if has_before {
-        header.extend(["before: s", "CPU, s", "MB", "times as fast", "same"]);
-    }
-    let mut rows = table(&header);
-    let figures = |took: &Took| {
-        let Took { wall_s, processor_s, peak_bytes } = took;
-        [format!("{wall_s:.2}"), format!("{processor_s:.2}"), format!("{:.0}", *peak_bytes as f64 * 1e-6)]
-    };
-    for CommandTime { name, took, before, is_same, .. } in &times.commands {
-        let mut row = vec![name.clone()];
-        row.extend(figures(took));
-        if let Some(before) = before {
-            row.extend(figures(before));
-            row.push(format!("{:.1}", before.wall_s / took.wall_s));
-            row.push(is_same.map_or("–", |is_same| if is_same { "yes" } else { "no" }).to_owned());
-        }
-        rows.add_row(row);
-    }
-    print_line!("{rows}");
-    if let Some(fit) = times.commands.first() {
-        print_line!(
-            "\nmoments, search and refit of six axes on one thread: {:.3} s; {}: {:.1} times that",
-            times.engine_s,
-            fit.name,
-            fit.took.wall_s / times.engine_s
-        );
-    }
-    Ok(())
 }
