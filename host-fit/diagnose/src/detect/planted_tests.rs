@@ -38,6 +38,21 @@ fn identifies_creep_telegraph_noise_noise_level_and_dead_zone() {
     }
 }
 
+/// A last block of a single sample has no difference, and the noise level was not tested at all.
+#[test]
+fn noise_level_is_tested_whatever_the_length_of_the_last_block() {
+    for rows in [60_000, 60_001, 60_100, 60_249] {
+        let temperature: Vec<f64> = (0..rows).map(|row| 25.0 + 10.0 * (f64::from(row) / 9e3).sin()).collect();
+        let noise = white_noise(61, rows as usize);
+        let values = noise.iter().zip(&temperature).map(|(noise, temperature)| noise * 4e-5 * temperature);
+        let columns = vec![("gx_rads".to_owned(), values.collect()), ("temp_c".to_owned(), temperature)];
+        let options = LoadOptions { rate_hz: Some(100.0), ..LoadOptions::default() };
+        let log = Recording::from_columns(Source::made_by("test"), columns, &options).expect("a log");
+        let found = diagnose(&Question::new(&log, "gx", &Library::built_in())).expect("an answer");
+        assert_eq!(first(&found), "noise_temperature", "{rows} rows: {}", found.sentence);
+    }
+}
+
 /// The drift of the scale factor fits as well with the same number of separable coefficients if the temperature hardly
 /// changes, and was preferred as the first effect of temperature.
 #[test]

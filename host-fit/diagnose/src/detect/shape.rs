@@ -101,12 +101,22 @@ pub(super) fn level(
 ) -> Option<ResidualAnomaly> {
     let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
     let own = log_level(recording, blocks, target)?;
+    let mut others: Vec<Vec<f64>> = AXES
+        .into_iter()
+        .filter(|axis| *axis != target)
+        .filter_map(|axis| log_level(recording, blocks, axis))
+        .collect();
+    let known = |levels: &Vec<f64>| levels.iter().filter(|level| !level.is_nan()).count();
+    others.retain(|levels| 2 * known(levels) > known(&own));
+    let is_known =
+        |block: &usize| !own[*block].is_nan() && others.iter().all(|levels| !levels[*block].is_nan());
+    let usable: Vec<usize> = (0..own.len()).filter(is_known).collect();
+    let in_usable = |values: &[f64]| -> Vec<f64> { usable.iter().map(|block| values[*block]).collect() };
+    let own = in_usable(&own);
     let mut basis = Basis::default();
     basis.add(&vec![1.0; own.len()]);
-    for axis in AXES.into_iter().filter(|axis| *axis != target) {
-        if let Some(other) = log_level(recording, blocks, axis) {
-            basis.add(&other);
-        }
+    for other in &others {
+        basis.add(&in_usable(other));
     }
     let left = basis.without(&own);
     let n = left.len() as f64;
@@ -136,7 +146,7 @@ pub(super) fn level(
             continue;
         }
         let held = recording.held_from_first(channel);
-        let means = blocks.means(&held);
+        let means = in_usable(&blocks.means(&held));
         let mean = means.iter().sum::<f64>() / n;
         let square = means.iter().map(|v| (v - mean).powi(2)).collect();
         consider(&[means, square], Some(&channel.name), &basis);
@@ -145,21 +155,28 @@ pub(super) fn level(
     (score >= LEVEL_ACCEPT && spread > least).then_some(ResidualAnomaly::Level { follows, spread, score })
 }
 
-/// Returns the logarithm of the RMS of first differences in each block.
+/// Returns the logarithm of the RMS of first differences in each block: NaN for a block with less than half the
+/// differences of the fullest, such as the last one of a log.
 fn log_level(recording: &Recording, blocks: &Blocks, column: &str) -> Option<Vec<f64>> {
     // in the error, since motion that a reference covers is not noise
     let values = &recording.error_series(column).ok()?.values;
-    let level = |block: &fos_fit::noise::Block| {
+    let squares = |block: &fos_fit::noise::Block| {
         let rows = block.rows.clone();
         let known = &blocks.known()[rows.clone()];
         let values = &values[rows];
         let pairs = values.windows(2).zip(known.windows(2)).filter(|(_, known)| known[0] && known[1]);
         let squares = pairs.map(|(v, _)| (v[1] - v[0]).powi(2)).filter(|square| square.is_finite());
-        let (sum, count) = squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
-        0.5 * (sum / f64::from(count.max(1))).ln()
+        squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1))
     };
-    let levels: Vec<f64> = blocks.blocks.iter().map(level).collect();
-    levels.iter().all(|level| level.is_finite()).then_some(levels)
+    let squares: Vec<(f64, u32)> = blocks.blocks.iter().map(squares).collect();
+    let fullest = squares.iter().map(|(_, count)| *count).max().filter(|count| *count > 0)?;
+    let level = |(sum, count): &(f64, u32)| match 2 * count >= fullest {
+        true => 0.5 * (sum / f64::from(*count)).ln(),
+        false => f64::NAN,
+    };
+    let levels: Vec<f64> = squares.iter().map(level).collect();
+    // a block of one repeated value
+    levels.iter().all(|level| !level.is_infinite()).then_some(levels)
 }
 
 #[derive(Debug, Clone, Default)]
