@@ -45,7 +45,9 @@ impl Rounded {
         let of_samples = |sigma: f64| sigma * self.step * self.period_s.sqrt();
         let coloured = value / of_samples(self.variance.sqrt());
         let least = least_noise(self.variance * (low / value).powi(2));
-        let most = most_noise(self.most_variance().max(self.variance * (found.white.high / value).powi(2)));
+        // a value near 0 bounds nothing: the upper end does
+        let of_high = (found.white.high / of_samples(1.0) / coloured.max(1.0)).powi(2);
+        let most = most_noise(self.most_variance().max(of_high));
         let high = found.white.high.max(coloured.max(1.0) * of_samples(most));
         let added = of_samples(1.0).powi(2) * (self.variance - least * least);
         let without = (low * low - added).max(0.0).sqrt().min(coloured * of_samples(least));
@@ -109,8 +111,15 @@ fn inverse(variance: f64, offset: f64) -> f64 {
     if below < 1e-9 { 0.0 } else { above }
 }
 
+/// Standard deviation, in steps, from which on rounding adds 1/12 to the variance wherever the mean is: the
+/// difference is of the order of e^(−2π²σ²) (Widrow and Kollár, Quantization Noise, 2008, section 5.4).
+const SMOOTH: f64 = 1.5;
+
 /// Variance of normal noise of `sigma` about `offset` after rounding to whole steps.
 fn rounded_variance(sigma: f64, offset: f64) -> f64 {
+    if sigma > SMOOTH {
+        return sigma * sigma + 1.0 / 12.0;
+    }
     let furthest = (8.0 * sigma).ceil() as i32 + 1;
     let above = |limit: f64| 0.5 * erfc((limit - offset) / (sigma * std::f64::consts::SQRT_2));
     let (mut mean, mut square) = (0.0, 0.0);
@@ -176,6 +185,26 @@ mod tests {
             "attack: coarse steps | a resolution of 0.1 to 8 standard deviations, with the mean at 7 positions between two codes: all 70 intervals of N contain the true value, {limits} of them as upper limits | negative control: if N is estimated from the rounded samples, {} intervals do not",
             missed.len(),
         );
+    }
+
+    #[test]
+    fn rounding_adds_a_twelfth_to_noise_of_several_steps() {
+        for offset in [0.0, 0.2, 0.5] {
+            // the accuracy of erfc, times the squares of the outer codes
+            assert!((rounded_variance(SMOOTH, offset) - SMOOTH * SMOOTH - 1.0 / 12.0).abs() < 1e-8);
+        }
+    }
+
+    /// With hardly any white noise found in coarse samples, the limit was millions of times the scatter, and took a minute.
+    #[test]
+    fn limit_stays_near_the_scatter_where_no_white_noise_was_found() {
+        let level = |value: f64| Level { value: Some(value), low: None, high: 0.02 };
+        let of = Rounded { step: 0.03, variance: 0.11, pairs: 299.0, period_s: 1.0, span_s: 299.0 };
+        for value in [1e-3, 1e-6, 1e-12] {
+            let found = NoiseEstimate { white: level(value), flicker: level(value), walk: level(value) };
+            let high = of.before_rounding(found).0.white.high;
+            assert!((0.01..0.05).contains(&high), "{value}: {high}");
+        }
     }
 
     #[test]
