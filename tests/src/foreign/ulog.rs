@@ -68,7 +68,8 @@ pub fn ulog_of(sensors: &[(&str, u8, u32, &Flight)]) -> Vec<u8> {
         let values = if topic == "sensor_accel" { flight.acceleration[sample] } else { flight.rate[sample] };
         let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let (stamp, temperature) = (us.to_le_bytes(), flight.temperature[sample].to_le_bytes());
-        log.data(id as u16, &[&stamp, &stamp, &device.to_le_bytes(), &values, &temperature]);
+        // a simulator states no time of the sample
+        log.data(id as u16, &[&stamp, &[0; 8], &device.to_le_bytes(), &values, &temperature]);
     }
     log.0
 }

@@ -364,17 +364,23 @@ pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
         .map(|(unit, _)| unit)
 }
 
+/// Largest bias of such gyros, dps. Where all axes turn faster than this most of the time, the values are rather counts
+/// with an offset.
+const LARGEST_BIAS_DPS: f64 = 20.0;
+
 /// Unit by the sample-to-sample noise: that of such gyros is 0.02 to 0.5 dps at 200 Hz.
 pub(super) fn rate_unit(triad: &[&[f64]]) -> Option<&'static str> {
     // in slow or coarse data most samples repeat the one before
     let changes = |values: &&[f64]| steps(values).into_iter().filter(|step| *step > 0.0).collect();
     let noise = median(triad.iter().map(|values| median(changes(values))).collect());
-    match noise {
-        noise if (2e-4..0.009).contains(&noise) => Some("rad/s"),
-        noise if (0.009..2.0).contains(&noise) => Some("dps"),
-        noise if (9.0..2000.0).contains(&noise) => Some("mdps"),
-        _ => None,
-    }
+    let (unit, dps) = match noise {
+        noise if (2e-4..0.009).contains(&noise) => ("rad/s", 1_f64.to_degrees()),
+        noise if (0.009..2.0).contains(&noise) => ("dps", 1.0),
+        noise if (9.0..2000.0).contains(&noise) => ("mdps", 1e-3),
+        _ => return None,
+    };
+    let is_bias = |values: &&[f64]| dps * typical(values) < LARGEST_BIAS_DPS;
+    triad.iter().any(is_bias).then_some(unit)
 }
 
 fn temperature_unit(values: &[f64]) -> Option<&'static str> {
@@ -454,6 +460,8 @@ mod tests {
         let raw =
             guessed(&[("ax", noise(30.0, 4000.0)), ("ay", noise(30.0, 0.0)), ("az", noise(30.0, 8000.0))]);
         assert_eq!(raw[2], Some(("az_mps2".to_owned(), None, false)), "raw counts");
+        let raw = guessed(&["gx", "gy", "gz"].map(|name| (name, noise(30.0, 32768.0))));
+        assert_eq!(raw[2], Some(("gz_rads".to_owned(), None, false)), "raw counts with an offset");
     }
 
     #[test]

@@ -197,7 +197,8 @@ struct Gathered {
 struct Layout {
     topic: Option<usize>,
     instance: u8,
-    stamp: Option<usize>,
+    /// Times of sample and message; a simulator states 0 as the first.
+    stamps: [Option<usize>; 2],
     /// i32, µs: timestamp of the accelerometer minus that of the message.
     second_stamp: Option<usize>,
     triads: [Option<[usize; 3]>; 2],
@@ -239,7 +240,7 @@ impl Layout {
         Self {
             topic,
             instance: message.multi_id.value(),
-            stamp: stamp("timestamp_sample").or_else(|| stamp("timestamp")),
+            stamps: ["timestamp_sample", "timestamp"].map(stamp),
             second_stamp: offset("accelerometer_timestamp_relative", FlattenedFieldType::Int32),
             triads,
             slow: known.and_then(|topic| float(topic.slow?.0)),
@@ -297,7 +298,7 @@ impl Gathered {
             self.layouts.resize_with(id + 1, || None);
         }
         let layout = &*self.layouts[id].get_or_insert_with(|| Layout::of(message));
-        let (Some(at), Some(offset)) = (layout.topic, layout.stamp) else { return };
+        let Some(at) = layout.topic else { return };
         let topic = &TOPICS[at];
         let instances = &mut self.instances[at];
         let instance = usize::from(layout.instance);
@@ -312,9 +313,9 @@ impl Gathered {
         if layout.instance != if is_sensor { self.wanted } else { 0 } {
             return;
         }
-        let Some(stamp_ns) = field(data, offset).and_then(|bytes| ns_of_us(u64::from_le_bytes(bytes))) else {
-            return;
-        };
+        let time_us = |offset: usize| field(data, offset).map(u64::from_le_bytes).filter(|us| *us > 0);
+        let stamp_us = layout.stamps.into_iter().flatten().find_map(time_us);
+        let Some(stamp_ns) = stamp_us.and_then(ns_of_us) else { return };
         let id = id.ok_or(message.msg_id);
         let devices = &mut self.devices[at];
         let place = devices.iter().position(|device| device.id == id).unwrap_or(devices.len());
