@@ -122,7 +122,8 @@ pub(crate) fn fit(
     }
     let (stillness, fits) = work::run(py, || {
         let stillness = rest(&log, options.train);
-        let fits = fit_axes(&log, &stillness, &columns, &options, || {});
+        let fits: Result<Vec<_>, _> =
+            fit_axes(&log, &stillness, &columns, &options, || {}).into_iter().collect();
         (stillness, fits)
     })?;
     let fits = fits.map_err(raised(py))?;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{Failure, first, warning_in_words};
+use super::output::{Failure, first, print_warning, warning_in_words};
 use super::units::{Printed, three};
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Rate, Recording, RecordingError, Stamps, load};
 use fos_data::stillness::Stillness;
@@ -198,6 +198,34 @@ pub(super) fn axes(recording: &Recording, names: &str) -> Result<Vec<String>, Fa
         return Ok(axes?);
     }
     Ok(recording.axes()?)
+}
+
+/// Results of the axes in `names`. With all axes, one that cannot be used (for example stuck, or nearly empty) does not
+/// prevent the others: it is excluded with a warning.
+pub(super) fn usable<T, E: Into<Failure>>(
+    names: &str,
+    results: impl IntoIterator<Item = Result<T, E>>,
+) -> Result<Vec<T>, Failure> {
+    let (mut answers, mut refused) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(answer) => answers.push(answer),
+            Err(error) if names == "all" => refused.push(error.into()),
+            Err(error) => return Err(error.into()),
+        }
+    }
+    if answers.is_empty() && !refused.is_empty() {
+        return Err(refused.swap_remove(0));
+    }
+    refused.iter().for_each(print_excluded);
+    Ok(answers)
+}
+
+/// Warns of an axis that is excluded.
+pub(super) fn print_excluded(error: &Failure) {
+    // the help of an error suggests the current command
+    let message = error.to_string();
+    print_warning(&format!("excluded: {}", message.split("\nhelp: ").next().unwrap_or_default()));
 }
 
 /// Description of a recording in a few lines.

@@ -65,7 +65,8 @@ impl Demo {
         let reference_stillness = rest(&reference, options.train);
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
-        let fits = fit_axes(&reference, &reference_stillness, &axes, &options, || bar.inc(1))?;
+        let fits = fit_axes(&reference, &reference_stillness, &axes, &options, || bar.inc(1));
+        let fits = fits.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut study =
             study_of(&reference, &reference_stillness, fits, options, LoadOptions::default(), |_| {
                 bar.inc(1)

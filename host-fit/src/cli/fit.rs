@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use fos_core::GRAVITY_MPS2;
 
-use super::arguments::{OutputFile, Reading, axes, describe, read_all};
+use super::arguments::{OutputFile, Reading, axes, describe, read_all, usable};
 use super::comparison_summary::{LEGEND, Row, table_of};
 use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
@@ -143,8 +143,9 @@ impl Fit {
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
-        let fits = fit_axes(&recording, &stillness, &axes, &options, || bar.inc(1))?;
+        let fits = fit_axes(&recording, &stillness, &axes, &options, || bar.inc(1));
         bar.finish_and_clear();
+        let fits = usable(&self.axis, fits)?;
         let mut study = study_of(&recording, &stillness, fits, options, read, |_| {})?;
         study.write(&file)?;
         if self.json {
@@ -213,7 +214,7 @@ fn cautions(report: &AxisReport) -> Vec<String> {
     let outliers = (report.spikes > 0).then(|| format!("{} excluded", counted(report.spikes, "outlier")));
     let left_out = report.left_out.iter().map(|LeftOut { input, coefficient, standard_error }| {
         format!(
-            "{input} is excluded from the physical part: {} ± {} (scaled) is nothing but noise on these rows",
+            "{input} is excluded from the physical part: its scaled coefficient, {} with a standard error of {}, is not significant on these rows",
             three(*coefficient),
             three(*standard_error)
         )

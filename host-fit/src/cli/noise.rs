@@ -6,7 +6,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::arguments::{OutputFile, Reading, axes, describe, only_ends_in};
+use super::arguments::{OutputFile, Reading, axes, describe, only_ends_in, usable};
 use super::output::{Failure, print_json, print_line, spinner, table};
 use super::units::{Printed, UnitsOption, three};
 use crate::export::{NoiseModel, allan_csv, imu_yaml, orb_slam3, vins};
@@ -67,10 +67,10 @@ impl Noise {
         let stillness = stillness::find(&recording);
         let columns = axes(&recording, &self.axis)?;
         let spinner = spinner("estimating the noise");
-        let found: Result<Vec<AxisNoise>, _> =
+        let found: Vec<Result<AxisNoise, _>> =
             columns.par_iter().map(|column| axis_noise(&recording, &stillness, column)).collect();
         spinner.finish_and_clear();
-        let found = found?;
+        let found = usable(&self.axis, found)?;
         let log = name_of(&recording.paths());
         let mut written = Vec::new();
         self.write_models(&log, &recording, &found, &mut written)?;

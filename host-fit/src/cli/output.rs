@@ -127,7 +127,7 @@ pub(super) fn in_words(failure: &Failure) -> String {
     };
     let arguments: Vec<String> = maps.iter().map(|map| map_arguments(map)).collect();
     let problem = message.split("\nhelp: ").next().unwrap_or_default();
-    let rate = if with_rate { "\n  with the sample rate, as in `rate_hz` 100" } else { "" };
+    let rate = if with_rate { "\n  with the sample rate, as in --rate 100" } else { "" };
     format!("{problem}\nhelp: choose one: {}{rate}", arguments.join("\n  or: "))
 }
 

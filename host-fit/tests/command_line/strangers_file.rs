@@ -64,6 +64,15 @@ fn excludes_a_constant_axis_unless_requested() {
     assert!(report.contains("excluded: gx_rads repeats one value, 0.0"), "{report}");
     let refused = fails(folder.path(), 1, &["diagnose", "a.csv", "--axis", "gx"]);
     assert!(refused.contains("gx_rads repeats one value, 0.0"), "{refused}");
+    // an axis with a tenth of its samples prevents no other
+    let tenth = |row: usize| if row % 10 == 3 { 1e-3 * (row % 7) as f32 } else { f32::NAN };
+    flight.rate.iter_mut().enumerate().for_each(|(row, rate)| rate[0] = tenth(row));
+    fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");
+    for command in [&["fit", "a.csv", "-o", "unit.json"][..], &["noise", "a.csv"]] {
+        let report = stderr_of(folder.path(), command);
+        assert!(report.contains("excluded: gx_rads"), "{report}");
+        fails(folder.path(), 1, &[command, &["--axis", "gx"]].concat());
+    }
     flight.rate.iter_mut().for_each(|rate| *rate = [0.0; 3]);
     flight.acceleration.iter_mut().for_each(|force| *force = [0.0; 3]);
     fs::write(folder.path().join("a.csv"), flight.csv()).expect("written");

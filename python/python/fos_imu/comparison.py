@@ -58,7 +58,7 @@ class UnaidedError:
 
     Attributes:
         window_s: The time, s.
-        windows: Number of windows; below 3 the log is too short for an RMS.
+        windows: Number of windows; below 3 there is no RMS.
         heading_rad: Heading error, rad; only of a gyro axis.
         position_m: Position error, m; only of an accelerometer axis.
     """

@@ -181,13 +181,12 @@ pub fn fit_axes(
     axes: &[impl AsRef<str> + Sync],
     options: &FitOptions,
     done: impl Fn() + Sync,
-) -> Result<Vec<AxisFit>, AxisError> {
-    let fits = in_parallel(axes, |axis| {
+) -> Vec<Result<AxisFit, AxisError>> {
+    in_parallel(axes, |axis| {
         let fit = fit_axis(recording, stillness, axis.as_ref(), options);
         done();
         fit
-    });
-    fits.into_iter().collect()
+    })
 }
 
 /// Returns the model before anything is fitted: offset, scale, inputs.
