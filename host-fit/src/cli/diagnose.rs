@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use clap::Args;
 use comfy_table::CellAlignment;
 
-use super::arguments::{Reading, library};
+use super::arguments::{Reading, axes, library, print_excluded, usable};
 use super::numbers::{IN_UNIT, within};
 use super::output::{
-    Failure, first, grouped, percent, print_hint, print_json, print_line, print_verdict, print_warning,
-    spinner, table, with_flags,
+    Failure, first, grouped, percent, print_hint, print_json, print_line, print_verdict, spinner, table,
+    with_flags,
 };
 use super::refinement::{LogArguments, column_of, read_logs};
 use super::units::{Printed, three};
@@ -81,7 +81,8 @@ impl Diagnose {
         let evaluation = self.logs.evaluate_on.as_ref().map(|path| self.reading.read(path)).transpose()?;
         // once for all axes
         let evaluation = evaluation.as_ref().map(|evaluation| evaluation.led_in_by(&field));
-        let axes = super::arguments::axes(&field, self.axis.as_deref().unwrap_or("all"))?;
+        let names = self.axis.as_deref().unwrap_or("all");
+        let axes = axes(&field, names)?;
         let of_axis = |axis: &String| -> Result<Diagnosis, Failure> {
             Ok(diagnose_and_measure(&Question {
                 reference: reference.as_ref(),
@@ -91,25 +92,9 @@ impl Diagnose {
                 ..Question::new(&field, axis, library)
             })?)
         };
-        let mut answers = Vec::new();
-        let mut refused = Vec::new();
-        for axis in &axes {
-            match of_axis(axis) {
-                Ok(answer) => answers.push(answer),
-                // With all axes, one that cannot be diagnosed (for example stuck) does not prevent the others.
-                Err(error) if self.axis.as_ref().is_none_or(|axis| axis == "all") => refused.push(error),
-                Err(error) => return Err(error),
-            }
-        }
-        if answers.is_empty() && !refused.is_empty() {
-            return Err(refused.swap_remove(0));
-        }
-        refused
-            .extend(field.quality.empty_axes.iter().filter_map(|axis| Some(field.axis(axis).err()?.into())));
-        for error in &refused {
-            // The suggested help is the current command.
-            let message = error.to_string();
-            print_warning(&format!("excluded: {}", message.split("\nhelp: ").next().unwrap_or_default()));
+        let answers = usable(names, axes.iter().map(of_axis))?;
+        for error in field.quality.empty_axes.iter().filter_map(|axis| field.axis(axis).err()) {
+            print_excluded(&error.into());
         }
         let read_as = field.sources.iter().filter_map(|source| source.read_as.as_ref());
         let answers = with_shared_signal(answers, &field)?;
@@ -258,15 +243,24 @@ fn print_remarks(answers: &[Diagnosis], printed: Printed) {
     }
 }
 
-/// Untested effects and the source of the noise levels, one line each.
+/// Untested effects, with their axes where others tested them, and the source of the noise levels, one line each.
 fn print_tests(answers: &[Diagnosis]) {
-    let mut needs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for untested in answers.iter().flat_map(|answer| &answer.untested) {
-        needs.entry(&untested.effect).or_default().extend(untested.needs.iter().map(String::as_str));
+    let mut needs: BTreeMap<&str, (BTreeSet<&str>, Vec<&str>)> = BTreeMap::new();
+    for answer in answers {
+        for untested in &answer.untested {
+            let (needs, axes) = needs.entry(&untested.effect).or_default();
+            needs.extend(untested.needs.iter().map(String::as_str));
+            axes.push(&answer.target);
+        }
     }
-    let mut effects: BTreeMap<BTreeSet<&str>, Vec<&str>> = BTreeMap::new();
-    for (effect, needs) in needs {
-        effects.entry(needs).or_default().push(effect);
+    let mut effects: BTreeMap<BTreeSet<&str>, Vec<String>> = BTreeMap::new();
+    for (effect, (needs, axes)) in needs {
+        let is_tested = |answer: &Diagnosis| answer.tested.iter().any(|tested| tested == effect);
+        let on = match answers.iter().any(is_tested) {
+            true => format!(" on {}", axes.join(", ")),
+            false => String::new(),
+        };
+        effects.entry(needs).or_default().push(format!("{effect}{on}"));
     }
     let untested = effects.into_iter().map(|(needs, effects)| {
         let verb = if effects.len() == 1 { "needs" } else { "need" };

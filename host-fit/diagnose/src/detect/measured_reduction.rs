@@ -36,7 +36,7 @@ pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, Diagno
 
 /// Adds to every finding the reduction measured on `rows` of `evaluation`, with the findings before it in the model. A slow
 /// effect that makes the error worse than predicted becomes a lead if its predicted interval excludes 0, else it is not
-/// conclusive.
+/// conclusive; in either case the next ones are measured without it.
 ///
 /// # Errors
 ///
@@ -70,6 +70,8 @@ pub fn with_measured_reduction(
         })
     };
     let mut accepted: Vec<Finding> = Vec::new();
+    // those of them whose effects are subtracted when the next one is measured
+    let mut model: Vec<Finding> = Vec::new();
     let mut has_changed = false;
     for mut finding in std::mem::take(&mut diagnosis.findings) {
         if finding.correction.is_empty() {
@@ -80,8 +82,8 @@ pub fn with_measured_reduction(
             accepted.push(finding);
             continue;
         }
-        let before = error(&accepted, &finding)?;
-        let mut with = accepted.clone();
+        let before = error(&model, &finding)?;
+        let mut with = model.clone();
         with.push(finding.clone());
         let reduction = 1.0 - error(&with, &finding)? / before;
         finding.measured_reduction = Some(reduction);
@@ -111,14 +113,28 @@ pub fn with_measured_reduction(
             }
             has_changed |= finding.doubt.is_none();
             finding.doubt.get_or_insert(growth);
+            accepted.push(finding);
+            continue;
         }
+        if finding.band == Band::Slow && least > 0.0 && reduction <= 0.0 {
+            has_changed |= finding.doubt.is_none();
+            finding
+                .doubt
+                .get_or_insert_with(|| "it does not reduce the RMS on the evaluation log".to_owned());
+        }
+        model.push(finding.clone());
         accepted.push(finding);
     }
+    let measured = accepted.len();
     diagnosis.findings = accepted;
     if (has_changed || !diagnosis.leads.is_empty()) && diagnosis.verdict != Verdict::NotEnoughData {
         diagnosis.leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         diagnosis.verdict = verdict(&mut diagnosis.findings, &diagnosis.leads, !diagnosis.tested.is_empty());
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
+    }
+    if diagnosis.findings.len() < measured {
+        // the others were measured with what the verdict withheld still in the model
+        return with_measured_reduction(diagnosis, fitted, evaluation, rows);
     }
     Ok(diagnosis)
 }

@@ -10,6 +10,7 @@ use super::question::DiagnoseError;
 use super::slow::{Estimate, SlowResult};
 use super::testable::{Testable, followed};
 use crate::effects::{Effect, Inputs};
+use fos_data::statistics::centred;
 use fos_fit::noise::{Gls, combination, dot};
 
 /// Standard errors that the largest typical coefficient must exceed: those of a 95 % interval.
@@ -20,6 +21,9 @@ const VISIBLE: f64 = 1.96;
 /// new.
 const IMPLAUSIBLE: f64 = 5.0;
 const MOST_BY_CHANCE: f64 = 0.25;
+
+/// Least share of the variance of an effect that the levels of the rests must leave.
+const LEFT_BY_LEVELS: f64 = 0.02;
 
 /// A log and its noise as inputs of a power computation.
 pub(super) struct Power<'a> {
@@ -45,7 +49,7 @@ impl<'a> Power<'a> {
         let mut shown: Vec<(&Arc<Effect>, Option<bool>)> = Vec::new();
         for effect in effects {
             let is_found = self.slow.found.iter().any(|found| found.hypothesis.effect.id == effect.id);
-            shown.push((effect, if is_found { Some(true) } else { self.is_visible(effect)? }));
+            shown.push((effect, if is_found { Some(true) } else { self.shows(effect)? }));
         }
         let columns = |effect: &Effect| followed(effect, self.inputs, &self.prepared.column);
         let follows = |wanted: bool, column: &String| {
@@ -56,11 +60,17 @@ impl<'a> Power<'a> {
             None => columns(effect).iter().any(|column| follows(false, column) && !follows(true, column)),
         };
         let powerless = shown.iter().filter(|(effect, is_visible)| is_powerless(effect, *is_visible));
-        Ok(powerless.map(|(effect, _)| self.untested(effect)).collect())
+        powerless.map(|(effect, _)| self.untested(effect)).collect()
     }
 
-    fn untested(&self, effect: &Effect) -> Untested {
-        Testable::needs_variation(effect, self.inputs, &self.prepared.column)
+    fn untested(&self, effect: &Arc<Effect>) -> Result<Untested, DiagnoseError> {
+        Ok(match self.is_hidden_by_levels(effect)? {
+            true => Untested {
+                effect: effect.id.clone(),
+                needs: vec!["longer rests in one orientation".to_owned()],
+            },
+            false => Testable::needs_variation(effect, self.inputs, &self.prepared.column),
+        })
     }
 
     /// Returns the findings of implausible size that this log would not show at any typical size: their inputs hardly
@@ -80,7 +90,7 @@ impl<'a> Power<'a> {
                 && self.share(&found.hypothesis, &estimate) < MOST_BY_CHANCE
                 && self.is_visible(effect)? == Some(false)
             {
-                implausible.push(self.untested(effect));
+                implausible.push(self.untested(effect)?);
             }
         }
         Ok(implausible)
@@ -94,6 +104,29 @@ impl<'a> Power<'a> {
         variance(&effect) / variance(&reduced.means)
     }
 
+    fn shows(&self, effect: &Arc<Effect>) -> Result<Option<bool>, DiagnoseError> {
+        if self.is_hidden_by_levels(effect)? { Ok(Some(false)) } else { self.is_visible(effect) }
+    }
+
+    /// Returns true if the levels of an accelerometer, one for each rest, take the course of an effect: what changes
+    /// from rest to rest is gravity.
+    fn is_hidden_by_levels(&self, effect: &Arc<Effect>) -> Result<bool, DiagnoseError> {
+        let blocks = &self.prepared.reduced.blocks;
+        let grid = self.hypotheses.grid(effect);
+        for value in ends_and_middle(&grid) {
+            let Hypothesis { columns, .. } = self.hypotheses.make(effect, *value)?;
+            let is_left = |column: &Vec<f64>| {
+                let left = blocks.about_levels(column, 0..column.len());
+                let all = centred(column.clone());
+                dot(&left, &left) > LEFT_BY_LEVELS * dot(&all, &all)
+            };
+            if columns.iter().any(is_left) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// Returns whether a term would stand out at its largest typical size; `None` if no typical size is known.
     fn is_visible(&self, effect: &Arc<Effect>) -> Result<Option<bool>, DiagnoseError> {
         let typical = |term: usize| typical(effect, term, &self.prepared.column);
@@ -101,10 +134,7 @@ impl<'a> Power<'a> {
             return Ok(None);
         }
         let grid = self.hypotheses.grid(effect);
-        // the ends and the middle of the parameter range bracket its power
-        let mut places = vec![0, grid.len() / 2, grid.len().saturating_sub(1)];
-        places.dedup();
-        for value in places.into_iter().filter_map(|place| grid.get(place)) {
+        for value in ends_and_middle(&grid) {
             let Hypothesis { columns, terms, .. } = self.hypotheses.make(effect, *value)?;
             let sizes = terms.iter().map(|term| typical(*term));
             let is_visible = |(column, size): (&Vec<f64>, Option<f64>)| {
@@ -123,6 +153,13 @@ impl<'a> Power<'a> {
         let gls = Gls::new(&self.prepared.reduced.blocks, &self.slow.fitted.levels, column, &given);
         dot(&gls.residual, &gls.residual)
     }
+}
+
+/// Values that bracket the power of an effect over the range of its parameter.
+fn ends_and_middle<T>(grid: &[T]) -> impl Iterator<Item = &T> {
+    let mut places = vec![0, grid.len() / 2, grid.len().saturating_sub(1)];
+    places.dedup();
+    places.into_iter().filter_map(|place| grid.get(place))
 }
 
 /// Largest typical coefficient of a term, SI.

@@ -91,6 +91,15 @@ fn finds_nothing_in_bursts_between_turns() {
         for axis in ["ax", "az"] {
             let answer = with_question(&field, axis, diagnose).expect("a diagnosis");
             assert_eq!(effects(&answer), [""; 0], "{seed} {axis}: {}", answer.sentence);
+            // a level for each burst takes every slow course, so none was tested
+            let needs = |id: &str| {
+                let untested = answer.untested.iter().find(|untested| untested.effect == id);
+                untested.map(|untested| untested.needs.join(", "))
+            };
+            for effect in ["temp_linear", "warmup_exp", "bias_ramp"] {
+                assert_eq!(needs(effect).as_deref(), Some("longer rests in one orientation"), "{effect}");
+                assert!(!answer.tested.iter().any(|tested| tested == effect), "{effect}");
+            }
         }
     }
 }
@@ -115,6 +124,8 @@ fn tilt_during_pause_is_not_a_bias_step() {
     // negative control: the same change during recording is a step
     let answer = with_question(&tilted_in_pause(0.0, 0.5), "ax", diagnose).expect("a diagnosis");
     assert_eq!(effects(&answer), ["bias_step"]);
+    let [from_s, to_s] = answer.findings[0].shows_from_to_s.expect("where it shows");
+    assert!((from_s..to_s).contains(&300.0) && to_s - from_s < 60.0, "{from_s} … {to_s}");
     println!(
         "attack: orientation across pauses | tilts of 0.5° and 5° during a pause: no effect is reported, and the ambiguity is stated | negative control: the same tilt without a pause is reported as {}",
         effects(&answer).join(", "),

@@ -291,11 +291,10 @@ impl<'a> Refiner<'a> {
                 let is_claim = !finding.correction.is_empty() && finding.doubt.is_none();
                 is_claim && can_be_added && !refused.contains(&finding.effect)
             });
-            // two effects may cancel in part: the one that helps most alone comes first
-            let best = worth_adding.max_by(|a, b| {
-                let rank = |finding: &Finding| (finding.band == Band::Slow, finding.predicted_reduction);
-                rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1))
-            });
+            // in the order of the diagnosis: two effects may cancel in part, and the one that helps most alone comes first;
+            // but a course in time alone may stand in for an effect that follows a logged quantity
+            let best = worth_adding
+                .min_by_key(|finding| (finding.band != Band::Slow, finding.shows_against.is_none()));
             let Some(best) = best.filter(|_| diagnosis.verdict != Verdict::NothingMissing) else {
                 progress(&diagnosis, None);
                 break;

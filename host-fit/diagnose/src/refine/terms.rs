@@ -12,8 +12,8 @@ use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
 use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
 
-/// Widths of the fitted range by which an input may exceed it before it is limited and flagged: a linear term
-/// extrapolates well. Inputs that occur as powers keep the limits of the finding.
+/// Widths of the fitted range by which an input may exceed it before it is limited: a linear term extrapolates well, and
+/// a ramp goes on for as long again as the log. Inputs that occur as powers keep the limits of the finding.
 const WIDTHS: f64 = 1.0;
 
 /// Adds findings to the physical part of the only axis of `model`; `fitted` is the log in which they were found. Steps
@@ -102,8 +102,7 @@ fn place<E>(
         (_, Some([low, high])) => Fitted::new(*low, *high),
         (Transform::Decay { .. }, _) => Fitted::new(0.0, 1.0),
         (Transform::Sine { .. } | Transform::Cosine { .. }, _) => Fitted::new(-1.0, 1.0),
-        // a device runs for longer than a log
-        (Transform::Time, _) => Fitted::new(0.0, LONGEST_S),
+        (Transform::Time, _) => Fitted::new(0.0, widened(seen(spec)?).high),
         _ => widened(seen(spec)?),
     };
     let centre = spec.column.as_deref().map_or(0.0, centre);
@@ -111,9 +110,6 @@ fn place<E>(
     let named = NamedInput { name, input };
     Ok(position(&mut model.inputs, named))
 }
-
-/// One day, s: longest extrapolation of a ramp.
-const LONGEST_S: f64 = 86_400.0;
 
 fn range(values: &[f64]) -> [f64; 2] {
     let finite = values.iter().filter(|value| value.is_finite());

@@ -8,7 +8,6 @@ use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
 use crate::detect::shape::{Followed, ResidualAnomaly};
-use crate::detect::slow::Found;
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
@@ -28,9 +27,6 @@ const LEAST_DUTY: f64 = 0.01;
 impl Assembly<'_> {
     pub(crate) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
         let mut findings = self.line_findings()?;
-        let mut order: Vec<&Found> = self.slow.found.iter().collect();
-        order.sort_by(|a, b| b.score.total_cmp(&a.score));
-        findings.extend(self.slow_findings(order)?);
         // what hides slow effects also raises the noise
         if self.lacks.is_none() {
             findings.extend(self.noise_finding()?);
@@ -38,7 +34,14 @@ impl Assembly<'_> {
         findings.extend(self.telegraph_finding()?);
         findings.extend(self.level_findings()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
-        findings.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        let slow = self.slow_findings(self.by_reduction())?;
+        // slow effects keep their order among the others: each ranks as high as the highest of those that follow it
+        let rank = |at: usize| slow[at..].iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+        let ranks: Vec<f64> = (0..slow.len()).map(rank).collect();
+        let mut ranked: Vec<(f64, Finding)> = ranks.into_iter().zip(slow).collect();
+        ranked.extend(findings.into_iter().map(|finding| (score(&finding), finding)));
+        ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let mut findings: Vec<Finding> = ranked.into_iter().map(|(_, finding)| finding).collect();
         // a fault of the data explains no drift, so it comes after the effects
         findings.extend(self.fault_findings()?);
 

@@ -17,24 +17,27 @@ const FAR_BEYOND: f64 = 20.0;
 /// Ratio of the leverage to the largest in the fitted log: six times as far.
 const FAR_OUT: f64 = 36.0;
 
-/// Sets the reason on every slow finding that is not conclusive, and moves these behind the others. `target` is the
-/// column that was explained, over `span_s`.
+/// Sets the reason on every slow finding that is not conclusive, beside a reason that its inputs gave, and moves these
+/// behind the others. `target` is the column that was explained, over `span_s`.
 pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, span_s: f64) {
-    let slow = |findings: &[Finding]| findings.iter().filter(|finding| finding.band == Band::Slow).count();
-    for place in 0..findings.len() {
-        // the effects after it are still in the error of its prediction
-        let is_last = slow(&findings[place + 1..]) == 0;
-        let finding = &mut findings[place];
+    // share of the slow error that the findings before one leave
+    let mut left = 1.0;
+    for finding in findings.iter_mut() {
         let Ok(effect) = library.get(&finding.effect) else { continue };
-        if effect.band == Band::Slow && effect.search == Detector::Terms {
-            let beyond_fitted_range = finding.doubt.take();
-            let explains_little = finding.predicted_reduction < EXPLAINS_MOST;
-            finding.doubt = parameter(finding, effect)
-                .or_else(|| longer_than_the_log(finding, effect, span_s))
-                .or_else(|| reduction_includes_zero(finding).filter(|_| is_last))
-                .or_else(|| size(finding, effect, target).filter(|_| explains_little))
-                .or(beyond_fitted_range);
+        let inputs = finding.doubt.take();
+        let explains_little = left * finding.predicted_reduction < EXPLAINS_MOST;
+        if effect.band == Band::Slow {
+            left *= 1.0 - finding.predicted_reduction;
         }
+        finding.doubt = match (effect.band, effect.search) {
+            (Band::Slow, Detector::Terms) => parameter(finding, effect)
+                .or_else(|| longer_than_the_log(finding, effect, span_s))
+                .or_else(|| reduction_includes_zero(finding))
+                .or_else(|| size(finding, effect, target).filter(|_| explains_little)),
+            (Band::Slow, Detector::Step) => reduction_includes_zero(finding),
+            _ => None,
+        }
+        .or(inputs);
     }
     findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
 }
@@ -46,6 +49,14 @@ pub(super) fn beyond_fitted_range(beyond: f64) -> Option<String> {
             "the evaluation log goes {:.0} times further than this one in a combination of its inputs, where its coefficients are unknown",
             beyond.sqrt()
         )
+    })
+}
+
+/// Returns the reason if an effect that follows nothing logged shows where the device was moved: what settles after a
+/// motion is no warm-up, and what it turned is no step.
+pub(super) fn shows_at_motion([from_s, to_s]: [f64; 2], share: f64) -> Option<String> {
+    (share > 0.5).then(|| {
+        format!("it shows most from {from_s:.1} s to {to_s:.1} s, among detected motion: something may have settled there")
     })
 }
 
@@ -97,8 +108,9 @@ pub(crate) fn not_identifiable(finding: &Finding, effect: &Effect, target: &str)
     }
     let typical = typical_sizes(effect, target);
     let half = |size: &Size| 0.5 * (size.interval[1] - size.interval[0]);
-    // no single coefficient of a curve or a step has a typical size; the score decides
-    if typical.is_empty() || effect.search == Detector::Step {
+    // no single coefficient of a curve or a step has a typical size, and a course in time alone fits any drift: the score
+    // decides
+    if typical.is_empty() || effect.search == Detector::Step || effect.follows_clock_alone() {
         let score = finding.score.unwrap_or(0.0);
         return (score <= 0.0)
             .then(|| format!("the log fits as well without it (score {score:.1}, 0 is the least)"));

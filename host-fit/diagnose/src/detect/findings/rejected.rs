@@ -46,7 +46,9 @@ impl Assembly<'_> {
                 (None, None) => Some(format!("contained in {beside}")),
             }
         };
-        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id));
+        // the score of an effect that the log could not have shown means nothing
+        let is_untested = |id: &str| self.untested.iter().any(|untested| untested.effect == id);
+        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id) && !is_untested(id));
         tried
             .map(|(id, score)| {
                 let left = self.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);

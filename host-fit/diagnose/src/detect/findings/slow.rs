@@ -2,10 +2,11 @@
 //! each with those before it in the model.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
-use super::doubt::beyond_fitted_range;
+use super::doubt::{beyond_fitted_range, shows_at_motion};
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::{mean_at_fit, step_share};
 use crate::detect::hypothesis::Hypothesis;
@@ -16,9 +17,48 @@ use crate::detect::question::{DiagnoseError, is_bias_known, keeps_bias};
 use crate::detect::slow::{Estimate, Found};
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
-use fos_fit::noise::Regression;
+use fos_fit::noise::{Regression, combination};
 
 impl Assembly<'_> {
+    /// Returns the slow effects ordered by what they reduce: each next one reduces the variance of the block means most
+    /// while those after it are still in the error. The score of an effect does not give this order: with a lag in the
+    /// error, the subtraction of a smaller effect may raise it.
+    pub(super) fn by_reduction(&self) -> Vec<&Found> {
+        let gls = &self.slow.fitted.gls;
+        let coefficients = gls.coefficients();
+        let n = self.reduced.means.len();
+        let course =
+            |found: &Found| combination(&found.hypothesis.columns(), &coefficients[found.place.clone()], n);
+        let mut left: Vec<(&Found, Vec<f64>)> =
+            self.slow.found.iter().map(|found| (found, course(found))).collect();
+        let mut error = gls.unexplained(&self.reduced.means, &self.regressors());
+        for (_, course) in &left {
+            error.iter_mut().zip(course).for_each(|(error, value)| *error += value);
+        }
+        let mut order = Vec::new();
+        while !left.is_empty() {
+            let without = |course: &[f64]| -> Vec<f64> {
+                error.iter().zip(course).map(|(error, value)| error - value).collect()
+            };
+            let variance = |course: &[f64]| self.reduced.variance_in(&without(course), 0..n);
+            let variances: Vec<f64> = left.iter().map(|(_, course)| variance(course)).collect();
+            let next = (0..left.len()).min_by(|a, b| variances[*a].total_cmp(&variances[*b])).unwrap_or(0);
+            let (found, course) = left.remove(next);
+            error = without(&course);
+            order.push(found);
+        }
+        order
+    }
+
+    /// Returns the regressors of the fit: those given, then those of the effects.
+    fn regressors(&self) -> Vec<&[f64]> {
+        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
+        for found in &self.slow.found {
+            regressors.extend(found.hypothesis.columns());
+        }
+        regressors
+    }
+
     /// Returns the slow effects in this order, each with the reduction predicted with those before it in the model.
     pub(crate) fn slow_findings(&self, order: Vec<&Found>) -> Result<Vec<Finding>, DiagnoseError> {
         let slow = self.slow;
@@ -69,13 +109,17 @@ impl Assembly<'_> {
                 [value / factor, value * factor]
             });
             let params = value.map(|value| param(effect, value)).unwrap_or_default();
+            let shows = &self.shows(found, &coefficients);
             findings.push(Finding {
                 params_interval: params.keys().filter_map(|name| Some((name.clone(), interval?))).collect(),
                 params,
                 sizes,
                 gain: Some(found.gain),
                 score: Some(found.score),
-                doubt: reduction.beyond.and_then(beyond_fitted_range),
+                doubt: reduction
+                    .beyond
+                    .and_then(beyond_fitted_range)
+                    .or_else(|| self.shows_at_motion(found, shows)),
                 predicted_reduction: reduction.median,
                 predicted_reduction_interval: reduction.interval,
                 separate: self.separations(&effect.id, &confounded_with),
@@ -85,7 +129,7 @@ impl Assembly<'_> {
                     .regressors
                     .iter()
                     .find_map(|regressor| regressor.columns().next().map(str::to_owned)),
-                shows_from_to_s: self.shows(found, &coefficients),
+                shows_from_to_s: shows.as_ref().map(|blocks| self.times(blocks)),
                 correction,
                 limits: limits[own].clone(),
                 ..bare(effect)
@@ -106,20 +150,46 @@ impl Assembly<'_> {
             .collect()
     }
 
-    /// Returns the twentieth of the log in which the effect is furthest from its mean.
-    fn shows(&self, found: &Found, coefficients: &[f64]) -> Option<[f64; 2]> {
+    /// Returns the blocks in which an effect shows most: the twentieth of the log in which it is furthest from its mean,
+    /// or about a step.
+    fn shows(&self, found: &Found, coefficients: &[f64]) -> Option<Range<usize>> {
         let blocks = &self.reduced.blocks;
+        let length = (blocks.len() / 20).max(1);
+        if found.hypothesis.effect.search == Detector::Step {
+            let time_s = found.hypothesis.value?;
+            let step = (0..blocks.len()).take_while(|block| blocks.middle_s(*block) < time_s).count();
+            let start = step.saturating_sub(length / 2).min(blocks.len() - length);
+            return Some(start..start + length);
+        }
         let columns = found.hypothesis.columns();
         let size = |block: usize| -> f64 {
             found.place.clone().zip(&columns).map(|(place, column)| coefficients[place] * column[block]).sum()
         };
-        let length = (blocks.len() / 20).max(1);
         let windows = (0..=blocks.len() - length).step_by((length / 4).max(1));
         let power = |start: &usize| (*start..start + length).map(|block| size(block).powi(2)).sum::<f64>();
         let start = windows.max_by(|a, b| power(a).total_cmp(&power(b)))?;
-        let time = &self.question.log.time_s;
-        let (first, last) = (&blocks.blocks[start], &blocks.blocks[start + length - 1]);
-        Some([time[first.rows.start], time[last.rows.end - 1]])
+        Some(start..start + length)
+    }
+
+    /// Returns the rows of these blocks and of all between them.
+    fn rows(&self, blocks: &Range<usize>) -> Range<usize> {
+        let all = &self.reduced.blocks.blocks;
+        all[blocks.start].rows.start..all[blocks.end - 1].rows.end
+    }
+
+    /// Returns begin and end of these blocks, s.
+    fn times(&self, blocks: &Range<usize>) -> [f64; 2] {
+        let (rows, time) = (self.rows(blocks), &self.question.log.time_s);
+        [time[rows.start], time[rows.end - 1]]
+    }
+
+    /// Returns the reason if an effect that follows nothing logged shows mostly in rows that are excluded as motion.
+    fn shows_at_motion(&self, found: &Found, shows: &Option<Range<usize>>) -> Option<String> {
+        let blocks = shows.as_ref().filter(|_| !found.is_backed())?;
+        let rows = self.rows(blocks);
+        let known = self.reduced.blocks.known();
+        let excluded = rows.clone().filter(|row| !known[*row]).count() as f64 / rows.len().max(1) as f64;
+        shows_at_motion(self.times(blocks), excluded)
     }
 
     /// Predicts the reduction by each effect with those before it in the model. `fitted` are the inputs of the log that
@@ -199,10 +269,7 @@ impl Assembly<'_> {
                 corrected,
             });
         }
-        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
-        for found in &self.slow.found {
-            regressors.extend(found.hypothesis.columns());
-        }
+        let regressors = self.regressors();
         let regression = Regression {
             blocks: &self.reduced.blocks,
             y: &self.reduced.means,
