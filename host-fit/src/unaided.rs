@@ -12,6 +12,8 @@ use fos_fit::evaluate::{FEWEST_WINDOWS, RmsInterval, UnaidedError};
 pub(crate) const LEGEND: &str = "before: raw error minus the constant bias learnt in training; after: free run of the model, which sees \
                                  nothing of the error inside a window";
 
+const POSITION: &str = "position error";
+
 /// Errors of one axis after one time without aiding, as text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) struct UnaidedRow {
@@ -55,7 +57,7 @@ impl UnaidedRow {
             } else {
                 format!("{window_s} s")
             },
-            quantity: if is_gyro { "heading error" } else { "position error" },
+            quantity: if is_gyro { "heading error" } else { POSITION },
             unit: unit.label,
             windows,
             rms: before.zip(after).map(|(before, after)| [before, after]),
@@ -67,7 +69,11 @@ impl UnaidedRow {
         let Self { window, quantity, windows, .. } = self;
         let begin = format!("{} after {window} without aiding", capitalised(quantity));
         let Some([before, after]) = &self.rms else {
-            return format!("{begin}: log too short ({windows} of {FEWEST_WINDOWS} windows at rest)");
+            let place = match self.quantity {
+                POSITION => " in the orientation of the fit",
+                _ => "",
+            };
+            return format!("{begin}: too few windows at rest{place} ({windows} of {FEWEST_WINDOWS})");
         };
         let unit = if self.unit == "°" { "°".to_owned() } else { format!(" {}", self.unit) };
         let range = |Bounded { low, high, .. }: &Bounded| format!("{low} … {high}{unit}");
@@ -84,7 +90,7 @@ impl UnaidedRow {
     pub(crate) fn cell(&self) -> String {
         match &self.rms {
             Some([before, after]) => format!("{} → {}", before.rms, after.rms),
-            None => "too short".to_owned(),
+            None => "too few".to_owned(),
         }
     }
 }
@@ -126,8 +132,8 @@ mod tests {
         let row = UnaidedRow::of("gx_rads", [error(2, None, None); 2], Units::Field);
         assert_eq!(
             row.sentence(),
-            "Heading error after 10 min without aiding: log too short (2 of 3 windows at rest)"
+            "Heading error after 10 min without aiding: too few windows at rest (2 of 3)"
         );
-        assert_eq!(row.cell(), "too short");
+        assert_eq!(row.cell(), "too few");
     }
 }

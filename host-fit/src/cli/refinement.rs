@@ -132,6 +132,9 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
         rows.add_row(row(index, step, unit, printed));
     }
     print_line!("{rows}");
+    print_line!(
+        "  slow error: RMS of 1-s means, about the bias of the log to explain if the evaluation continues it, else about their own"
+    );
     if let [first, .., last] = slow[..] {
         print_line!(
             "  slow error, step by step: {}  {} to {} {} RMS",

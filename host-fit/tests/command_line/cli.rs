@@ -15,7 +15,7 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     assert!(compared.contains("best lag") && compared.contains("by time and frequency"), "{compared}");
     assert!(compared.contains("Heading error after 10 s without aiding: "), "{compared}");
     assert!(
-        compared.contains("Heading error after 10 min without aiding: log too short (0 of 3"),
+        compared.contains("Heading error after 10 min without aiding: too few windows at rest (0 of 3"),
         "{compared}"
     );
     // a line for each axis before the details
@@ -38,7 +38,7 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
             let row =
                 |text: &str| summary.lines().map(words).find(|line| line.contains(text)).expect("a row");
             assert_eq!(row("gz_rads heading error, °").matches(" → ").count(), 2, "{summary}");
-            assert!(row("ax_mps2 position error, m").ends_with("too short"), "{summary}");
+            assert!(row("ax_mps2 position error, m").ends_with("too few"), "{summary}");
         }
     }
     let si = done(folder, &["compare", "unit.json", "--units", "si"]);
@@ -89,7 +89,7 @@ fn reports_are_in_field_units_and_state_the_error_without_aiding() {
             done(folder, &[&arguments[..], &["-o", file]].concat());
             let text = std::fs::read_to_string(folder.join(file)).expect("written");
             assert!(text.contains(&format!("RMS in {unit}")) && !text.contains(si), "{file} of {axis}");
-            assert!(text.contains(quantity) && text.contains("log too short"), "{file} of {axis}");
+            assert!(text.contains(quantity) && text.contains("too few windows"), "{file} of {axis}");
         }
         let json = done(folder, &[&arguments[..], &["--json"]].concat());
         let report: serde_json::Value = serde_json::from_str(&json).expect("JSON");

@@ -17,7 +17,7 @@ export function drawUnaided(host, axis) {
   /** @param {import("../types.js").UnaidedError | undefined} error */
   const cell = (error) => {
     const found = error?.heading_rad ?? error?.position_m;
-    return found ? `${number(found.rms / divisor)} (${number(found.low / divisor)} … ${number(found.high / divisor)})` : "log too short";
+    return found ? `${number(found.rms / divisor)} (${number(found.low / divisor)} … ${number(found.high / divisor)})` : "too few windows";
   };
   const quantity = axis.units.unaided.si.label === "m" ? "Position error" : "Heading error";
   replace(
