@@ -112,6 +112,9 @@ impl<'a> Power<'a> {
     /// from rest to rest is gravity.
     fn is_hidden_by_levels(&self, effect: &Arc<Effect>) -> Result<bool, DiagnoseError> {
         let blocks = &self.prepared.reduced.blocks;
+        if blocks.restarts().is_empty() {
+            return Ok(false);
+        }
         let grid = self.hypotheses.grid(effect);
         for value in ends_and_middle(&grid) {
             let Hypothesis { columns, .. } = self.hypotheses.make(effect, *value)?;
