@@ -173,7 +173,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
     let slow = prepared.search(&hypotheses, &prepared.testable.effects).estimate(&wanted)?;
     let lines = lines(question, column, reduced, *shaken)?;
     let assembly = assembly((&prepared, &prepared.given), question, &lines, &slow, LogResults::default());
-    let mut findings = assembly.slow_findings(slow.found.iter().collect())?;
+    let mut findings = assembly.slow_findings(&slow.found.iter().collect::<Vec<_>>())?;
     findings.extend(assembly.line_findings()?);
     effects
         .iter()

@@ -73,7 +73,8 @@ pub fn with_measured_reduction(
     // those of them whose effects are subtracted when the next one is measured
     let mut model: Vec<Finding> = Vec::new();
     let mut has_changed = false;
-    for mut finding in std::mem::take(&mut diagnosis.findings) {
+    let unmeasured = std::mem::take(&mut diagnosis.findings);
+    for mut finding in unmeasured.clone() {
         if finding.correction.is_empty() {
             accepted.push(finding);
             continue;
@@ -133,7 +134,11 @@ pub fn with_measured_reduction(
         diagnosis.sentence = sentence(diagnosis.verdict, &diagnosis.findings, &diagnosis.leads);
     }
     if diagnosis.findings.len() < measured {
-        // the others were measured with what the verdict withheld still in the model
+        // the others were measured with the withheld findings in the model
+        let is_reported = |finding: &Finding| {
+            diagnosis.findings.iter().any(|other| other.effect == finding.effect && other.params == finding.params)
+        };
+        diagnosis.findings = unmeasured.into_iter().filter(is_reported).collect();
         return with_measured_reduction(diagnosis, fitted, evaluation, rows);
     }
     Ok(diagnosis)

@@ -34,7 +34,7 @@ impl Assembly<'_> {
         findings.extend(self.telegraph_finding()?);
         findings.extend(self.level_findings()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
-        let slow = self.slow_findings(self.by_reduction())?;
+        let slow = self.slow_findings_with_doubts()?;
         // slow effects keep their order among the others: each ranks as high as the highest of those that follow it
         let rank = |at: usize| slow[at..].iter().map(score).fold(f64::NEG_INFINITY, f64::max);
         let ranks: Vec<f64> = (0..slow.len()).map(rank).collect();
@@ -99,9 +99,7 @@ impl Assembly<'_> {
                 decides,
             });
         }
-        let blocks = &self.reduced.blocks;
-        let span_s = blocks.blocks.last().map_or(0.0, |last| (last.index + 1) as f64 * blocks.length_s);
-        doubt(&mut findings, self.question.library, self.column, span_s);
+        findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
         let all_findings = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
         let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());
@@ -137,6 +135,27 @@ impl Assembly<'_> {
             moved: Vec::new(),
             shared_signal: None,
         })
+    }
+
+    /// Returns the slow effects ordered by what they reduce, those that are not conclusive last. Predicted reductions
+    /// depend on the order and doubts on the reductions, so each new order is predicted again.
+    fn slow_findings_with_doubts(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let blocks = &self.reduced.blocks;
+        let span_s = blocks.blocks.last().map_or(0.0, |last| (last.index + 1) as f64 * blocks.length_s);
+        let mut order = self.by_reduction();
+        for _ in 0..order.len() {
+            let mut findings = self.slow_findings(&order)?;
+            doubt(&mut findings, self.question.library, self.column, span_s);
+            if findings.is_sorted_by_key(|finding| finding.doubt.is_some()) {
+                return Ok(findings);
+            }
+            let (doubtful, conclusive): (Vec<_>, Vec<_>) =
+                order.into_iter().zip(&findings).partition(|(_, finding)| finding.doubt.is_some());
+            order = conclusive.into_iter().chain(doubtful).map(|(found, _)| found).collect();
+        }
+        let mut findings = self.slow_findings(&order)?;
+        doubt(&mut findings, self.question.library, self.column, span_s);
+        Ok(findings)
     }
 }
 

@@ -17,8 +17,8 @@ const FAR_BEYOND: f64 = 20.0;
 /// Ratio of the leverage to the largest in the fitted log: six times as far.
 const FAR_OUT: f64 = 36.0;
 
-/// Sets the reason on every slow finding that is not conclusive, beside a reason that its inputs gave, and moves these
-/// behind the others. `target` is the column that was explained, over `span_s`.
+/// Sets the reason on every slow finding that is not conclusive; one that its inputs gave remains where there is no
+/// other. `target` is the column that was explained, over `span_s`.
 pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, span_s: f64) {
     // share of the slow error that the findings before one leave
     let mut left = 1.0;
@@ -39,7 +39,6 @@ pub(super) fn doubt(findings: &mut [Finding], library: &Library, target: &str, s
         }
         .or(inputs);
     }
-    findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
 }
 
 /// Returns the reason if the evaluation log goes beyond the range of the coefficients.

@@ -60,7 +60,7 @@ impl Assembly<'_> {
     }
 
     /// Returns the slow effects in this order, each with the reduction predicted with those before it in the model.
-    pub(crate) fn slow_findings(&self, order: Vec<&Found>) -> Result<Vec<Finding>, DiagnoseError> {
+    pub(crate) fn slow_findings(&self, order: &[&Found]) -> Result<Vec<Finding>, DiagnoseError> {
         let slow = self.slow;
         if order.is_empty() {
             return Ok(Vec::new());
@@ -76,7 +76,7 @@ impl Assembly<'_> {
             let regressors = &found.hypothesis.regressors;
             limits.push(limits::limits(&inputs, regressors, &own.coefficients, &own.covariance)?);
         }
-        let reductions = self.reductions(&inputs, &order, estimates, &limits)?;
+        let reductions = self.reductions(&inputs, order, estimates, &limits)?;
         let mut findings = Vec::new();
         for (own, (found, reduction)) in order.iter().zip(reductions).enumerate() {
             let effect: &Arc<Effect> = &found.hypothesis.effect;
