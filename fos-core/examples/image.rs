@@ -32,6 +32,7 @@ fn main() -> Result<(), ImageError> {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[],
         inputs: &[],
         axes: &[AxisModel { parameters, physical: &[], stochastic: &stochastic }],

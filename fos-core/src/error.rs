@@ -109,6 +109,8 @@ pub enum ModelError {
         /// Index of the term, physical part first.
         term: usize,
     },
+    /// A number of the calibration is NaN, infinite or too large.
+    Calibration,
     /// A stillness limit is NaN, infinite or not positive, or the window is empty.
     Stillness,
 }
@@ -154,6 +156,7 @@ impl fmt::Display for ModelError {
                 write!(f, "axis {axis}, term {term} is a product: build fos-core with its feature `products`")
             }
             Self::Unbounded { axis } => write!(f, "axis {axis}: the terms can overflow"),
+            Self::Calibration => write!(f, "a number of the calibration is not finite or out of bounds"),
             Self::Stillness => write!(f, "a limit of stillness is not a positive number"),
         }
     }

@@ -7,6 +7,7 @@
 //!   [coasts](Predictor::coast) while it moves; [`StillnessDetector`] decides which.
 //! - [`PoseGate`]: is the true value of this axis at rest known, that is, is the orientation that of the fit?
 //! - [`Correction`]: predicted error and corrected value of one axis, with a [`Validity`].
+//! - [`Calibration`]: bias, sensitivity and cross-axis of three axes, for corrected values.
 //! - [`Monitor`]: does the model still fit?
 //! - [`align`]: resamples streams with separate timestamps to a common time base, before any of these.
 //!
@@ -22,6 +23,7 @@ extern crate std;
 pub mod align;
 mod arithmetic;
 mod axis;
+mod calibration;
 mod convert;
 mod error;
 mod evaluator;
@@ -49,6 +51,7 @@ mod turn;
 mod validity;
 
 pub use axis::Correction;
+pub use calibration::{Calibration, TriadCalibration};
 pub use error::ModelError;
 #[cfg(feature = "coasts")]
 pub use evaluator::Coasts;

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::real::is_positive;
-use crate::{Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform};
+use crate::{
+    Calibration, Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform,
+};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -133,6 +135,8 @@ pub struct Model<'a, R> {
     pub fitted_on: FittedOn,
     /// Limits below which the device counts as still; `None` if the data did not determine them.
     pub stillness: Option<StillnessLimits<R>>,
+    /// Calibration of the triads, for the corrected values; a [`Predictor`](crate::Predictor) does not apply it.
+    pub calibration: Option<Calibration<R>>,
     /// The logged quantities, in the order of [`Sample::quantities`](crate::Sample).
     pub quantities: &'a [Quantity],
     /// The inputs u_0, u_1, …

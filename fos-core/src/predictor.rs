@@ -38,6 +38,7 @@ use crate::{Evaluator, Model, ModelError, Sample, Scalar};
 ///     period_s: 0.005,
 ///     fitted_on: FittedOn::Raw,
 ///     stillness: None,
+///     calibration: None,
 ///     quantities: &[],
 ///     inputs: &[],
 ///     axes: &[GYRO_Z],
@@ -182,7 +183,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     ///     innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
     /// };
     /// let axes = [AxisModel { parameters, physical: &[], stochastic: &[Term::new(0.5, &[y(1)])] }];
-    /// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, inputs: &[], quantities: &[], axes: &axes };
+    /// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, calibration: None, inputs: &[], quantities: &[], axes: &axes };
     /// let mut predictor = Predictor::<f64, 1, 1, 4, 8>::new(&model)?;
     /// let _ = predictor.track(&Sample { measured: &[2.0], quantities: &[] });
     /// for expected in [1.0, 0.5, 0.25, 0.125] {

@@ -76,6 +76,7 @@ static MODEL: Model<'_, f32> = Model {
         gyro_at_rest: [0.0, 0.0, 0.025],
         gyro_deviation: 0.05,
     }),
+    calibration: None,
     quantities: &[Quantity::Temperature],
     inputs: &[TEMPERATURE],
     axes: &[GYRO_Z],

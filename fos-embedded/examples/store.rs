@@ -74,6 +74,7 @@ fn image(coefficient: f32) -> Vec<u8> {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[],
         inputs: &[],
         axes: &[AxisModel { parameters, physical: &[], stochastic: &stochastic }],

@@ -111,7 +111,7 @@ impl Expected {
     pub fn of(output: &Output, channel: u8) -> Option<Self> {
         let axis = output.corrections.get(usize::from(channel))?;
         Some(Self {
-            corrected: axis.corrected.to_bits(),
+            corrected: output.corrected().get(usize::from(channel))?.to_bits(),
             innovation: axis.innovation.unwrap_or(f32::NAN).to_bits(),
             validity: axis.validity.bits(),
         })

@@ -113,6 +113,7 @@ fn image(number: u32) -> Vec<u8> {
         period_s: SCALES.period_s,
         fitted_on: FittedOn::Raw,
         stillness: Some(limits()),
+        calibration: None,
         quantities: &[Quantity::Temperature, Quantity::Supply],
         inputs: &inputs,
         axes: &axes,

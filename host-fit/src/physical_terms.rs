@@ -164,6 +164,7 @@ mod tests {
             period_s: 0.01,
             fitted_on: FittedOn::Raw,
             stillness: None,
+            calibration: None,
             quantities: logged
                 .map(|name| LoggedQuantity { column: name.to_owned(), quantity: Quantity::Other })
                 .to_vec(),

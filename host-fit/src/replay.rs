@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use fos_core::{Axis, Correction, Fixed, Image, ImageError, Sample, Scalar, Validity};
-use fos_embedded::hub::{Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
+use fos_embedded::hub::{GRAVITY_MPS2, Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
 use serde::Serialize;
 
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{KnownBy, Stillness};
+use fos_fit::calibration::{Calibrated, hub_columns};
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::export::{NoColumn, model_of};
 use fos_fit::model::{HostPredictor, UnitModel};
@@ -77,7 +78,7 @@ pub struct Summary {
     #[serde(with = "hexadecimal")]
     #[cfg_attr(test, ts(as = "String"))]
     pub innovations_digest: u64,
-    /// CRC-64 of all innovations, corrected values and validities.
+    /// CRC-64 of all innovations, corrected values before the calibration, and validities.
     #[serde(with = "hexadecimal")]
     #[cfg_attr(test, ts(as = "String"))]
     pub corrections_digest: u64,
@@ -85,7 +86,7 @@ pub struct Summary {
 
 /// Rests of a replay, and those at which the corrected specific force is further from gravity than the measured one by more than a valid
 /// model can cause ([`leads_away`]). Such a model was fitted to other data, for example to two orientations.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Gravity {
     /// Number of rests.
@@ -96,6 +97,9 @@ pub struct Gravity {
     pub rests_away: usize,
     /// Rows away from gravity.
     pub rows_away: usize,
+    /// RMS over the rests of |a| − g, m/s²: of the mean measured and of the mean corrected specific force.
+    #[cfg_attr(test, ts(as = "[f64; 2]"))]
+    pub residual_mps2: [f64; 2],
 }
 
 /// One axis of a replay.
@@ -186,8 +190,8 @@ pub fn replay(
     let n_axes = image.axes().count();
     let mut corrected = vec![Vec::with_capacity(recording.n_rows()); n_axes];
     let mut validity = vec![Vec::with_capacity(recording.n_rows()); n_axes];
-    let summary = run(image, recording, stillness, axes, |axis, correction| {
-        corrected[axis].push(f64::from(correction.corrected));
+    let summary = run(image, recording, stillness, axes, |axis, calibrated, correction| {
+        corrected[axis].push(f64::from(calibrated));
         validity[axis].push(f64::from(correction.validity.bits()));
     })?;
     Ok(Replay { summary, corrected, validity })
@@ -203,16 +207,16 @@ pub fn summary(
     recording: &Recording,
     stillness: &Stillness,
 ) -> Result<Summary, ReplayError> {
-    run(image, recording, stillness, &[], |_, _| {})
+    run(image, recording, stillness, &[], |_, _, _| {})
 }
 
-/// Runs the image; `take` receives the corrections of every axis, row by row.
+/// Runs the image; `take` receives the calibrated value and the correction of every axis, row by row.
 fn run(
     image: &Image<'_>,
     recording: &Recording,
     stillness: &Stillness,
     axes: &[String],
-    mut take: impl FnMut(usize, &Correction<f32>),
+    mut take: impl FnMut(usize, f32, &Correction<f32>),
 ) -> Result<Summary, ReplayError> {
     let (model_s, log_s) = (image.period_s(), recording.rate.period_s);
     if !is_near_period(model_s, log_s) {
@@ -229,6 +233,8 @@ fn run(
     let mut tallies = vec![Tally::default(); model.axes.len()];
     let mut digest = PredictorDigest::default();
     let mut rests = Rests::of(&model, &playback);
+    let (mut calibrated, columns) = (Calibrated::of(image), hub_columns(recording));
+    let mut values: Vec<f32> = Vec::with_capacity(model.axes.len());
     let mut tracked = 0;
     let (mut in_f32, mut in_f64, mut in_fixed) = (playback.feed(), playback.feed(), playback.feed());
     for row in 0..n_rows {
@@ -237,11 +243,16 @@ fn run(
         let doubles = in_f64.step(&mut double, row);
         let fixed = fixed.as_mut().map(|fixed| in_fixed.step(fixed, row));
         tracked += usize::from(playback.is_still(row));
+        values.clear();
+        values.extend(singles.iter().map(|axis| axis.corrected));
+        if let Some(calibrated) = &mut calibrated {
+            calibrated.apply(&mut values, |channel| columns[channel].map(|column| column[row] as f32));
+        }
         if let Some(rests) = &mut rests {
-            rests.add(in_f32.sample(row).measured, row, singles);
+            rests.add(in_f32.sample(row).measured, row, singles, &values);
         }
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
-            take(axis, single);
+            take(axis, values[axis], single);
             tallies[axis].add(single.innovation, double.innovation);
             if let Some(fixed) = fixed.and_then(|fixed| fixed.get(axis)) {
                 tallies[axis].add_fixed(fixed.innovation, double.innovation);
@@ -298,11 +309,22 @@ struct RestTally {
     away: usize,
     /// Rows with an otherwise valid correction, for each accelerometer.
     valid: [usize; 3],
+    /// Sums over the rows of the measured and of the calibrated specific force.
+    sums: [[f64; 3]; 2],
 }
 
 impl RestTally {
     fn is_away(&self) -> bool {
         2 * self.away > self.rows.len()
+    }
+
+    /// |a| − g of the mean measured and of the mean calibrated specific force, m/s².
+    fn residuals(&self) -> [f64; 2] {
+        let rows = self.rows.len() as f64;
+        self.sums.map(|sum| {
+            let square: f64 = sum.iter().map(|axis| (axis / rows).powi(2)).sum();
+            square.sqrt() - f64::from(GRAVITY_MPS2)
+        })
     }
 }
 
@@ -312,11 +334,12 @@ impl Rests {
         let place = |wanted| model.axes.iter().position(|axis| axis.parameters.axis == wanted);
         let accelerometers = [place(Axis::Ax)?, place(Axis::Ay)?, place(Axis::Az)?];
         let rests = playback.still_stretches(0..playback.n_rows()).into_iter();
-        let rests = rests.map(|rows| RestTally { rows, away: 0, valid: [0; 3] }).collect();
+        let rests =
+            rests.map(|rows| RestTally { rows, away: 0, valid: [0; 3], sums: [[0.0; 3]; 2] }).collect();
         Some(Self { accelerometers, rests, at: 0 })
     }
 
-    fn add(&mut self, measured: &[f32], row: usize, corrections: &[Correction<f32>]) {
+    fn add(&mut self, measured: &[f32], row: usize, corrections: &[Correction<f32>], calibrated: &[f32]) {
         while self.rests.get(self.at).is_some_and(|rest| rest.rows.end <= row) {
             self.at += 1;
         }
@@ -324,6 +347,10 @@ impl Rests {
         let measured = self.accelerometers.map(|axis| measured[axis]);
         let corrected = self.accelerometers.map(|axis| corrections[axis].corrected);
         rest.away += usize::from(leads_away(&measured, &corrected));
+        let calibrated = self.accelerometers.map(|axis| calibrated[axis]);
+        for (sum, values) in rest.sums.iter_mut().zip([measured, calibrated]) {
+            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
+        }
         for (valid, axis) in rest.valid.iter_mut().zip(self.accelerometers) {
             *valid += usize::from(is_valid(&corrections[axis]));
         }
@@ -340,11 +367,18 @@ impl Rests {
 
     fn total(&self) -> Gravity {
         let away = self.rests.iter().filter(|rest| rest.is_away());
+        let residuals: Vec<[f64; 2]> = self.rests.iter().map(RestTally::residuals).collect();
+        let rms = |at: usize| {
+            let known = residuals.iter().map(|residual| residual[at]).filter(|residual| residual.is_finite());
+            let squares: Vec<f64> = known.map(|residual| residual * residual).collect();
+            (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+        };
         Gravity {
             rests: self.rests.len(),
             rows: self.rests.iter().map(|rest| rest.rows.len()).sum(),
             rests_away: away.count(),
             rows_away: self.rests.iter().map(|rest| rest.away).sum(),
+            residual_mps2: [rms(0), rms(1)],
         }
     }
 }

@@ -254,6 +254,7 @@ fn model_of(output: &Scaled, inputs: &[Scaled], constant: f64, terms: Vec<Fitted
         period_s: PERIOD_S,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: quantities.collect(),
         inputs: named.collect(),
         axes: vec![FittedAxis {

@@ -104,6 +104,7 @@ pub static MODEL: Model<'static, f32> = Model {
     period_s: 0.005,
     fitted_on: FittedOn::Raw,
     stillness: Some(StillnessLimits { window: 100, accel_variance: 0.001, gyro_variance: 1e-5, gyro_at_rest: [0.01, -0.02, 0.0], gyro_deviation: 0.02 }),
+    calibration: None,
     quantities: &[Quantity::Temperature, Quantity::Supply, Quantity::Measured(Axis::Az)],
     inputs: &INPUTS,
     axes: &AXES,

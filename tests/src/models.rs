@@ -1,8 +1,8 @@
 //! Models that own their parts, and random models.
 
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Channel, Factor, FittedOn, InnovationStatistics, Input, Model,
-    ModelError, Predictor, Quantity, Range, Real, Source, StillnessLimits, Term, Transform,
+    Axis, AxisModel, AxisParameters, Calibration, Channel, Factor, FittedOn, InnovationStatistics, Input,
+    Model, ModelError, Predictor, Quantity, Range, Real, Source, StillnessLimits, Term, Transform,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -31,6 +31,8 @@ pub struct OwnedModel<R> {
     pub period_s: f64,
     /// Limits for the detection of rest.
     pub stillness: Option<StillnessLimits<R>>,
+    /// Calibration of the corrected values.
+    pub calibration: Option<Calibration<R>>,
     /// Quantities of a sample, in the order of the sources of the inputs.
     pub quantities: Vec<Quantity>,
     /// Inputs available to terms.
@@ -43,7 +45,14 @@ impl<R: Real> OwnedModel<R> {
     /// Model of one axis without inputs.
     pub fn autoregressive(parameters: AxisParameters<R>, stochastic: Vec<Term<R>>) -> Self {
         let axes = vec![OwnedAxis { parameters, physical: vec![], stochastic }];
-        Self { period_s: PERIOD_S, stillness: None, quantities: vec![], inputs: vec![], axes }
+        Self {
+            period_s: PERIOD_S,
+            stillness: None,
+            calibration: None,
+            quantities: vec![],
+            inputs: vec![],
+            axes,
+        }
     }
 
     /// Passes the borrowed form to `user`.
@@ -61,6 +70,7 @@ impl<R: Real> OwnedModel<R> {
             period_s: self.period_s,
             fitted_on: FittedOn::Raw,
             stillness: self.stillness,
+            calibration: self.calibration,
             quantities: &self.quantities,
             inputs: &self.inputs,
             axes: &axes,
@@ -80,6 +90,7 @@ impl<R: Real> OwnedModel<R> {
         OwnedModel {
             period_s: self.period_s,
             stillness: self.stillness.map(|limits| limits.convert()),
+            calibration: self.calibration.map(|calibration| calibration.convert()),
             quantities: self.quantities.clone(),
             inputs: self.inputs.iter().map(Input::convert).collect(),
             axes: self
@@ -278,7 +289,7 @@ pub fn models(draw: Draw) -> impl Strategy<Value = OwnedModel<f64>> {
 /// A model of these parts over three quantities.
 pub fn model_of(inputs: Vec<Input<f64>>, axes: Vec<OwnedAxis<f64>>) -> OwnedModel<f64> {
     let quantities = vec![Quantity::Temperature, Quantity::Supply, Quantity::Load];
-    OwnedModel { period_s: PERIOD_S, stillness: None, quantities, inputs, axes }
+    OwnedModel { period_s: PERIOD_S, stillness: None, calibration: None, quantities, inputs, axes }
 }
 
 /// Configuration with this number of cases, always the same ones; longer runs set PROPTEST_CASES.

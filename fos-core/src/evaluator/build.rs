@@ -32,6 +32,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             n_inputs: model.inputs.len(),
             n_axes: model.axes.len(),
         })?;
+        if let Some(calibration) = &model.calibration {
+            calibration.check()?;
+        }
         if let Some(limits) = &model.stillness {
             limits.check()?;
         }

@@ -32,7 +32,7 @@ use crate::{Scalar, Source};
 ///     innovation: InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 },
 /// };
 /// let axes = [AxisModel { parameters, physical: &[], stochastic: &[Term::new(0.5, &[y(1)])] }];
-/// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, inputs: &[], quantities: &[], axes: &axes };
+/// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, calibration: None, inputs: &[], quantities: &[], axes: &axes };
 /// let mut predictor = Predictor::<f64, 1, 1, 4, 8>::new(&model)?;
 /// let _ = predictor.track(&Sample { measured: &[2.0], quantities: &[] });
 /// let mut coasts = Coasts::new(predictor.evaluator()).expect("it begins from measurements");

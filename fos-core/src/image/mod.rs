@@ -23,7 +23,10 @@ pub const MAGIC: [u8; 4] = *b"FOSM";
 /// Format version that this crate writes; it reads no other.
 pub const VERSION: u16 = 1;
 
-/// Bytes before the body: magic, version, flags (0), length of the body, length of the information, checksum.
+/// Flag of an image with a calibration.
+const CALIBRATED: u16 = 1;
+
+/// Bytes before the body: magic, version, flags, length of the body, length of the information, checksum.
 pub const HEADER_LENGTH: usize = 20;
 
 /// Offset of the checksum in the header; it covers every byte of the image except its own four.

@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::{AxisHead, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use super::{AxisHead, CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::evaluator::ModelHeader;
 use crate::{
-    AxisParameters, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
+    AxisParameters, Calibration, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
     StillnessLimits, Term,
 };
 
@@ -13,7 +13,9 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image<'a> {
     pub(super) head: Head,
-    /// The body after its head: quantities, inputs, axes.
+    /// The calibration; empty if there is none.
+    calibration: &'a [u8],
+    /// The body after these: quantities, inputs, axes.
     pub(super) records: Records<'a>,
     pub(super) information: &'a [u8],
 }
@@ -57,7 +59,7 @@ impl<'a> Image<'a> {
             return Err(ImageError::UnknownVersion(version));
         }
         let flags = u16::from_le_bytes(header.bytes()?);
-        if flags != 0 {
+        if flags & !CALIBRATED != 0 {
             return Err(ImageError::UnknownFlags(flags));
         }
         let body = header.length()?;
@@ -74,7 +76,13 @@ impl<'a> Image<'a> {
         }
         let (body, information) = rest.split_at_checked(body).ok_or(ImageError::Malformed)?;
         let mut records = Records(body);
-        let image = Self { head: records.take()?, records, information };
+        let head = records.take()?;
+        let mut calibration: &[u8] = &[];
+        if flags & CALIBRATED != 0 {
+            calibration = records.0;
+            records.take::<Calibration<f32>>()?;
+        }
+        let image = Self { head, calibration, records, information };
         image.check_form()?;
         Ok(image)
     }
@@ -114,6 +122,11 @@ impl<'a> Image<'a> {
     /// Limits below which the device counts as still; `None` if the data did not determine them.
     pub fn stillness(&self) -> Option<StillnessLimits<f32>> {
         self.head.stillness
+    }
+
+    /// Calibration of the triads, for the corrected values.
+    pub fn calibration(&self) -> Option<Calibration<f32>> {
+        Records(self.calibration).take().ok()
     }
 
     /// Names of the sensor, its quantities and effects, and the provenance of the model.
@@ -221,6 +234,9 @@ impl<'a> Image<'a> {
         })?;
         if let Some(limits) = &self.head.stillness {
             limits.check()?;
+        }
+        if let Some(calibration) = self.calibration() {
+            calibration.check()?;
         }
         for input in self.inputs() {
             evaluator.add_input(&input.convert())?;

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{AxisHead, CHECKSUM_AT, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use super::{
+    AxisHead, CALIBRATED, CHECKSUM_AT, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum,
+};
 use crate::Model;
 
 /// Writes the image of `model` into `buffer`. Returns the part of the buffer that was used.
@@ -27,6 +29,9 @@ pub fn encode<'b>(
         n_inputs: count(model.inputs)?,
         n_axes: count(model.axes)?,
     })?;
+    if let Some(calibration) = &model.calibration {
+        writer.put(calibration)?;
+    }
     for quantity in model.quantities {
         writer.put(quantity)?;
     }
@@ -52,11 +57,12 @@ pub fn encode<'b>(
     let total = HEADER_LENGTH + capacity - writer.rest.len();
     let information = total - HEADER_LENGTH - body;
 
+    let flags = if model.calibration.is_some() { CALIBRATED } else { 0 };
     let length = |bytes: usize| u32::try_from(bytes).map_err(|_| ImageError::TooLarge);
     let fields = MAGIC
         .into_iter()
         .chain(VERSION.to_le_bytes())
-        .chain([0, 0])
+        .chain(flags.to_le_bytes())
         .chain(length(body)?.to_le_bytes())
         .chain(length(information)?.to_le_bytes())
         .chain([0; 4]);

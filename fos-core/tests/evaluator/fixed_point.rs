@@ -109,6 +109,7 @@ fn hour_model() -> OwnedModel<f64> {
     OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
+        calibration: None,
         quantities: vec![Quantity::Temperature],
         inputs,
         axes: axes.collect(),
@@ -237,6 +238,7 @@ fn rejects_models_beyond_the_range() {
     let model = |parameters, inputs: Vec<Input<f32>>, term: Term<f32>| OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
+        calibration: None,
         quantities: vec![Quantity::Supply],
         inputs,
         axes: vec![OwnedAxis { parameters, physical: vec![], stochastic: vec![term] }],

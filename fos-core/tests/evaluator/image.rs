@@ -4,8 +4,8 @@ mod layout;
 
 use fos_core::image::{HEADER_LENGTH, encode};
 use fos_core::{
-    Axis, AxisParameters, FittedOn, Image, ImageError, Info, InnovationStatistics, Input, ModelError,
-    Quantity, Range, Sample, Source, StillnessLimits, Term, Transform, u, y,
+    Axis, AxisParameters, Calibration, FittedOn, Image, ImageError, Info, InnovationStatistics, Input,
+    ModelError, Quantity, Range, Sample, Source, StillnessLimits, Term, Transform, TriadCalibration, u, y,
 };
 use fos_testkit::models::{Draw, OwnedAxis, OwnedModel, Roomy, cases, models};
 use fos_testkit::noise::Noise;
@@ -56,6 +56,41 @@ fn document_shows_the_encoded_image() {
 fn checksum_is_crc_32_of_ethernet() {
     // the check value of CRC-32/ISO-HDLC in Williams' catalogue
     assert_eq!(crc_32(b"123456789"), 0xcbf4_3926);
+}
+
+#[test]
+fn calibration_follows_the_head() {
+    let number = |n: u8| 0.125 * f32::from(n);
+    let triad = |first: u8| TriadCalibration {
+        matrix: [0, 3, 6].map(|row| [0, 1, 2].map(|column| number(first + row + column))),
+        bias: [9, 10, 11].map(|n| number(first + n)),
+    };
+    let calibration = Calibration { accel: triad(1), gyro: triad(13) };
+    let model = OwnedModel { calibration: Some(calibration), ..layout::model() };
+    let image = encoded(&model, &INFO);
+    let mut body = bytes(&layout::body());
+    let head = body.split_off(38);
+    body.extend((1..=24).flat_map(|n| number(n).to_le_bytes()));
+    body.extend(head);
+    let mut expected = assemble(&body, &bytes(&layout::information()));
+    expected[6] = 1;
+    assert_eq!(image, sealed(expected));
+    let parsed = Image::parse(&image).unwrap();
+    assert_eq!(parsed.calibration(), Some(calibration));
+    assert!(parsed.quantities().eq(model.quantities.iter().copied()));
+    assert_eq!(Image::parse(&example()).unwrap().calibration(), None);
+    assert!(on_device(&image).is_ok());
+
+    for wrong in [f32::NAN, f32::INFINITY, 4.1] {
+        let mut accel = triad(1);
+        accel.matrix[1][2] = wrong;
+        let model = OwnedModel { calibration: Some(Calibration { accel, ..calibration }), ..layout::model() };
+        let error = on_device(&encoded(&model, &INFO)).unwrap_err();
+        assert_eq!(error, ImageError::Model(ModelError::Calibration), "{wrong}");
+    }
+    let mut cut = image;
+    cut[6] = 3;
+    assert_eq!(refusal(&sealed(cut)), ImageError::UnknownFlags(3));
 }
 
 #[test]
@@ -171,6 +206,7 @@ fn owned(image: &Image<'_>) -> OwnedModel<f32> {
     OwnedModel {
         period_s: image.period_s(),
         stillness: image.stillness(),
+        calibration: None,
         quantities: image.quantities().collect(),
         inputs: image.inputs().collect(),
         axes: axes.collect(),
@@ -433,6 +469,7 @@ fn fixture() -> OwnedModel<f32> {
             gyro_at_rest: [-0.0123, 0.002, 0.001],
             gyro_deviation: 0.0087,
         }),
+        calibration: None,
         quantities: vec![Quantity::Temperature, Quantity::Supply],
         inputs: vec![
             input(Source::Quantity(0), Transform::LowPass { tau_s: 60.0 }, 31.5, 12.0),

@@ -12,6 +12,7 @@ fn valid_model() -> OwnedModel<f64> {
     OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
+        calibration: None,
         quantities: vec![Quantity::Temperature],
         inputs: vec![
             input(Source::Quantity(0), Transform::LowPass { tau_s: 2.0 }, 2.0),

@@ -35,6 +35,7 @@ fn model<R: Real>(inputs: Vec<Input<f64>>, extra: Vec<Term<f64>>) -> OwnedModel<
     OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
+        calibration: None,
         quantities: vec![Quantity::Temperature],
         inputs,
         axes: vec![OwnedAxis { parameters, physical, stochastic }; 2],
@@ -562,6 +563,7 @@ fn huge_range_is_rejected_or_a_huge_quantity_decays() {
         OwnedModel {
             period_s: PERIOD_S,
             stillness: None,
+            calibration: None,
             quantities: vec![Quantity::Other],
             inputs: vec![wide],
             axes: vec![OwnedAxis {

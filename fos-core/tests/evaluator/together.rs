@@ -11,6 +11,7 @@ fn model(terms: Vec<Term<f64>>, physical_range: Range<f64>) -> OwnedModel<f64> {
     OwnedModel {
         period_s: PERIOD_S,
         stillness: None,
+        calibration: None,
         quantities: vec![Quantity::Temperature, Quantity::Supply],
         inputs: vec![of(0), of(1)],
         axes: vec![OwnedAxis { parameters, physical: terms, stochastic: vec![] }],

@@ -133,6 +133,7 @@ impl From<HubError> for fos_status {
     fn from(error: HubError) -> Self {
         match error {
             HubError::Image(error) => error.into(),
+            HubError::CalibrationNotBuilt => Self::Unusable,
             HubError::FittedOn { .. } => Self::OtherValues,
             HubError::Period { .. } => Self::OtherPeriod,
             HubError::Axis(_) => Self::OtherAxis,

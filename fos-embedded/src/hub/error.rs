@@ -26,6 +26,8 @@ pub enum HubError {
         /// Sample period that the sensor is set to, s.
         sensor_s: f32,
     },
+    /// The model has a calibration, but fos-embedded was built without the feature `calibration`.
+    CalibrationNotBuilt,
     /// An axis of the model, by index, is not one of the six, or occurs twice.
     Axis(usize),
     /// A logged quantity of the model, by index, is measured by an axis that is not one of the six, or exceeds the capacity.
@@ -41,6 +43,9 @@ impl fmt::Display for HubError {
             }
             Self::Period { model_s, sensor_s } => {
                 write!(f, "the model was fitted every {model_s} s, the sensor is set to {sensor_s} s")
+            }
+            Self::CalibrationNotBuilt => {
+                write!(f, "the model has a calibration: build fos-embedded with its feature `calibration`")
             }
             Self::Axis(axis) => {
                 write!(f, "axis {axis} of the model is none of the sensor's, or is there twice")

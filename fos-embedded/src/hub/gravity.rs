@@ -103,9 +103,10 @@ impl Gravity {
         if self.left == SAMPLES {
             (self.measured, self.corrected) = (0.0, 0.0);
         }
-        let [x, y, z, ..] = output.measured;
+        // in the frame of the sensor: a calibration leads towards gravity whatever the model does
+        let ([x, y, z, ..], [cx, cy, cz, ..]) = (output.measured, output.uncalibrated());
         self.measured += excess(&[x, y, z].map(R::stored));
-        self.corrected += excess(&output.accel());
+        self.corrected += excess(&[cx, cy, cz]);
         self.left -= 1;
         if self.left == 0 {
             self.left = SAMPLES;

@@ -1,7 +1,8 @@
 //! Loads a model into the hub: maps its axes and quantities to those of the sensor.
 
 use fos_core::{
-    AxisParameters, FittedOn, Image, Model, PoseGate, Quantity, Scalar, StillnessDetector, StillnessLimits,
+    AxisParameters, Calibration, FittedOn, Image, Model, PoseGate, Quantity, Scalar, StillnessDetector,
+    StillnessLimits,
 };
 
 use super::axes::{Gate, at, channel_of};
@@ -75,6 +76,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.quantities.clear();
         self.detector = None;
         self.watch.clear();
+        #[cfg(feature = "calibration")]
+        {
+            self.calibration = None;
+        }
         self.gravity = None;
         (self.model_rate_hz, self.rate_off) = (0.0, false);
         (self.in_pose, self.without_gate) = (false, 0);
@@ -84,6 +89,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
         self.check_fitted_on(image.fitted_on())?;
         image.load_evaluator(&mut self.evaluator).map_err(HubError::Image)?;
+        self.take_calibration(image.calibration().as_ref())?;
         let axes = image.axes().map(|axis| axis.parameters);
         self.connect(image.period_s(), axes, image.quantities(), image.stillness())
     }
@@ -91,8 +97,22 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.check_fitted_on(model.fitted_on)?;
         self.evaluator.load(model).map_err(|error| HubError::Image(error.into()))?;
+        self.take_calibration(model.calibration.as_ref())?;
         let axes = model.axes.iter().map(|axis| axis.parameters);
         self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
+    }
+
+    #[cfg(feature = "calibration")]
+    // as `connect`
+    #[inline(never)]
+    fn take_calibration(&mut self, calibration: Option<&Calibration<f32>>) -> Result<(), HubError> {
+        self.calibration = calibration.map(Calibration::convert);
+        Ok(())
+    }
+
+    #[cfg(not(feature = "calibration"))]
+    fn take_calibration(&mut self, calibration: Option<&Calibration<f32>>) -> Result<(), HubError> {
+        calibration.map_or(Ok(()), |_| Err(HubError::CalibrationNotBuilt))
     }
 
     fn check_fitted_on(&self, model: FittedOn) -> Result<(), HubError> {

@@ -13,6 +13,8 @@ mod watch;
 
 use core::hint::cold_path;
 
+#[cfg(feature = "calibration")]
+use fos_core::Calibration;
 use fos_core::{
     Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity,
 };
@@ -102,6 +104,8 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
     quantities: Vec<R, INPUTS>,
     sources: Vec<QuantitySource, INPUTS>,
     watch: Watch<R>,
+    #[cfg(feature = "calibration")]
+    calibration: Option<Calibration<R>>,
     /// `None` unless all three accelerometers are in the model.
     gravity: Option<Gravity>,
     rate: RateEstimator,
@@ -135,6 +139,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
             quantities: Vec::new(),
             sources: Vec::new(),
             watch: Watch::NOTHING,
+            #[cfg(feature = "calibration")]
+            calibration: None,
             gravity: None,
             rate: RateEstimator::new(),
             model_rate_hz: 0.0,
@@ -261,6 +267,10 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
         if stuck || output.suspect().contains(Validity::SATURATED) {
             output.flag(stuck);
+        }
+        #[cfg(feature = "calibration")]
+        if let Some(calibration) = &self.calibration {
+            output.calibrate(calibration);
         }
         if self.rate_off {
             output.faults |= Faults::RATE;

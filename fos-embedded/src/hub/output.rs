@@ -1,5 +1,7 @@
 //! Output of a hub for one sample.
 
+#[cfg(feature = "calibration")]
+use fos_core::Calibration;
 use fos_core::{Correction, Scalar, Validity};
 
 use super::axes::AXES;
@@ -18,8 +20,11 @@ pub struct Output<R = f32> {
     pub measured: [R; AXES],
     /// Temperature of the sensor, °C; NaN where it is not known.
     pub temperature_c: R,
-    /// Correction of each axis.
+    /// Correction of each axis, before the calibration of the model.
     pub corrections: [Correction<R>; AXES],
+    /// Corrected values after the calibration of the model, if it has one.
+    #[cfg(feature = "calibration")]
+    calibrated: Option<[R; AXES]>,
     /// Faults on the way from the sensor, and of its clock.
     pub faults: Faults,
     /// The model no longer fits on at least one axis.
@@ -33,12 +38,23 @@ impl<R: Scalar<Stored = f32>> Output<R> {
         measured: [R::ZERO; AXES],
         temperature_c: R::NAN,
         corrections: [Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE }; AXES],
+        #[cfg(feature = "calibration")]
+        calibrated: None,
         faults: Faults::empty(),
         drift: false,
     };
 
-    /// Corrected values: measured minus predicted error.
+    /// Corrected values: measured minus predicted error, calibrated if the model has a calibration.
     pub fn corrected(&self) -> [f32; AXES] {
+        #[cfg(feature = "calibration")]
+        if let Some(calibrated) = self.calibrated {
+            return calibrated.map(R::stored);
+        }
+        self.uncalibrated()
+    }
+
+    /// Measured minus predicted error, as the axes lie in the sensor.
+    pub(super) fn uncalibrated(&self) -> [f32; AXES] {
         self.each(|axis| axis.corrected.stored())
     }
 
@@ -105,6 +121,19 @@ impl<R: Scalar<Stored = f32>> Output<R> {
             if measured.abs() >= R::of(full_scale) {
                 correction.validity |= Validity::SATURATED;
             }
+        }
+    }
+
+    /// Calibrates the corrected values. A value that is missing or wrong in one axis makes the others of its triad wrong.
+    #[cfg(feature = "calibration")]
+    #[inline(never)]
+    pub(super) fn calibrate(&mut self, calibration: &Calibration<R>) {
+        self.calibrated = Some(calibration.apply(&self.corrections.each_ref().map(|axis| axis.corrected)));
+        for triad in self.corrections.chunks_exact_mut(3) {
+            let validity = triad.iter().fold(Validity::VALID, |all, axis| all | axis.validity);
+            let shared =
+                validity & (Validity::NOT_FINITE | Validity::SATURATED | Validity::STUCK | Validity::MISSING);
+            triad.iter_mut().for_each(|axis| axis.validity |= shared);
         }
     }
 

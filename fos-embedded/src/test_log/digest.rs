@@ -33,8 +33,8 @@ impl Default for HubDigest {
 impl HubDigest {
     /// Adds the output of one sample.
     pub fn update<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
-        for axis in output.corrections.iter().map(Correction::stored) {
-            self.0.update(&bytes_of(axis.corrected));
+        for (axis, corrected) in output.corrections.iter().map(Correction::stored).zip(output.corrected()) {
+            self.0.update(&bytes_of(corrected));
             self.0.update(&bytes_of(axis.innovation.unwrap_or(f32::NAN)));
             self.0.update(&axis.validity.bits().to_le_bytes());
         }

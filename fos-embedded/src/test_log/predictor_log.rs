@@ -230,6 +230,7 @@ mod tests {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[Quantity::Temperature],
         inputs: &[],
         axes: &[AXIS],

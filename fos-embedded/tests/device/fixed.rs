@@ -192,6 +192,7 @@ fn model<'a>(inputs: &'a [Input<f32>], axes: &'a [AxisModel<'a, f32>]) -> Model<
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[Quantity::Temperature, Quantity::Other],
         inputs,
         axes,

@@ -4,8 +4,9 @@ use crate::models::{
     self, AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters,
 };
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Correction, FittedOn, Image, ImageError, Info, Input, Model, Predictor,
-    Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, Validity, u, y,
+    Axis, AxisModel, AxisParameters, Calibration, Correction, FittedOn, Image, ImageError, Info, Input,
+    Model, Predictor, Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, TriadCalibration,
+    Validity, u, y,
 };
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
@@ -29,6 +30,77 @@ fn same(output: &Output, corrections: &[Correction<f32>]) {
         assert_eq!(output.validity()[axis], correction.validity);
         let innovation = output.innovation()[axis];
         assert_eq!((!innovation.is_nan()).then_some(innovation), correction.innovation);
+    }
+}
+
+const CALIBRATION: Calibration<f32> = Calibration {
+    accel: TriadCalibration {
+        matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]],
+        bias: [0.2, -0.1, 0.05],
+    },
+    gyro: TriadCalibration {
+        matrix: [[1.01, -0.02, 0.0], [0.01, 0.97, 0.0], [0.0, 0.03, 1.0]],
+        bias: [0.0, 0.0, 0.01],
+    },
+};
+
+#[test]
+fn calibrates_values_without_the_predicted_error() {
+    let mut plain = still(&MADE);
+    let mut calibrated = still(&Made { calibration: Some(CALIBRATION), ..MADE });
+    let mut random = Random(11);
+    for _ in 0..500 {
+        let raw = random.at_rest();
+        let before = *plain.update(&raw);
+        let after = calibrated.update(&raw);
+        assert_eq!((before.predicted(), before.validity()), (after.predicted(), after.validity()));
+        let corrected = before.corrected();
+        for (triad, TriadCalibration { matrix, bias }) in [(0, CALIBRATION.accel), (3, CALIBRATION.gyro)] {
+            for (axis, row) in matrix.iter().enumerate() {
+                let expected: f64 = (0..3)
+                    .map(|j| f64::from(row[j]) * (f64::from(corrected[triad + j]) - f64::from(bias[j])))
+                    .sum();
+                let value = f64::from(after.corrected()[triad + axis]);
+                // roundings of six operations near 10 m/s²
+                assert!((value - expected).abs() < 4e-6, "{triad} {axis}: {value} {expected}");
+            }
+        }
+    }
+    // without a model nothing is calibrated
+    calibrated.load(&image(&MADE)).expect("a model");
+    let raw = random.at_rest();
+    plain.load(&image(&MADE)).expect("a model");
+    assert_eq!(plain.update(&raw).corrected(), calibrated.update(&raw).corrected());
+}
+
+#[test]
+fn wrong_axis_is_flagged_in_its_calibrated_triad() {
+    let mut hub = still(&Made { calibration: Some(CALIBRATION), ..MADE });
+    let mut random = Random(12);
+    for _ in 0..50 {
+        let _ = hub.update(&random.at_rest());
+    }
+    let mut raw = random.at_rest();
+    raw.gyro[1] = i16::MAX;
+    let output = hub.update(&raw);
+    let is_saturated = |axis: usize| output.validity()[axis].contains(Validity::SATURATED);
+    assert_eq!([0, 1, 2, 3, 4, 5].map(is_saturated), [false, false, false, true, true, true]);
+    let [ax, _, az, ..] = SCALES.measured(&raw);
+    let mut sample = SiSample {
+        skipped: 0,
+        accel: [ax, f32::NAN, az],
+        gyro: [0.0; 3],
+        temperature_c: 25.0,
+        faults: Faults::empty(),
+    };
+    let output = hub.update_si(&sample);
+    let is_missing = |axis: usize| output.validity()[axis].contains(Validity::NOT_FINITE);
+    assert_eq!([0, 1, 2, 3, 4, 5].map(is_missing), [true, true, true, false, false, false]);
+    assert!(output.corrected().iter().all(|value| value.is_finite()));
+    // the largest values overflow neither the sum nor the state
+    for value in [f32::MAX, -f32::MAX] {
+        sample.accel = [value; 3];
+        assert!(hub.update_si(&sample).corrected().iter().all(|value| value.is_finite()));
     }
 }
 
@@ -207,6 +279,7 @@ fn load_warm_up(hub: &mut TestHub) {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[],
         inputs: &[warm_up],
         axes: &axes,
@@ -388,6 +461,7 @@ fn flags_models_that_lead_away_from_gravity() {
             period_s: 0.005,
             fitted_on: FittedOn::Raw,
             stillness: None,
+            calibration: None,
             quantities: &[],
             inputs: &[],
             axes: &axes,
@@ -496,6 +570,7 @@ fn logs_as_many_values_as_names_for_the_largest_model() {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[Quantity::Other; LARGEST],
         inputs: &[],
         axes: &axes,

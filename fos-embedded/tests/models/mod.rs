@@ -3,8 +3,8 @@
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
-    Source, StillnessLimits, Term, Transform, u, y,
+    Axis, AxisModel, AxisParameters, Calibration, FittedOn, Info, InnovationStatistics, Input, Model,
+    Quantity, Range, Source, StillnessLimits, Term, Transform, u, y,
 };
 use fos_embedded::hub::Hub;
 pub(crate) use fos_embedded::hub::SIX;
@@ -87,6 +87,7 @@ pub(crate) struct Made<'a> {
     pub(crate) period_s: f64,
     pub(crate) fitted_on: FittedOn,
     pub(crate) stillness: Option<StillnessLimits<f32>>,
+    pub(crate) calibration: Option<Calibration<f32>>,
 }
 
 pub(crate) const MADE: Made<'_> = Made {
@@ -95,6 +96,7 @@ pub(crate) const MADE: Made<'_> = Made {
     period_s: 0.005,
     fitted_on: FittedOn::Raw,
     stillness: None,
+    calibration: None,
 };
 
 pub(crate) fn image(made: &Made<'_>) -> Vec<u8> {
@@ -107,6 +109,7 @@ pub(crate) fn image(made: &Made<'_>) -> Vec<u8> {
         period_s: made.period_s,
         fitted_on: made.fitted_on,
         stillness: made.stillness,
+        calibration: made.calibration,
         quantities: made.quantities,
         inputs: &inputs(),
         axes: &axes,
@@ -145,6 +148,7 @@ pub(crate) fn numbered(number: u32, provenance: usize) -> Vec<u8> {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[],
         inputs: &[],
         axes: &axes,

@@ -4,6 +4,7 @@
 #![allow(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
+pub mod calibration;
 pub mod candidates;
 pub mod cost;
 pub mod evaluate;

@@ -6,6 +6,7 @@ use fos_core::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::UnitCalibration;
 use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
@@ -30,6 +31,9 @@ pub struct UnitModel {
     pub fitted_on: FittedOn,
     /// Thresholds below which the device counts as still.
     pub stillness: Option<StillnessLimits<f64>>,
+    /// Bias, sensitivity and cross-axis, applied to the corrected values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<UnitCalibration>,
     /// Logged quantities from which inputs are computed.
     pub quantities: Vec<LoggedQuantity>,
     /// Inputs u_0, u_1, …
@@ -142,6 +146,7 @@ impl UnitModel {
             period_s: self.period_s,
             fitted_on: self.fitted_on,
             stillness: self.stillness.map(|limits| limits.convert()),
+            calibration: self.device_calibration().map(|calibration| calibration.convert()),
             quantities: &quantities,
             inputs: &inputs,
             axes: &axes,
@@ -181,13 +186,14 @@ impl UnitModel {
         }
     }
 
-    /// Returns the axis of this index as a model of its own, with the inputs it needs.
+    /// Returns the axis of this index as a model of its own, with the inputs it needs and without the calibration, which
+    /// is of all axes.
     ///
     /// # Panics
     ///
     /// If there is no such axis.
     pub fn only(&self, index: usize) -> Self {
-        let mut alone = Self { axes: vec![self.axes[index].clone()], ..self.clone() };
+        let mut alone = Self { axes: vec![self.axes[index].clone()], calibration: None, ..self.clone() };
         alone.drop_unused();
         for named in &mut alone.inputs {
             if let Source::Remainder(axis) = &mut named.input.source {

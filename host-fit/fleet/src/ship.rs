@@ -209,6 +209,7 @@ fn model_of(
         period_s: 1.0 / rate_hz,
         fitted_on: values,
         stillness: stillness(logs().filter_map(|log| log.stillness).collect()),
+        calibration: None,
         quantities: Vec::new(),
         inputs: Vec::new(),
         axes: Vec::new(),

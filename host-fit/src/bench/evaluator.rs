@@ -51,6 +51,7 @@ pub fn measure() -> Result<StepTimes, ModelError> {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         inputs: &[],
         quantities: &[],
         axes: &axes,

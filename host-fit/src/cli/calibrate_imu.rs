@@ -15,11 +15,15 @@ use super::units::Printed;
 use crate::certificate::{Certificate, Outcome, Stated, of_form};
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
 use fos_calibrate::{
-    Calibration, Gravity, Imu, MG_MPS2, Options, STANDARD_GRAVITY_MPS2, calibrate, calibrate_on_turntable,
+    Calibration, Gravity, Imu, MG_MPS2, Options, STANDARD_GRAVITY_MPS2, Scale, calibrate,
+    calibrate_on_turntable,
 };
+use fos_core::TriadCalibration;
 use fos_data::column::Triad;
 use fos_data::file::{check_output, folder_of, name_of, write_atomically};
 use fos_data::recording::{LogWarning, Recording, SensorProvenance, Source};
+use fos_diagnose::study::Study;
+use fos_fit::calibration::UnitCalibration;
 
 /// Calibrate bias, sensitivity and cross-axis from hand-turned orientations
 ///
@@ -52,6 +56,9 @@ pub(super) struct CalibrateImu {
     /// The certificate to write: .html, .md or .json
     #[arg(short, long, value_name = "FILE")]
     output: Option<OutputFile>,
+    /// Store the calibration in this study: a model exported from it also calibrates the corrected values
+    #[arg(long, value_name = "STUDY", conflicts_with = "rate_table")]
+    study: Option<PathBuf>,
     /// Name or number of the device, for the certificate
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
@@ -183,7 +190,20 @@ impl CalibrateImu {
         self.warn(&recording);
         let stated = Stated { device: self.device.clone(), part: self.part.clone(), date: self.date.clone() };
         let certificate = Certificate::of(stated, &recording, result);
-        let written = self.write(&certificate, &recording)?;
+        let study = self.study.as_deref().map(|path| Study::read_to_change(path)).transpose()?;
+        let study = match (study, &certificate.result) {
+            (Some((mut study, file)), Outcome::Hand(found)) => {
+                study.calibrate(unit_calibration(found, &recording)?, &recording)?;
+                Some((study, file))
+            }
+            _ => None,
+        };
+        let mut written = self.write(&certificate, &recording)?;
+        if let Some((mut study, file)) = study {
+            study.write(&file)?;
+            let path = file.path().display().to_string();
+            written.push(Written { path, what: "study with the calibration".to_owned() });
+        }
         if self.json {
             return print_json(&certificate);
         }
@@ -282,6 +302,27 @@ impl CalibrateImu {
         }
         Ok(())
     }
+}
+
+/// The calibration as part of a model.
+fn unit_calibration(found: &Calibration, recording: &Recording) -> Result<UnitCalibration, Failure> {
+    let accelerometer = &found.accelerometer;
+    let (Scale::Si, [Some(after), Some(before)]) = (accelerometer.scale, accelerometer.rms_mps2) else {
+        return Err("the log is in counts, and the model of a study in m/s² and rad/s\nhelp: convert the log with the scale of the data sheet (--map ax_mps2=ax_cnt:*SCALE:mps2)".into());
+    };
+    let model = &accelerometer.model;
+    let (matrix, bias) = model.correction(model.reference_c);
+    let gyro = found.gyro.as_ref().and_then(|gyro| {
+        Some(TriadCalibration { matrix: gyro.matrix.filter(|_| gyro.scale == Scale::Si)?, bias: gyro.bias })
+    });
+    Ok(UnitCalibration {
+        sources: recording.sources.clone(),
+        rests: accelerometer.used().count(),
+        gravity_residual_mps2: [before, after],
+        temperature_c: accelerometer.temperature_c.map(|_| model.reference_c),
+        accel: TriadCalibration { matrix, bias },
+        gyro,
+    })
 }
 
 #[cfg(test)]

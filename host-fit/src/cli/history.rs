@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::arguments::OutputFolder;
 use super::output::{Failure, print_hint, print_json, print_line};
-use super::refinement::print_refinement;
+use super::refinement::{calibration_in_words, print_refinement};
 use super::units::Printed;
 use crate::plots;
 use fos_diagnose::study::Study;
@@ -37,6 +37,9 @@ impl History {
         }
         if self.json {
             return print_json(&study.refinements);
+        }
+        if let Some(calibration) = &study.model.calibration {
+            print_line!("{}", calibration_in_words(calibration));
         }
         if study.refinements.is_empty() {
             print_line!("nothing was added\nhelp: `fos add STUDY EFFECT --from LOG` adds an effect");

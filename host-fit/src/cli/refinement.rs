@@ -8,11 +8,14 @@ use super::arguments::Reading;
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, percent, print_line, sparkline, table};
 use super::units::{ErrorUnit, Printed, three};
+use fos_calibrate::MG_MPS2;
 use fos_data::closest::closest;
 use fos_data::recording::{Recording, Source};
+use fos_data::text::counted;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, RefinementStep};
 use fos_diagnose::study::{Study, load_again};
+use fos_fit::calibration::UnitCalibration;
 use fos_fit::evaluate::ModelErrors;
 
 /// The logs that an axis is refined on.
@@ -99,6 +102,19 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
                 .into())
         }
     }
+}
+
+/// Describes the calibration of a study in a line.
+pub(super) fn calibration_in_words(calibration: &UnitCalibration) -> String {
+    let [before, after] = calibration.gravity_residual_mps2.map(|residual| three(residual / MG_MPS2));
+    let logs: Vec<&str> = calibration.sources.iter().map(|source| source.path.as_str()).collect();
+    let gyro = if calibration.gyro.is_some() { "accelerometer and gyro" } else { "accelerometer" };
+    let at = calibration.temperature_c.map_or_else(String::new, |at| format!(" at {} °C", three(at)));
+    format!(
+        "calibration of {gyro} from {}{at} ({}): |a| − g {before} → {after} mg RMS",
+        counted(calibration.rests, "rest"),
+        logs.join(", ")
+    )
 }
 
 /// Prints every added effect with the predicted and the measured reduction and its cost, then all errors after each.

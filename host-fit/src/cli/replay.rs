@@ -3,17 +3,19 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use fos_calibrate::MG_MPS2;
 use fos_core::Image;
 
 use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;
 use super::output::{Failure, print_json, print_line, spinner, table};
-use super::units::{ErrorUnit, UnitsOption, percent};
+use super::units::{ErrorUnit, UnitsOption, percent, three};
 use crate::hub_log::hub_log;
 use crate::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_data::file;
 use fos_data::recording::write_columns;
 use fos_data::stillness;
+use fos_data::text::counted;
 use fos_fit::export::model_of;
 
 /// Run an image over a log as on the device, and write the corrected log
@@ -137,6 +139,13 @@ impl Replay {
             print_line!(
                 "  –: no row at rest has its whole history before it, so there is no error to compare\n  \
                  help: use a log with rests, or mark them in a column `still`"
+            );
+        }
+        if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests > 0) {
+            let [measured, corrected] = gravity.residual_mps2.map(|residual| three(residual / MG_MPS2));
+            print_line!(
+                "  |a| − g, RMS over {}: {measured} mg measured, {corrected} mg corrected",
+                counted(gravity.rests, "rest")
             );
         }
         if let Some(gravity) = summary.gravity.filter(|gravity| gravity.rests_away > 0) {

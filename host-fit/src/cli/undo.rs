@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{Failure, print_hint, print_json, print_line};
-use super::refinement::{column_of, print_refinement};
+use super::refinement::{calibration_in_words, column_of, print_refinement};
 use super::units::Printed;
 use fos_diagnose::study::Study;
 
-/// Remove the effect that was added last
+/// Remove the effect that was added last, or the calibration
 #[derive(Debug, Args)]
 #[command(after_help = "Example: fos undo unit.json")]
 pub(super) struct Undo {
@@ -18,6 +18,9 @@ pub(super) struct Undo {
     /// The axis, if the study has several
     #[arg(long)]
     axis: Option<String>,
+    /// Remove the calibration of the device instead
+    #[arg(long, conflicts_with = "axis")]
+    calibration: bool,
     #[command(flatten)]
     printed: Printed,
     /// Print the remaining steps as JSON
@@ -28,6 +31,21 @@ pub(super) struct Undo {
 impl Undo {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let (mut study, file) = Study::read_to_change(&self.study)?;
+        if self.calibration {
+            let Some(removed) = study.model.calibration.take() else {
+                return Err(format!(
+                    "{} has no calibration\nhelp: `fos calibrate-imu LOG --study STUDY` adds one",
+                    self.study.display()
+                )
+                .into());
+            };
+            study.write(&file)?;
+            if self.json {
+                return print_json(&removed);
+            }
+            print_line!("removed: {}", calibration_in_words(&removed));
+            return Ok(());
+        }
         let column = column_of(&study, self.axis.as_deref())?;
         let effect = study.undo(&column)?;
         study.write(&file)?;

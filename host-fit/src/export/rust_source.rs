@@ -3,8 +3,8 @@
 use std::fmt::{self, Display, Formatter, Write};
 
 use fos_core::{
-    AxisModel, AxisParameters, Channel, Factor, Input, Model, Quantity, Range, Source, StillnessLimits, Term,
-    Transform,
+    AxisModel, AxisParameters, Calibration, Channel, Factor, Input, Model, Quantity, Range, Source,
+    StillnessLimits, Term, Transform, TriadCalibration,
 };
 use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample};
@@ -123,9 +123,12 @@ impl Display for Items<'_> {
         writeln!(f, "use fos_core::{{")?;
         writeln!(
             f,
-            "    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Input, Model, Quantity,"
+            "    Axis, AxisModel, AxisParameters, Calibration, FittedOn, InnovationStatistics, Input, Model,"
         )?;
-        writeln!(f, "    Range, Source, StillnessLimits, Term, Transform, u, y,")?;
+        writeln!(
+            f,
+            "    Quantity, Range, Source, StillnessLimits, Term, Transform, TriadCalibration, u, y,"
+        )?;
         writeln!(f, "}};\n")?;
         writeln!(f, "static INPUTS: [Input<f32>; {}] = [", model.inputs.len())?;
         for input in model.inputs {
@@ -149,6 +152,10 @@ impl Display for Items<'_> {
             Some(limits) => writeln!(f, "    stillness: Some({}),", Stillness(limits))?,
             None => writeln!(f, "    stillness: None,")?,
         }
+        match &model.calibration {
+            Some(calibration) => write_calibration(f, calibration)?,
+            None => writeln!(f, "    calibration: None,")?,
+        }
         writeln!(f, "    quantities: &[{}],", List(model.quantities.iter().map(quantity)))?;
         writeln!(f, "    inputs: &INPUTS,")?;
         writeln!(f, "    axes: &AXES,")?;
@@ -163,6 +170,15 @@ fn write_terms(f: &mut Formatter<'_>, part: &str, axis: usize, terms: &[Term<f32
         writeln!(f, "    Term::new({:?}, &[{factors}]),", term.coefficient)?;
     }
     writeln!(f, "];\n")
+}
+
+fn write_calibration(f: &mut Formatter<'_>, calibration: &Calibration<f32>) -> fmt::Result {
+    writeln!(f, "    calibration: Some(Calibration {{")?;
+    for (name, triad) in [("accel", &calibration.accel), ("gyro", &calibration.gyro)] {
+        let TriadCalibration { matrix, bias } = triad;
+        writeln!(f, "        {name}: TriadCalibration {{ matrix: {matrix:?}, bias: {bias:?} }},")?;
+    }
+    writeln!(f, "    }}),")
 }
 
 fn quantity(quantity: &Quantity) -> String {

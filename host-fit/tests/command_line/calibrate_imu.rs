@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::session::{done, fails};
-use crate::turned_log::{ACCELEROMETER, GYRO, turned_log};
+use crate::turned_log::{ACCELEROMETER, GYRO, resting_log, turned_log};
 
 #[test]
 fn a_turned_log_is_calibrated_in_a_few_lines() {
@@ -98,6 +98,43 @@ fn files_of_other_programs_are_written() {
         let text = fs::read_to_string(folder.join("out")).expect("written");
         assert!(text.contains(part), "{option}: {text}");
     }
+}
+
+/// The calibration is exported with the model of a study, and the corrected specific force has the length of gravity.
+#[test]
+fn study_calibrates_its_corrected_values() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("turned.csv"), turned_log()).expect("written");
+    fs::write(folder.join("rest.csv"), resting_log()).expect("written");
+    done(folder, &["fit", "rest.csv", "--axis", "all", "--max-lag", "1", "-o", "unit.json"]);
+    let residuals = || -> [f64; 2] {
+        done(folder, &["export", "unit.json", "--image", "unit.fosm"]);
+        let json = done(folder, &["replay", "unit.fosm", "turned.csv", "-o", "corrected.csv", "--json"]);
+        let json: Value = serde_json::from_str(&json).expect("JSON");
+        assert!(json["gravity"]["rests"].as_u64() >= Some(10), "{json}");
+        serde_json::from_value(json["gravity"]["residual_mps2"].clone()).expect("two numbers")
+    };
+    let [measured, corrected] = residuals();
+    assert!(measured > 0.1 && (measured - corrected).abs() < 0.02, "{measured} {corrected}");
+
+    let message = done(folder, &["calibrate-imu", "turned.csv", "--study", "unit.json"]);
+    assert!(message.contains("unit.json: study with the calibration"), "{message}");
+    let [measured, corrected] = residuals();
+    // below 1 mg
+    assert!(measured > 0.1 && corrected < 0.01, "{measured} {corrected}");
+    let text = done(folder, &["history", "unit.json"]);
+    assert!(text.contains("calibration of accelerometer and gyro from 14 rests (turned.csv)"), "{text}");
+    // exported source compiles in the same numbers
+    done(folder, &["export", "unit.json", "--rust", "model.rs", "--c", "model.h"]);
+    let source = fs::read_to_string(folder.join("model.rs")).expect("written");
+    assert!(source.contains("calibration: Some(Calibration {"), "{source}");
+
+    let message = done(folder, &["undo", "unit.json", "--calibration"]);
+    assert!(message.starts_with("removed: calibration of"), "{message}");
+    assert!(residuals()[1] > 0.1);
+    let message = fails(folder, 1, &["undo", "unit.json", "--calibration"]);
+    assert!(message.contains("has no calibration"), "{message}");
 }
 
 #[test]

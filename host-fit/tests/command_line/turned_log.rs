@@ -9,6 +9,16 @@ pub(crate) const ACCELEROMETER: [(f64, f64); 3] = [(0.15, 1.012), (-0.22, 0.991)
 pub(crate) const GYRO: [(f64, f64); 3] = [(0.01, 1.013), (-0.006, 0.989), (0.003, 0.999)];
 
 pub(crate) fn turned_log() -> String {
+    log_of(14, 100)
+}
+
+/// The same device at rest for a minute.
+pub(crate) fn resting_log() -> String {
+    log_of(0, 3000)
+}
+
+/// A log of `turns`, each after a dwell of `rows`, or of one dwell.
+fn log_of(turns: u32, rows: usize) -> String {
     let mut seed = 1_u64;
     let mut noise = move || {
         // sum of four uniform numbers of a linear congruential generator: a better generator is not needed
@@ -33,9 +43,12 @@ pub(crate) fn turned_log() -> String {
         row += 1;
     };
     let mut attitude = Rotation3::identity();
-    for n in 0..14_u32 {
-        for _ in 0..100 {
+    for n in 0..turns.max(1) {
+        for _ in 0..rows {
             push(attitude * Vector3::z() * 9.80665, Vector3::zeros());
+        }
+        if turns == 0 {
+            break;
         }
         // quarter turns reach the faces, thirds of a right angle the orientations between
         let axis = [Vector3::x(), Vector3::y(), Vector3::new(0.6, 0.0, 0.8)][n as usize % 3];

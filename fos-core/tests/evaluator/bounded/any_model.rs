@@ -148,7 +148,8 @@ fn model(noise: &mut Noise, number: usize) -> OwnedModel<f32> {
         })
         .collect();
     let quantities = vec![Quantity::Temperature, Quantity::Supply, Quantity::Load];
-    OwnedModel::<f64> { period_s: PERIOD_S, stillness: None, quantities, inputs, axes }.convert()
+    OwnedModel::<f64> { period_s: PERIOD_S, stillness: None, calibration: None, quantities, inputs, axes }
+        .convert()
 }
 
 /// Bound of every axis, with the rounding of its terms in f32: half a unit for each addition and multiplication.

@@ -34,6 +34,7 @@ pub fn model() -> OwnedModel<f32> {
             gyro_at_rest: [0.0, 0.0, 0.01],
             gyro_deviation: 0.0087,
         }),
+        calibration: None,
         quantities: vec![Quantity::Temperature, Quantity::Measured(Axis::Az)],
         inputs: vec![
             Input {

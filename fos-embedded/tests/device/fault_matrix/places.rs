@@ -89,6 +89,7 @@ fn with_model<T>(
         period_s: PERIOD_S,
         fitted_on: FittedOn::Raw,
         stillness: Some(limits()),
+        calibration: None,
         quantities: &[Quantity::Temperature, Quantity::Supply],
         inputs,
         axes: &axes,

@@ -378,6 +378,7 @@ fn image(scales: &Scales) -> Vec<u8> {
         period_s: scales.period_s,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[Quantity::Temperature],
         inputs: &[input(celsius)],
         axes: &axes.collect::<Vec<_>>(),

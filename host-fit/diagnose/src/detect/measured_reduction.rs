@@ -136,7 +136,10 @@ pub fn with_measured_reduction(
     if diagnosis.findings.len() < measured {
         // the others were measured with the withheld findings in the model
         let is_reported = |finding: &Finding| {
-            diagnosis.findings.iter().any(|other| other.effect == finding.effect && other.params == finding.params)
+            diagnosis
+                .findings
+                .iter()
+                .any(|other| other.effect == finding.effect && other.params == finding.params)
         };
         diagnosis.findings = unmeasured.into_iter().filter(is_reported).collect();
         return with_measured_reduction(diagnosis, fitted, evaluation, rows);

@@ -3,9 +3,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use fos_core::FittedOn;
 use fos_data::column::Column;
-use fos_data::recording::{Recording, SensorProvenance, Values};
+use fos_data::recording::Recording;
 use fos_data::stillness::{self, KnownBy};
 use fos_data::{disturbance, pose};
 use fos_fit::cost::Cost;
@@ -100,13 +99,7 @@ impl<'a> Refiner<'a> {
 
     fn refuse_other_sensor(&self, study: &Study, column: &str) -> Result<(), RefineError> {
         let Some((triad, _)) = Column::named(column).place() else { return Ok(()) };
-        let found = self.log.provenance(triad);
-        let mut known = SensorProvenance::of_sources(&study.data.sources, triad);
-        // the log format does not state whether values are raw; the model does
-        if known.values == Values::Unstated && study.model.fitted_on == FittedOn::Raw {
-            known.values = Values::Raw;
-        }
-        match known.contradiction(&found) {
+        match study.contradiction(&self.log, triad) {
             None => Ok(()),
             Some([study, found]) => {
                 let (log, column) = (self.log.paths(), column.to_owned());

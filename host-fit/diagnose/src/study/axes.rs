@@ -39,7 +39,7 @@ impl Study {
     ///
     /// There is no such axis.
     pub fn only(&self, column: &str) -> Result<Self, StudyAxisError> {
-        let model = self.axis_alone(column)?;
+        let model = UnitModel { calibration: self.model.calibration.clone(), ..self.axis_alone(column)? };
         let index = self.axes.iter().position(|report| report.column == column);
         let of_axis = |step: &StudyStep| StudyStep {
             name: step.name.clone(),
@@ -92,6 +92,7 @@ impl Study {
         let mut axes = axes.collect::<Vec<_>>().into_iter();
         if let Some(mut unit) = axes.next() {
             axes.for_each(|axis| unit.absorb(axis));
+            unit.calibration = self.model.calibration.take();
             self.model = unit;
         }
     }

@@ -58,6 +58,9 @@ impl Study {
 
 fn check_model(model: &UnitModel) -> Result<(), String> {
     let UnitModel { quantities, inputs, axes, .. } = model;
+    if let Some(calibration) = &model.device_calibration() {
+        calibration.check().map_err(|error| error.to_string())?;
+    }
     if axes.is_empty() {
         return Err("there is no axis".to_owned());
     }

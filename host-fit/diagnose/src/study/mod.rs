@@ -2,6 +2,7 @@
 //! every step.
 
 mod axes;
+mod calibration;
 mod check;
 mod logs;
 mod refinement;
@@ -11,6 +12,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use axes::StudyAxisError;
+pub use calibration::OtherDevice;
 pub use logs::{LogAgainError, load_again};
 pub use refinement::{Added, Left, LogSources, Refinement, RefinementStep};
 
@@ -203,8 +205,13 @@ impl Study {
             })
             .map(|line| visible(&line).into_owned());
         let data = data.collect::<Vec<_>>().join("\n");
+        let calibrated = self.model.calibration.iter().flat_map(|calibration| &calibration.sources);
+        let calibrated = calibrated.map(|source| {
+            format!("calibrated with {}, sha256 {}", file::name_of(&source.path), source.sha256)
+        });
+        let calibrated: String = calibrated.map(|line| format!("\n{}", visible(&line))).collect();
         format!(
-            "{} {}\n{data}\nfitted to {} of {} rows at {:.3} Hz",
+            "{} {}\n{data}{calibrated}\nfitted to {} of {} rows at {:.3} Hz",
             visible(&self.tool.name),
             visible(&self.tool.version),
             self.data.trained_rows,

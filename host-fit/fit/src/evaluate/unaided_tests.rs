@@ -42,6 +42,7 @@ fn model(columns: &[&str], period_s: f64) -> UnitModel {
         period_s,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: Vec::new(),
         inputs: Vec::new(),
         axes: columns.iter().map(axis).collect(),

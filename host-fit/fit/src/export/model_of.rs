@@ -66,6 +66,8 @@ pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, NoColum
         period_s: image.period_s(),
         fitted_on: image.fitted_on(),
         stillness: image.stillness().map(|limits| limits.convert()),
+        // that of a device: `Calibrated` applies it
+        calibration: None,
         quantities: quantities.collect::<Result<Vec<_>, NoColumn>>()?,
         inputs: image
             .inputs()

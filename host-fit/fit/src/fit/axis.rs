@@ -229,6 +229,7 @@ fn start(
         period_s: recording.rate.period_s,
         fitted_on: fitted_on(recording, column, options.fitted_on),
         stillness: stillness.limits.and_then(|_| stillness::limits(recording, training)),
+        calibration: None,
         quantities: Vec::new(),
         inputs: Vec::new(),
         axes: vec![FittedAxis {

@@ -38,6 +38,7 @@ pub(super) struct Generator<'a> {
 impl<'a> Generator<'a> {
     pub(super) fn new(model: &'a UnitModel) -> Result<Self, HubError> {
         let mut physical = model.clone();
+        physical.calibration = None;
         for axis in &mut physical.axes {
             axis.stochastic.clear();
             axis.parameters.constant = 0.0;

@@ -13,9 +13,9 @@ use core::hint::black_box;
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Fixed, Info, InnovationStatistics, Input, Model, Monitor,
-    Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform,
-    u, y,
+    Axis, AxisModel, AxisParameters, Calibration, FittedOn, Fixed, Info, InnovationStatistics, Input, Model,
+    Monitor, Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term,
+    Transform, TriadCalibration, u, y,
 };
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
@@ -109,6 +109,7 @@ fn with_model<T>(
         period_s: PERIOD_S,
         fitted_on: FittedOn::Raw,
         stillness: Some(LIMITS),
+        calibration: None,
         quantities: if physical.is_empty() { &[] } else { &[Quantity::Temperature] },
         inputs: if physical.is_empty() { &[] } else { &INPUTS },
         axes: &axes,
@@ -282,6 +283,26 @@ fn parts(instructions: &mut Instructions) {
         "monitor of one axis (a hub watches one at a time)",
         &tally(instructions, |_| {
             let _ = black_box(monitor.update(black_box(&correction)));
+        }),
+    );
+
+    let triad = TriadCalibration {
+        matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]],
+        bias: [0.2, -0.1, 0.05],
+    };
+    let calibration = black_box(Calibration { accel: triad, gyro: triad });
+    row(
+        "calibration of six axes",
+        &tally(instructions, |raw| {
+            black_box(calibration.apply(&SCALES.measured(raw)));
+        }),
+    );
+    let in_fixed_point = calibration.convert::<Fixed>();
+    row(
+        "calibration of six axes in fixed point",
+        &tally(instructions, |raw| {
+            let measured = SCALES.measured(raw).map(Fixed::of);
+            black_box(in_fixed_point.apply(&measured));
         }),
     );
 

@@ -45,6 +45,7 @@ mod firmware {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[],
         inputs: &[],
         axes: &[],

@@ -5,7 +5,7 @@
 //! hub_files FOLDER        # model.fosm, model.h, log.fosh, and linear.fosm
 //! ```
 //!
-//! linear.fosm is a model for a device without products and transforms. The log is a hub log (`fos_embedded::test_log`).
+//! linear.fosm is a model for a device without products, transforms and calibration. The log is a hub log (`fos_embedded::test_log`).
 
 use std::error::Error;
 use std::fmt::Write;
@@ -14,8 +14,8 @@ use std::path::Path;
 
 use fos_core::image::encode;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, Info, InnovationStatistics, Input, Model, Quantity, Range,
-    Source, StillnessLimits, Term, Transform, Validity, u, y,
+    Axis, AxisModel, AxisParameters, Calibration, FittedOn, Info, InnovationStatistics, Input, Model,
+    Quantity, Range, Source, StillnessLimits, Term, Transform, TriadCalibration, Validity, u, y,
 };
 use fos_embedded::hub::{Hub, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
@@ -99,11 +99,23 @@ fn parameters(axis: Axis) -> AxisParameters<f32> {
     }
 }
 
+const CALIBRATION: Calibration<f32> = Calibration {
+    accel: TriadCalibration {
+        matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]],
+        bias: [0.2, -0.1, 0.05],
+    },
+    gyro: TriadCalibration {
+        matrix: [[1.01, -0.02, 0.0], [0.01, 0.97, 0.0], [0.0, 0.03, 1.0]],
+        bias: [0.0; 3],
+    },
+};
+
 /// Image of a model of these terms, with the first `n_inputs` inputs.
 fn image(
     n_inputs: usize,
     physical: &[Term<f32>],
     stochastic: &[Term<f32>],
+    calibration: Option<Calibration<f32>>,
 ) -> Result<Vec<u8>, Box<dyn Error>> {
     let axes = AXES.map(|axis| AxisModel { parameters: parameters(axis), physical, stochastic });
     let model = Model {
@@ -116,6 +128,7 @@ fn image(
             gyro_at_rest: [0.0; 3],
             gyro_deviation: 0.1,
         }),
+        calibration,
         quantities: &QUANTITIES,
         inputs: &INPUTS[..n_inputs],
         axes: &axes,
@@ -194,7 +207,7 @@ fn record<'a>(n: u32, random: &mut Random, given: &'a mut [f32; 2]) -> HubLogRec
 }
 
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let image = image(INPUTS.len(), &PHYSICAL, &STOCHASTIC)?;
+    let image = image(INPUTS.len(), &PHYSICAL, &STOCHASTIC, Some(CALIBRATION))?;
     let mut hub: Hub<16, 128, 256> = Hub::new(SCALES);
     hub.load(&image)?;
     let header = HubLogHeader { scales: SCALES, n_given: 2 };
@@ -230,7 +243,7 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     }
     array.push_str("};\n");
     fs::write(folder.join("model.fosm"), &image)?;
-    fs::write(folder.join("linear.fosm"), self::image(1, &PHYSICAL[..1], &STOCHASTIC[..2])?)?;
+    fs::write(folder.join("linear.fosm"), self::image(1, &PHYSICAL[..1], &STOCHASTIC[..2], None)?)?;
     fs::write(folder.join("model.h"), array)?;
     fs::write(folder.join("log.fosh"), &log)?;
     println!("samples {SAMPLES}");

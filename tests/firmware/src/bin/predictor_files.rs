@@ -102,6 +102,7 @@ fn write(image: &str, log: &str, samples: u32) -> Result<(), Box<dyn Error>> {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
+        calibration: None,
         quantities: &[Quantity::Temperature, Quantity::Supply],
         inputs: &INPUTS,
         axes: &axes,

@@ -92,6 +92,7 @@ pub(crate) fn image() -> Vec<u8> {
             gyro_at_rest: [0.004, 0.004, 0.004],
             gyro_deviation: 0.01,
         }),
+        calibration: None,
         quantities: &QUANTITIES,
         inputs: &inputs,
         axes: &axes,

@@ -102,6 +102,7 @@ pub fn model() -> UnitModel {
             gyro_at_rest: [0.01, -0.02, 0.0],
             gyro_deviation: 0.02,
         }),
+        calibration: None,
         quantities: vec![
             logged("temp_c", Quantity::Temperature),
             logged("supply_v", Quantity::Supply),

@@ -1,0 +1,126 @@
+//! Calibration of a device's triads as part of its model, and the form in which a hub applies it.
+
+use fos_core::{Axis, Calibration, Image, Quantity, Source, Transform, TriadCalibration};
+use fos_data::recording::{self, Recording};
+use serde::{Deserialize, Serialize};
+
+use crate::model::{FittedAxis, UnitModel};
+
+/// The axes of a hub, in its order.
+const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+
+/// Columns of the axes of a hub.
+const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+
+/// Bias, sensitivity and cross-axis of a device as a log of turned orientations gave them. The log does not know the
+/// error that the model predicts, so each bias contains it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UnitCalibration {
+    /// Logs that it was made from.
+    pub sources: Vec<recording::Source>,
+    /// Number of rests.
+    pub rests: usize,
+    /// RMS of |a| − g at these rests, m/s², before and after.
+    pub gravity_residual_mps2: [f64; 2],
+    /// Temperature at which it was made, °C; none if the logs have no thermometer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature_c: Option<f64>,
+    pub accel: TriadCalibration<f64>,
+    /// None if the logs determine no gyro.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gyro: Option<TriadCalibration<f64>>,
+}
+
+impl UnitModel {
+    /// Returns the calibration for values from which a hub has subtracted the predicted error: each bias without the
+    /// error that the model predicts for the temperature of the calibration.
+    pub fn device_calibration(&self) -> Option<Calibration<f64>> {
+        let found = self.calibration.as_ref()?;
+        let axis_of = |axis: Axis| self.axes.iter().find(|fitted| fitted.parameters.axis == axis);
+        let (mut accel, mut gyro) = (found.accel, found.gyro.unwrap_or(TriadCalibration::IDENTITY));
+        let [ax, ay, az, gx, gy, gz] = SIX;
+        for (bias, axis) in accel.bias.iter_mut().zip([ax, ay, az]) {
+            *bias -= axis_of(axis).map_or(0.0, |fitted| self.steady_error(fitted, found.temperature_c));
+        }
+        for (bias, axis) in gyro.bias.iter_mut().zip([gx, gy, gz]) {
+            // the model of a gyro contains its whole bias, and follows it at rest
+            *bias = if axis_of(axis).is_some() { 0.0 } else { *bias };
+        }
+        Some(Calibration { accel, gyro })
+    }
+
+    /// Error that the physical part predicts after a long time at a temperature, °C, and the mean of everything else,
+    /// in the axis' unit; at the mean temperature of the fit if it is unknown.
+    fn steady_error(&self, axis: &FittedAxis, temperature_c: Option<f64>) -> f64 {
+        let value = |index: u8| -> f64 {
+            let Some(named) = self.inputs.get(usize::from(index)) else { return 0.0 };
+            let input = &named.input;
+            let Source::Quantity(quantity) = input.source else { return 0.0 };
+            let logged = self.quantities.get(usize::from(quantity));
+            let is_temperature = logged.is_some_and(|logged| logged.quantity == Quantity::Temperature);
+            let follows = matches!(input.transform, Transform::Identity | Transform::LowPass { .. });
+            let temperature_c = temperature_c.filter(|_| is_temperature && follows);
+            temperature_c.map_or(0.0, |temperature_c| {
+                ((temperature_c - input.centre) / input.scale).clamp(input.range.low, input.range.high)
+            })
+        };
+        let physical: f64 = axis
+            .physical
+            .iter()
+            .map(|term| {
+                let factors = term.factors.iter().map(|factor| match factor.channel {
+                    fos_core::Channel::Input(index) => value(index),
+                    fos_core::Channel::Output => 0.0,
+                });
+                term.coefficient * factors.product::<f64>()
+            })
+            .sum();
+        axis.parameters.offset + axis.parameters.scale * physical
+    }
+}
+
+/// Calibrates the corrected values of a model's axes, as a hub does.
+#[derive(Debug, Clone)]
+pub struct Calibrated {
+    calibration: Calibration<f32>,
+    /// Index in the model of each axis of a hub.
+    places: [Option<usize>; 6],
+    /// Latest values of a hub's axes.
+    values: [f32; 6],
+}
+
+impl Calibrated {
+    /// None if the image has no calibration.
+    pub fn of(image: &Image<'_>) -> Option<Self> {
+        let calibration = image.calibration()?;
+        let axes: Vec<Axis> = image.axes().map(|axis| axis.parameters.axis).collect();
+        let places = SIX.map(|axis| axes.iter().position(|other| *other == axis));
+        Some(Self { calibration, places, values: [0.0; 6] })
+    }
+
+    /// Replaces the corrected values of a row, one for each axis of the model, by calibrated ones. `others` returns the
+    /// measured value of an axis of a hub that the model does not have; without one, its triad remains as it is.
+    pub fn apply(&mut self, corrected: &mut [f32], others: impl Fn(usize) -> Option<f32>) {
+        let mut is_known = [true; 6];
+        for channel in 0..SIX.len() {
+            let value = match self.places[channel] {
+                Some(place) => Some(corrected[place]),
+                None => others(channel),
+            };
+            is_known[channel] = value.is_some();
+            // a hub repeats the last finite value
+            self.values[channel] = value.filter(|value| value.is_finite()).unwrap_or(self.values[channel]);
+        }
+        for (channel, value) in self.calibration.apply(&self.values).into_iter().enumerate() {
+            let triad = channel / 3 * 3;
+            if let Some(place) = self.places[channel].filter(|_| is_known[triad..triad + 3] == [true; 3]) {
+                corrected[place] = value;
+            }
+        }
+    }
+}
+
+/// Columns of a log by axis of a hub, for [`Calibrated::apply`].
+pub fn hub_columns(log: &Recording) -> [Option<&[f64]>; 6] {
+    COLUMNS.map(|column| log.channel(column).ok().map(|channel| &channel.values[..]))
+}
