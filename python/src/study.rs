@@ -310,18 +310,20 @@ impl Study {
             let Some(log) = given.or_else(|| own.clone()) else {
                 return Err(Refused::Said("the log is not at hand\nhelp: give it in the call".to_owned()));
             };
-            let evaluation = compare_study(&state.study, &log, own.as_deref(), |_| {});
+            let axes = state.study.model.axes.iter();
+            let columns: Vec<String> = axes.map(|axis| axis.column.clone()).collect();
+            let evaluation = compare_study(&state.study, &columns, &log, own.as_deref(), |_| {});
             Ok((evaluation, log))
         })?;
         let (evaluation, log) = evaluation.map_err(|refused| refused.raised(py))?;
         let Evaluation { comparison, trace, .. } = evaluation.map_err(raised(py))?;
         let off = lags_off(&state.study.model, &log);
         let time_s = PyArray1::from_slice(py, &log.time_s[trace.rows.clone()]);
-        let rows = state.study.model.axes.iter().zip(trace.axes).map(|(axis, left)| {
+        let rows = comparison.axes.iter().zip(trace.axes).map(|(axis, left)| {
             let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
             (axis.column.clone(), array(left.measured), array(left.one_step), array(left.coast))
         });
-        let rows = rows.collect();
+        let rows: Vec<AxisRows<'_>> = rows.collect();
         Ok((json!(comparison).to_string(), time_s, rows, off))
     }
 

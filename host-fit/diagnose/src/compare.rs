@@ -15,7 +15,7 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, trace, worst_stretches};
 use fos_fit::fit::{AxisFit, FitOptions};
-use fos_fit::model::{FittedAxis, UnitModel};
+use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 
@@ -205,26 +205,29 @@ pub struct Evaluation {
     pub stillness: Stillness,
 }
 
-/// Evaluates the model of a study on `log`; see [`compare_on`].
+/// Evaluates these axes of the model of a study on `log`; see [`compare_on`].
 ///
 /// # Errors
 ///
 /// Errors of [`compare`].
 pub fn compare_study(
     study: &Study,
+    columns: &[String],
     log: &Recording,
     own: Option<&Recording>,
     progress: impl FnMut(&str),
 ) -> Result<Evaluation, CompareError> {
+    let axes = &study.model.axes;
+    let mut indices: Vec<usize> =
+        (0..axes.len()).filter(|index| columns.contains(&axes[*index].column)).collect();
     // an axis without a value in this log must not prevent the evaluation of the others
-    let mut model = study.model.clone();
-    let mut lag_1 = study.lag_1();
-    let is_measured = |axis: &FittedAxis| !log.quality.empty_axes.contains(&axis.column);
-    if model.axes.iter().any(is_measured) {
-        let mut measured = model.axes.iter().map(is_measured).collect::<Vec<_>>().into_iter();
-        lag_1.retain(|_| measured.next().unwrap_or(true));
-        model.axes.retain(is_measured);
+    let is_measured = |index: &usize| !log.quality.empty_axes.contains(&axes[*index].column);
+    if indices.iter().any(is_measured) {
+        indices.retain(is_measured);
     }
+    let all_lag_1 = study.lag_1();
+    let lag_1: Vec<f64> = indices.iter().map(|index| all_lag_1[*index]).collect();
+    let model = study.model.of_axes(indices).unwrap_or_else(|| study.model.clone());
     compare_on(&study.data, &model, &lag_1, log, own, progress)
 }
 

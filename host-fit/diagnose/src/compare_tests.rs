@@ -44,7 +44,9 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let study =
         study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), |_| {}).expect("a study");
     let error = |comparison: &Comparison| comparison.axes[0].slow_errors()[1].expect("an error");
-    let evaluated = |log: &Recording, own| compare_study(&study, log, own, |_| {}).expect("a comparison");
+    let columns: Vec<String> = study.model.axes.iter().map(|axis| axis.column.clone()).collect();
+    let evaluated =
+        |log: &Recording, own| compare_study(&study, &columns, log, own, |_| {}).expect("a comparison");
     let follows = part(9000..15000, 0.0);
     let (continued, alone) = (evaluated(&follows, Some(&fitted)), evaluated(&follows, None));
     let later = evaluated(&part(9000..15000, 100.0), Some(&fitted));

@@ -204,6 +204,18 @@ impl UnitModel {
         alone
     }
 
+    /// Returns the model of the axes of these indices, as [`UnitModel::only`] does for one; none without an index.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such axis.
+    pub fn of_axes(&self, indices: impl IntoIterator<Item = usize>) -> Option<Self> {
+        indices.into_iter().map(|index| self.only(index)).reduce(|mut all, other| {
+            all.absorb(other);
+            all
+        })
+    }
+
     /// Removes the inputs and quantities that no term uses.
     pub fn drop_unused(&mut self) {
         let factors = |axis: &FittedAxis| -> Vec<Factor> {

@@ -8,6 +8,7 @@ use super::arguments::{OutputFolder, Reading, describe};
 use super::comparison_summary::{LEGEND, summary};
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, grouped, print_hint, print_json, print_line, print_warning, progress, table};
+use super::refinement::columns_of;
 use super::units::{ErrorUnit, Printed, three};
 use fos_diagnose::compare::{AxisComparison, Comparison, Evaluation, compare_study, lags_off};
 use fos_diagnose::dependence::Dependence;
@@ -28,6 +29,9 @@ pub(super) struct Compare {
     study: PathBuf,
     /// The log; by default the study's own, evaluated on the rows that were not fitted
     log: Option<PathBuf>,
+    /// gx, a column, or several with commas; all axes of the study if not given
+    #[arg(long)]
+    axis: Option<String>,
     /// Folder for the figures, SVG and PNG; created if missing
     #[arg(long, value_name = "FOLDER")]
     figures: Option<OutputFolder>,
@@ -43,6 +47,7 @@ pub(super) struct Compare {
 impl Compare {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let study = Study::read(&self.study)?;
+        let columns = columns_of(&study, self.axis.as_deref())?;
         let read = self.reading.options_or(&study.data.read)?;
         let recording = match &self.log {
             Some(log) => self.reading.read_named(log, &read)?,
@@ -74,7 +79,7 @@ impl Compare {
             bar.inc(1);
         };
         let Evaluation { comparison, trace, stillness } =
-            compare_study(&study, &recording, own.as_ref(), evaluation)?;
+            compare_study(&study, &columns, &recording, own.as_ref(), evaluation)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             let curves = curves(&comparison, &trace, &recording);
@@ -179,7 +184,14 @@ fn unit_of(axis: &AxisComparison, printed: Printed) -> ErrorUnit {
     error_unit(&axis.column, &axis.errors.iter().collect::<Vec<_>>(), printed.units)
 }
 
+/// Reason why an axis was not evaluated on any row.
+const NOT_EVALUATED: &str = "not evaluated: the device rests only in other orientations than in the fit, where the true value of an accelerometer is \
+                             unknown; fit a log in this orientation, or log the true values as ref_ columns";
+
 fn cautions(axis: &AxisComparison) -> Vec<String> {
+    if axis.rows == 0 {
+        return vec![NOT_EVALUATED.to_owned()];
+    }
     let own_noise = axis.dependence.as_ref().is_some_and(|dependence| !dependence.learnt);
     let own_noise = own_noise.then(|| {
         "the noise was estimated from these rows, as the log that was fitted is not at hand".to_owned()
@@ -190,6 +202,9 @@ fn cautions(axis: &AxisComparison) -> Vec<String> {
 fn print_axis(axis: &AxisComparison, printed: Printed) {
     let unit = unit_of(axis, printed);
     print_line!("\n{}: {} rows", axis.column, axis.rows);
+    if axis.rows == 0 {
+        return print_line!("  {NOT_EVALUATED}");
+    }
     let errors: Vec<&ModelErrors> = axis.errors.iter().collect();
     print_line!("{}", error_table(&errors, unit));
     match axis.noise_floor {

@@ -12,13 +12,14 @@ use super::output::{
     Failure, first, grouped, percent, print_hint, print_json, print_line, print_verdict, spinner, table,
     with_flags,
 };
-use super::refinement::{LogArguments, column_of, read_logs};
+use super::refinement::{LogArguments, columns_of, read_logs};
 use super::units::{Printed, three};
 use fos_diagnose::detect::{
     Diagnosis, Finding, Question, Size, Verdict, diagnose_and_measure, with_shared_signal,
 };
 use fos_diagnose::effects::{Band, Library};
-use fos_diagnose::study::Study;
+use fos_diagnose::refine::Logs;
+use fos_diagnose::study::{LogSources, Study};
 
 /// Find out why a sensor drifts: identify the missing physical effects
 #[derive(Debug, Args)]
@@ -29,7 +30,7 @@ pub(super) struct Diagnose {
     /// The log to explain; or a study (.json), whose model is subtracted first
     #[arg(value_name = "LOG|STUDY")]
     of: PathBuf,
-    /// gx, a column, or several with commas; all axes of a log if not given, needed for a study of several
+    /// gx, a column, or several with commas; all axes if not given
     #[arg(long)]
     axis: Option<String>,
     #[command(flatten)]
@@ -54,7 +55,7 @@ impl Diagnose {
         let library = library(&self.effects)?;
         let spinner = spinner("testing effects");
         let (answers, read_as) = match self.of.extension().is_some_and(|extension| extension == "json") {
-            true => (vec![self.of_study(&library)?], Vec::new()),
+            true => (self.of_study(&library)?, Vec::new()),
             false => self.of_log(&library)?,
         };
         spinner.finish_and_clear();
@@ -104,16 +105,27 @@ impl Diagnose {
         Ok((answers, notes))
     }
 
-    fn of_study(&self, library: &Library) -> Result<Diagnosis, Failure> {
+    fn of_study(&self, library: &Library) -> Result<Vec<Diagnosis>, Failure> {
         let study = Study::read(&self.of)?;
-        let column = column_of(&study, self.axis.as_deref())?;
-        let logs = read_logs(&self.logs, &self.reading, &study, &self.of, &column)?;
-        let refiner = logs.refiner(library);
-        let refinement = match study.refinement_of(&column) {
-            Some(refinement) => refinement.clone(),
-            None => refiner.begin(&study, &column, logs.named(refiner.fitted_rows()))?,
+        let columns = columns_of(&study, self.axis.as_deref())?;
+        // axes that were refined on the same logs read them once
+        let mut latest: Option<(Option<&LogSources>, Logs)> = None;
+        let of_axis = |column: &String| -> Result<Diagnosis, Failure> {
+            let refined = study.refinement_of(column);
+            let sources = refined.map(|refinement| &refinement.logs);
+            let logs = match latest.take().filter(|(of, _)| *of == sources) {
+                Some((_, logs)) => logs,
+                None => read_logs(&self.logs, &self.reading, &study, &self.of, column)?,
+            };
+            let logs = &latest.insert((sources, logs)).1;
+            let refiner = logs.refiner(library);
+            let refinement = match refined {
+                Some(refinement) => refinement.clone(),
+                None => refiner.begin(&study, column, logs.named(refiner.fitted_rows()))?,
+            };
+            Ok(refiner.diagnose(&refinement)?)
         };
-        Ok(refiner.diagnose(&refinement)?)
+        usable(if columns.len() > 1 { "all" } else { "" }, columns.iter().map(of_axis))
     }
 }
 
@@ -341,6 +353,8 @@ fn evidence(finding: &Finding) -> Vec<String> {
     if let Some([begin, end]) = finding.shows_from_to_s {
         let against =
             finding.shows_against.as_ref().map(|column| format!("against {column}, ")).unwrap_or_default();
+        // without the sign of a zero
+        let [begin, end] = [begin, end].map(|time_s| (10.0 * time_s).round() / 10.0 + 0.0);
         lines.push(format!("{effect}: shows {against}most from {begin:.1} s to {end:.1} s"));
     }
     lines.extend(finding.separate.iter().map(|separation| {

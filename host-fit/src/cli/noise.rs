@@ -63,6 +63,9 @@ impl Noise {
         if let Some(path) = &self.svg {
             only_ends_in(path, "--svg", &["svg"])?;
         }
+        if let Some(path) = &self.csv {
+            only_ends_in(path, "--csv", &["csv"])?;
+        }
         let recording = self.reading.read(&self.log)?;
         let stillness = stillness::find(&recording);
         let columns = axes(&recording, &self.axis)?;

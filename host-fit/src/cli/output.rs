@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use anstyle::AnsiColor;
 use comfy_table::{CellAlignment, Table, presets};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use super::units::{self, Printed};
@@ -275,25 +275,32 @@ impl Deref for Bar {
 
 /// A progress bar on standard error if it is a terminal, else nothing.
 pub(super) fn progress(length: u64, what: &str) -> Bar {
-    if !std::io::stderr().is_terminal() {
-        return Bar(ProgressBar::hidden());
-    }
-    let bar = Bar(ProgressBar::new(length));
-    bar.set_message(what);
-    if let Ok(style) = ProgressStyle::with_template("{msg:32} {bar:30} {percent:>3} %  {eta}") {
-        bar.set_style(style);
-    }
-    bar
+    styled(
+        ProgressBar::with_draw_target(Some(length), terminal()),
+        what,
+        "{msg:32} {bar:30} {percent:>3} %  {eta}",
+    )
 }
 
 /// A spinner on standard error for work of unknown length, if it is a terminal, else nothing.
 pub(super) fn spinner(what: &str) -> Bar {
-    let bar = progress(0, what);
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} ({elapsed})") {
-        bar.set_style(style);
-    }
+    let bar = styled(ProgressBar::with_draw_target(None, terminal()), what, "{spinner} {msg} ({elapsed})");
     bar.enable_steady_tick(Duration::from_millis(120));
     bar
+}
+
+/// Standard error if it is a terminal, else nothing.
+fn terminal() -> ProgressDrawTarget {
+    if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() }
+}
+
+/// Sets the style before the message, because a message is drawn at once.
+fn styled(bar: ProgressBar, what: &str, template: &str) -> Bar {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message(what.to_owned());
+    Bar(bar)
 }
 
 /// Converts a reduction of variance to one of the RMS, in per cent.

@@ -13,8 +13,7 @@ use fos_data::closest::closest;
 use fos_data::recording::{Recording, Source};
 use fos_data::text::counted;
 use fos_diagnose::refine::Logs;
-use fos_diagnose::study::{Refinement, RefinementStep};
-use fos_diagnose::study::{Study, load_again};
+use fos_diagnose::study::{Added, Refinement, RefinementStep, Study, load_again};
 use fos_fit::calibration::UnitCalibration;
 use fos_fit::evaluate::ModelErrors;
 
@@ -104,6 +103,14 @@ pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Fai
     }
 }
 
+/// Columns of `--axis` in a study, several with commas; all without one.
+pub(super) fn columns_of(study: &Study, axes: Option<&str>) -> Result<Vec<String>, Failure> {
+    match axes {
+        None | Some("all") => Ok(study.model.axes.iter().map(|axis| axis.column.clone()).collect()),
+        Some(axes) => axes.split(',').map(|axis| column_of(study, Some(axis.trim()))).collect(),
+    }
+}
+
 /// Describes the calibration of a study in a line.
 pub(super) fn calibration_in_words(calibration: &UnitCalibration) -> String {
     let [before, after] = calibration.gravity_residual_mps2.map(|residual| three(residual / MG_MPS2));
@@ -148,6 +155,10 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
         rows.add_row(row(index, step, unit, printed));
     }
     print_line!("{rows}");
+    let is_outside = |step: &RefinementStep| step.added.as_ref().is_some_and(|added| !is_as_predicted(added));
+    if refinement.steps.iter().any(is_outside) {
+        print_line!("  (!): the measured reduction lies outside the interval of the predicted one");
+    }
     print_line!(
         "  slow error: RMS of 1-s means, about the bias of the log to explain if the evaluation continues it, else about their own"
     );
@@ -172,6 +183,12 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
     print_line!("{}", error_table(&errors, unit));
 }
 
+/// True if the measured reduction lies in the interval of the predicted one.
+fn is_as_predicted(added: &Added) -> bool {
+    let [low, high] = added.finding.predicted_reduction_interval;
+    (low..=high).contains(&added.measured_reduction)
+}
+
 fn row(index: usize, step: &RefinementStep, unit: ErrorUnit, printed: Printed) -> Vec<String> {
     let (name, size, predicted, measured) = match &step.added {
         None => ("before".to_owned(), String::new(), String::new(), String::new()),
@@ -189,9 +206,8 @@ fn row(index: usize, step: &RefinementStep, unit: ErrorUnit, printed: Printed) -
             let [low, high] = finding.predicted_reduction_interval;
             let predicted =
                 format!("{} ({} … {})", percent(finding.predicted_reduction), percent(low), percent(high));
-            let holds = (low..=high).contains(&added.measured_reduction);
-            let measured =
-                format!("{}{}", percent(added.measured_reduction), if holds { "" } else { " (!)" });
+            let mark = if is_as_predicted(added) { "" } else { " (!)" };
+            let measured = format!("{}{mark}", percent(added.measured_reduction));
             (format!("+ {}", added.effect.id), sizes.join(", "), predicted, measured)
         }
     };

@@ -117,7 +117,7 @@ pub fn with_measured_reduction(
             accepted.push(finding);
             continue;
         }
-        if finding.band == Band::Slow && least > 0.0 && reduction <= 0.0 {
+        if finding.band == Band::Slow && finding.predicted_reduction_interval[1] > 0.0 && reduction <= 0.0 {
             has_changed |= finding.doubt.is_none();
             finding
                 .doubt
