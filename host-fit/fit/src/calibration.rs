@@ -1,6 +1,6 @@
 //! Calibration of a device's triads as part of its model, and the form in which a hub applies it.
 
-use fos_core::{Axis, Calibration, Image, Quantity, Source, Transform, TriadCalibration};
+use fos_core::{Axis, Calibration, Image, Quantity, Range, Source, Transform, TriadCalibration};
 use fos_data::recording::{self, Recording};
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +8,9 @@ use crate::model::{FittedAxis, UnitModel};
 
 /// The axes of a hub, in its order.
 const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
+
+/// Distance from the fitted range of an input up to which its error is extrapolated, in widths of the range.
+const EXTRAPOLATED: f64 = 1.0;
 
 /// Columns of the axes of a hub.
 const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
@@ -61,7 +64,10 @@ impl UnitModel {
             let follows = matches!(input.transform, Transform::Identity | Transform::LowPass { .. });
             let temperature_c = temperature_c.filter(|_| is_temperature && follows);
             temperature_c.map_or(0.0, |temperature_c| {
-                ((temperature_c - input.centre) / input.scale).clamp(input.range.low, input.range.high)
+                // a bias that is right in the fitted range needs the error where it was measured, also somewhat beyond it
+                let Range { low, high } = input.range;
+                let margin = EXTRAPOLATED * (high - low);
+                ((temperature_c - input.centre) / input.scale).clamp(low - margin, high + margin)
             })
         };
         let physical: f64 = axis
@@ -123,4 +129,96 @@ impl Calibrated {
 /// Columns of a log by axis of a hub, for [`Calibrated::apply`].
 pub fn hub_columns(log: &Recording) -> [Option<&[f64]>; 6] {
     COLUMNS.map(|column| log.channel(column).ok().map(|channel| &channel.values[..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{FittedTerm, LoggedQuantity, NamedInput};
+    use fos_core::{AxisParameters, FittedOn, InnovationStatistics, Input, Term, u, y};
+
+    fn axis(axis: Axis, offset: f64, physical: Term<f64>) -> FittedAxis {
+        let (range, physical_range) = (Range::new(-4.0, 4.0), Range::unlimited());
+        let innovation = InnovationStatistics { mean: 0.0, variance: 1.0, lag_1_correlation: 0.0 };
+        let parameters = AxisParameters {
+            axis,
+            reference: 0.0,
+            offset,
+            scale: 0.5,
+            constant: 0.0,
+            range,
+            physical_range,
+            full_scale: 0.0,
+            stuck_after_repeats: 0,
+            gap_limit_samples: 1,
+            coast_limit_s: 10.0,
+            innovation,
+        };
+        let term = |term: Term<f64>| FittedTerm {
+            coefficient: term.coefficient,
+            standard_error: None,
+            factors: term.factors().to_vec(),
+        };
+        let (physical, stochastic) = (vec![term(physical)], vec![term(Term::new(0.5, &[y(1)]))]);
+        FittedAxis { column: String::new(), parameters, physical, stochastic, plain: None }
+    }
+
+    fn model(temperature_c: Option<f64>) -> UnitModel {
+        let range = Range::new(-2.0, 2.0);
+        let input = |transform| NamedInput {
+            name: String::new(),
+            input: Input {
+                source: Source::Quantity(0),
+                transform,
+                centre: 30.0,
+                scale: 10.0,
+                source_range: range,
+                range,
+            },
+        };
+        let triad = TriadCalibration { bias: [0.1, 0.2, 0.3], ..TriadCalibration::IDENTITY };
+        UnitModel {
+            period_s: 0.01,
+            fitted_on: FittedOn::Raw,
+            stillness: None,
+            calibration: Some(UnitCalibration {
+                sources: Vec::new(),
+                rests: 12,
+                gravity_residual_mps2: [0.2, 0.01],
+                temperature_c,
+                accel: triad,
+                gyro: Some(triad),
+            }),
+            quantities: vec![LoggedQuantity {
+                column: "temp_c".to_owned(),
+                quantity: Quantity::Temperature,
+            }],
+            inputs: vec![
+                input(Transform::LowPass { tau_s: 60.0 }),
+                input(Transform::Rate { tau_s: 10.0 }),
+            ],
+            axes: vec![
+                axis(Axis::Ay, 0.05, Term::new(0.4, &[u(0, 0), u(0, 0)])),
+                axis(Axis::Az, 0.0, Term::new(0.4, &[u(1, 0)])),
+                axis(Axis::Gx, 0.1, Term::new(0.4, &[u(0, 0)])),
+            ],
+        }
+    }
+
+    /// At 45 °C the lagged temperature is 1.5 scaled units above its centre: 0.05 + 0.5·0.4·1.5² = 0.5.
+    #[test]
+    fn bias_is_without_the_error_that_the_model_predicts() {
+        let bias = |temperature_c| {
+            let found = model(temperature_c).device_calibration().expect("a calibration");
+            [found.accel.bias, found.gyro.bias]
+        };
+        let is = |found: [[f64; 3]; 2], expected: [[f64; 3]; 2]| {
+            let pairs = found.iter().flatten().zip(expected.iter().flatten());
+            assert!(pairs.into_iter().all(|(one, other)| (one - other).abs() < 1e-12), "{found:?}");
+        };
+        is(bias(Some(45.0)), [[0.1, 0.2 - 0.5, 0.3], [0.0, 0.2, 0.3]]);
+        is(bias(None), [[0.1, 0.2 - 0.05, 0.3], [0.0, 0.2, 0.3]]);
+        // far beyond the fitted range of ±2, at 6: 0.05 + 0.5·0.4·6²
+        is(bias(Some(120.0)), [[0.1, 0.2 - 0.05 - 7.2, 0.3], [0.0, 0.2, 0.3]]);
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, describe};
-use super::comparison_summary::{LEGEND, summary};
+use super::comparison_summary::{LEGEND, summary, worse_than_mean};
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, grouped, print_hint, print_json, print_line, print_warning, progress, table};
 use super::refinement::columns_of;
@@ -141,6 +141,7 @@ fn print_unaided(comparison: &Comparison, printed: Printed) {
     let of_axes: Vec<(&str, Vec<UnaidedRow>)> = comparison
         .axes
         .iter()
+        .filter(|axis| axis.rows > 0)
         .map(|axis| (axis.column.as_str(), UnaidedRow::all(axis, printed.units)))
         .filter(|(_, rows)| !rows.is_empty())
         .collect();
@@ -196,7 +197,8 @@ fn cautions(axis: &AxisComparison) -> Vec<String> {
     let own_noise = own_noise.then(|| {
         "the noise was estimated from these rows, as the log that was fitted is not at hand".to_owned()
     });
-    axis.floor_cautions.iter().cloned().chain(own_noise).collect()
+    let worse = worse_than_mean(&axis.errors.iter().collect::<Vec<_>>());
+    axis.floor_cautions.iter().cloned().chain(own_noise).chain(worse).collect()
 }
 
 fn print_axis(axis: &AxisComparison, printed: Printed) {

@@ -28,9 +28,7 @@ pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
     }
     for Row { column, errors, remark } in axes {
         let unit = error_unit(column, errors, units);
-        let mean = errors.iter().find(|errors| errors.model == Rival::Mean.name());
-        let slow = |errors: Option<&&ModelErrors>| errors.and_then(|errors| errors.slow_error_coast);
-        let (before, after) = (slow(mean), slow(errors.last()));
+        let [before, after] = slow_errors(errors);
         let reduction = before
             .zip(after)
             .filter(|(before, _)| *before > 0.0)
@@ -45,6 +43,25 @@ pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
         ]);
     }
     rows
+}
+
+/// Mean squares of the slow error: of the constant mean, and of the model.
+fn slow_errors(errors: &[&ModelErrors]) -> [Option<f64>; 2] {
+    let mean = errors.iter().find(|errors| errors.model == Rival::Mean.name());
+    [mean, errors.last()].map(|errors| errors.and_then(|errors| errors.slow_error_coast))
+}
+
+/// Increase of the mean square of the slow error from which on a model counts as worse: 5 % of the RMS. Differences below
+/// it are within the scatter of logs of some minutes.
+const WORSE: f64 = 1.1;
+
+/// A caution for an axis whose model is worse in a free run than the constant mean.
+pub(super) fn worse_than_mean(errors: &[&ModelErrors]) -> Option<String> {
+    let [Some(before), Some(after)] = slow_errors(errors) else { return None };
+    (after > WORSE * before).then(|| {
+        "in a free run the model is worse than a constant mean: fit a log that is longer at rest and varies as the evaluated one does, or use fewer terms"
+            .to_owned()
+    })
 }
 
 /// Axes of a comparison, with the dependences of their residual.

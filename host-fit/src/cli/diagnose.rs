@@ -189,11 +189,16 @@ fn print_overview(answers: &[Diagnosis], printed: Printed) {
         column.set_cell_alignment(CellAlignment::Left);
     }
     for answer in answers {
-        let effects: Vec<&Finding> = answer.findings.iter().take(SHOWN).collect();
-        let mut cell: Vec<String> = effects.iter().map(|finding| in_short(finding, printed)).collect();
-        match answer.findings.len() - effects.len() {
-            0 => {}
-            more => cell.push(format!("and {more} more")),
+        let (conclusive, doubtful): (Vec<&Finding>, Vec<&Finding>) =
+            answer.findings.iter().partition(|finding| finding.doubt.is_none());
+        let mut cell: Vec<String> =
+            conclusive.iter().take(SHOWN).map(|finding| in_short(finding, printed)).collect();
+        if conclusive.len() > SHOWN {
+            cell.push(format!("and {} more", conclusive.len() - SHOWN));
+        }
+        if !doubtful.is_empty() {
+            let names: Vec<&str> = doubtful.iter().map(|finding| finding.effect.as_str()).collect();
+            cell.push(format!("not conclusive: {}", names.join(", ")));
         }
         if cell.is_empty() {
             cell.extend(match (&answer.shared_signal, answer.leads.first()) {

@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::GRAVITY_MPS2;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all, usable};
-use super::comparison_summary::{LEGEND, Row, table_of};
+use super::comparison_summary::{LEGEND, Row, table_of, worse_than_mean};
 use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, grouped, number, print_hint, print_json, print_line, progress, table};
@@ -188,10 +188,10 @@ fn print_study(study: &Study, printed: Printed) {
             }
         }
     }
-    let cautions = study
-        .axes
-        .iter()
-        .flat_map(|report| cautions(report).into_iter().map(|caution| (report.column.as_str(), caution)));
+    let cautions = study.axes.iter().zip(&rows).flat_map(|(report, row)| {
+        let all = cautions(report).into_iter().chain(worse_than_mean(&row.errors));
+        all.map(|caution| (report.column.as_str(), caution))
+    });
     for caution in grouped(cautions, study.axes.len()) {
         print_line!("  caution: {caution}");
     }

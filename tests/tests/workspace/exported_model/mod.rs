@@ -2,8 +2,9 @@
 
 use fos_core::{
     Axis, AxisParameters, Factor, FittedOn, InnovationStatistics, Input, Quantity, Range, Source,
-    StillnessLimits, Transform, u, y,
+    StillnessLimits, Transform, TriadCalibration, u, y,
 };
+use fos_fit::calibration::UnitCalibration;
 use fos_fit::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
 fn term(coefficient: f64, factors: &[Factor]) -> FittedTerm {
@@ -102,7 +103,20 @@ pub fn model() -> UnitModel {
             gyro_at_rest: [0.01, -0.02, 0.0],
             gyro_deviation: 0.02,
         }),
-        calibration: None,
+        calibration: Some(UnitCalibration {
+            sources: Vec::new(),
+            rests: 12,
+            gravity_residual_mps2: [0.2, 0.01],
+            temperature_c: Some(28.0),
+            accel: TriadCalibration {
+                matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]],
+                bias: [0.2, -0.1, 0.05],
+            },
+            gyro: Some(TriadCalibration {
+                matrix: [[1.01, -0.02, 0.0], [0.01, 0.97, 0.0], [0.0, 0.03, 1.0]],
+                bias: [0.01, 0.0, -0.002],
+            }),
+        }),
         quantities: vec![
             logged("temp_c", Quantity::Temperature),
             logged("supply_v", Quantity::Supply),
