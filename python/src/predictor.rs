@@ -6,6 +6,7 @@ use fos_core::image::VERSION;
 use fos_core::{Correction, Image, Sample, Validity};
 use fos_data::stillness;
 use fos_diagnose::compare::lags_off;
+use fos_fit::calibration::{Calibrated, hub_columns};
 use fos_fit::export::{NoColumn, description, model_of};
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
@@ -20,11 +21,18 @@ use crate::work;
 /// Maximum number of steps of one forecast, as in `predictor.py`.
 const MOST_STEPS: usize = 10_000_000;
 
+/// A predictor, and the calibration of its corrected values.
+#[derive(Clone)]
+struct Device {
+    predictor: HostPredictor<f32>,
+    calibrated: Option<Calibrated>,
+}
+
 /// The model of an image and its state.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Predictor {
-    fresh: HostPredictor<f32>,
-    state: Mutex<HostPredictor<f32>>,
+    fresh: Device,
+    state: Mutex<Device>,
     model: UnitModel,
     about: String,
 }
@@ -47,12 +55,22 @@ type Arrays<'py> = (
 );
 
 impl Rows {
-    fn push(&mut self, corrections: &[Correction<f32>]) {
+    /// Adds the corrections of a row. `others` returns the measured value of an axis without a model, if it is known.
+    fn push(
+        &mut self,
+        corrections: &[Correction<f32>],
+        calibrated: &mut Option<Calibrated>,
+        others: impl Fn(usize) -> Option<f32>,
+    ) {
+        let begin = self.corrected.len();
         for correction in corrections {
             self.predicted.push(correction.predicted);
             self.innovation.push(correction.innovation.unwrap_or(f32::NAN));
             self.corrected.push(correction.corrected);
             self.validity.push(correction.validity.bits());
+        }
+        if let Some(calibrated) = calibrated {
+            calibrated.apply(&mut self.corrected[begin..], others);
         }
     }
 
@@ -75,7 +93,7 @@ pub(crate) fn validity_names() -> Vec<&'static str> {
 }
 
 impl Predictor {
-    fn lock(&self) -> MutexGuard<'_, HostPredictor<f32>> {
+    fn lock(&self) -> MutexGuard<'_, Device> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -98,7 +116,8 @@ impl Predictor {
     fn new(py: Python<'_>, image: &[u8], axes: Vec<String>) -> PyResult<Self> {
         let refused = |text: String| py_error(py, "ImageError", &format!("the image cannot be run: {text}"));
         let parsed = Image::parse(image).map_err(|error| refused(error.to_string()))?;
-        let fresh: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
+        let predictor: HostPredictor<f32> = parsed.predictor().map_err(|error| refused(error.to_string()))?;
+        let fresh = Device { predictor, calibrated: Calibrated::of(&parsed) };
         let model = model_of(&parsed, &axes)
             .map_err(|error: NoColumn| py_error(py, "ImageError", &error.to_string()))?;
         let info = parsed.info();
@@ -136,14 +155,15 @@ impl Predictor {
         let (found, still) = work::run(py, || {
             let stillness = stillness::find(&log);
             let playback = Playback::new(&log, &self.model, &stillness.still)?;
-            let mut predictor = self.fresh.clone();
-            let mut feed = playback.feed();
+            let Device { mut predictor, mut calibrated } = self.fresh.clone();
+            let (mut feed, columns) = (playback.feed(), hub_columns(&log));
             let mut found = Rows::default();
             for row in 0..log.n_rows() {
                 if row.is_multiple_of(1024) {
                     fos_data::interrupt::check();
                 }
-                found.push(feed.step(&mut predictor, row));
+                let others = |axis: usize| columns[axis].map(|column| column[row] as f32);
+                found.push(feed.step(&mut predictor, row), &mut calibrated, others);
             }
             Ok((found, stillness.still))
         })?
@@ -171,14 +191,15 @@ impl Predictor {
             ));
         }
         let found = work::run(py, || {
-            let mut state = self.lock();
+            let Device { predictor, calibrated } = &mut *self.lock();
             let mut found = Rows::default();
             for (row, still) in still.into_iter().enumerate() {
                 let sample = Sample {
                     measured: &measured[row * n_axes..(row + 1) * n_axes],
                     quantities: &quantities[row * n_quantities..(row + 1) * n_quantities],
                 };
-                found.push(if still { state.track(&sample) } else { state.coast(&sample) });
+                let corrections = if still { predictor.track(&sample) } else { predictor.coast(&sample) };
+                found.push(corrections, calibrated, |_| None);
             }
             found
         })?;
@@ -203,13 +224,14 @@ impl Predictor {
             return Err(py_error(py, "PredictorError", "quantities has another number of rows than steps"));
         }
         let found = work::run(py, || {
-            let mut state = self.lock();
+            let Device { predictor, calibrated } = &mut *self.lock();
             let mut found = Rows::default();
             for row in 0..steps {
                 if row.is_multiple_of(1024) {
                     fos_data::interrupt::check();
                 }
-                found.push(state.forecast(&quantities[row * n_quantities..(row + 1) * n_quantities]));
+                let quantities = &quantities[row * n_quantities..(row + 1) * n_quantities];
+                found.push(predictor.forecast(quantities), calibrated, |_| None);
             }
             found
         })?;
@@ -218,11 +240,11 @@ impl Predictor {
 
     /// Skips missing samples.
     fn skip(&self, ticks: u32) {
-        let _ = self.lock().skip(ticks);
+        let _ = self.lock().predictor.skip(ticks);
     }
 
     /// Resets to the state at power-on.
     fn reset(&self) {
-        self.lock().reset();
+        *self.lock() = self.fresh.clone();
     }
 }

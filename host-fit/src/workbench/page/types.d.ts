@@ -534,7 +534,9 @@ rows: number,
 /** Rests with more than half of their rows away from gravity. */
 rests_away: number,
 /** Rows away from gravity. */
-rows_away: number, };
+rows_away: number,
+/** RMS over the rests of |a| − g, m/s²: of the mean measured and of the mean corrected specific force. */
+residual_mps2: [number, number], };
 
 /** Acceptance of the exported model by the hubs. */
 export type Hubs = {
@@ -1077,7 +1079,7 @@ axes: Array<AxisSummary>,
 gravity: Gravity | null,
 /** CRC-64 of all innovations, tick by tick and axis by axis. Hexadecimal in JSON, because JSON numbers have 53 bits. */
 innovations_digest: string,
-/** CRC-64 of all innovations, corrected values and validities. */
+/** CRC-64 of all innovations, corrected values before the calibration, and validities. */
 corrections_digest: string, };
 
 /** Axes that an effect can act on. */
