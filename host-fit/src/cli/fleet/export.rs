@@ -12,6 +12,7 @@ use crate::cli::arguments::OutputFolder;
 use crate::cli::output::{Failure, Written, print_line, print_warning, print_written};
 use fos_data::file::process_reads::Identity;
 use fos_data::file::write_atomically;
+use fos_data::text::counted;
 
 /// Write the image of a part, and a record of some 100 bytes for each device
 ///
@@ -130,7 +131,7 @@ impl Export {
         let odd: Vec<String> =
             shipment.units.iter().filter(|unit| unit.odd).map(|unit| unit.unit.clone()).collect();
         if !odd.is_empty() {
-            print_warning(&format!("odd devices: {}: {}", odd.len(), some(&odd)));
+            print_warning(&format!("{}: {}", counted(odd.len(), "odd device"), some(&odd)));
         }
         if !self.json {
             let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);
