@@ -104,7 +104,7 @@ impl Export {
             Ok(())
         };
         let terms = shipment.model.n_terms();
-        let about = format!("{} bytes, {terms} terms", shipment.image.len());
+        let about = format!("{} bytes, {}", shipment.image.len(), counted(terms, "term"));
         write(folder.join(IMAGE), &shipment.image, about)?;
         let names = file_names(&shipment.units);
         let mut table = csv::Writer::from_writer(Vec::new());
@@ -119,12 +119,12 @@ impl Export {
             })?;
         }
         let table = table.into_inner().map_err(|error| error.to_string())?;
-        write(folder.join(UNITS), &table, format!("{} devices and their records", names.len()))?;
+        write(folder.join(UNITS), &table, format!("{} and their records", counted(names.len(), "device")))?;
         print_written(&written, self.json)?;
         if !shipment.without.is_empty() {
             print_warning(&format!(
-                "nothing is known of {} devices, which run on the image of their part: {}",
-                shipment.without.len(),
+                "{} without data, which will run the image of the part: {}",
+                counted(shipment.without.len(), "device"),
                 some(&shipment.without)
             ));
         }
@@ -135,7 +135,7 @@ impl Export {
         }
         if !self.json {
             let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);
-            print_line!("{} records in {}, at most {longest} bytes each", names.len(), records.display());
+            print_line!("{} in {}, at most {longest} bytes each", counted(names.len(), "record"), records.display());
         }
         Ok(())
     }

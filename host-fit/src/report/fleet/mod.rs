@@ -158,8 +158,9 @@ fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
     let silent = read.partly + read.nothing;
     if share(silent) > MANY {
         found.push(format!(
-            "{silent} of {} devices have incomplete data: if they differ from the others, these results do not describe the part.",
-            read.units
+            "{silent} of {} devices {} incomplete data: if they differ from the others, these results do not describe the part.",
+            read.units,
+            if silent == 1 { "has" } else { "have" }
         ));
     }
     if share(odd) > MANY {

@@ -107,7 +107,7 @@ function fall({ rms_reduction: reduction, rms_reduction_interval: range, measure
     { class: "fall" },
     el("p", {}, el("strong", {}, percent(reduction)), ` predicted reduction of the RMS ${band === "wide" ? "of the samples" : "of the slow error"}`, el("span", { class: "note" }, ` (90 % interval ${interval(range, (value) => percent(value))})`)),
     bar,
-    isNumber(measured) ? el("p", { class: "fall-measured" }, el("strong", {}, percent(measured)), " measured on the evaluation data", withOthers ? el("span", { class: "note" }, " (with the findings above it in the model)") : null) : null,
+    isNumber(measured) ? el("p", { class: "fall-measured" }, el("strong", {}, percent(measured)), " measured reduction on the evaluation data", withOthers ? el("span", { class: "note" }, " (with the findings above it in the model)") : null) : null,
   );
 }
 

@@ -170,7 +170,7 @@ function restOf(axis, diagnosis) {
         ? el("p", { class: "note" }, "The log allows every test of the library.")
         : [el("p", { class: "note" }, "These tests need:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.join(", ")))))],
       el("h3", {}, "Noise in these tests"),
-      el("p", { class: "note" }, `Estimated from ${noise.learnt_from}, to decide which effects are significant; not comparable with N, B and K of the log in part 2. Slow effects were tested in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
+      el("p", { class: "note" }, `These levels decide which effects are significant; they are not comparable with N, B and K of the log in part 2. Estimated from ${noise.learnt_from}. Slow effects were tested in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
     ),
   );
