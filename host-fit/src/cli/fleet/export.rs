@@ -135,7 +135,11 @@ impl Export {
         }
         if !self.json {
             let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);
-            print_line!("{} in {}, at most {longest} bytes each", counted(names.len(), "record"), records.display());
+            print_line!(
+                "{} in {}, at most {longest} bytes each",
+                counted(names.len(), "record"),
+                records.display()
+            );
         }
         Ok(())
     }

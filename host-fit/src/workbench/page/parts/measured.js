@@ -142,7 +142,7 @@ function goodness({ comparison, slow_error: slow, units }) {
     el("span", {}, "Slow error in a free run: "),
     entry("model", inUnit(slow[1], unit)),
     entry("constant mean", inUnit(slow[0], unit)),
-    ...(isNumber(squares) && isNumber(floor) ? [el("span", {}, "One-step error of single samples: "), entry("model", inUnit(Math.sqrt(squares), unit)), entry("noise floor", inUnit(Math.sqrt(floor), unit))] : []),
+    ...(isNumber(squares) && isNumber(floor) ? [el("span", {}, "One-step prediction error: "), entry("model", inUnit(Math.sqrt(squares), unit)), entry("noise floor", inUnit(Math.sqrt(floor), unit))] : []),
   ];
 }
 
