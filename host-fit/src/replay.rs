@@ -41,7 +41,7 @@ pub enum ReplayError {
     NoColumn(#[from] NoColumn),
     /// The log has reference columns, or the device lies in other orientations.
     #[error(
-        "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer lies still in another pose than that of the fit\nhelp: leave the columns out with --map '!ref_gx_rads', or export gyros only"
+        "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer rests in another orientation than in the fit\nhelp: exclude the columns with --map '!ref_gx_rads', or export gyros only"
     )]
     Reference,
 }

@@ -9,8 +9,8 @@ use fos_diagnose::compare::AxisComparison;
 use fos_fit::evaluate::{FEWEST_WINDOWS, RmsInterval, UnaidedError};
 
 /// Legend of `before` and `after`.
-pub(crate) const LEGEND: &str = "before: raw error minus the constant bias learnt in training; after: free run of the model, which sees \
-                                 nothing of the error inside a window";
+pub(crate) const LEGEND: &str = "before: raw error minus the constant bias estimated in training; after: free run of the model, which \
+                                 does not use the error measured in the window";
 
 const POSITION: &str = "position error";
 

@@ -134,9 +134,21 @@ pub(crate) fn three(value: f64) -> String {
     }
 }
 
+/// [`three`] digits of a value among values of the size `scale`: one too small to matter beside them is 0, so that one
+/// notation is enough for all.
+pub(crate) fn three_beside(value: f64, scale: f64) -> String {
+    if value.abs() < 0.01 * scale { "0".to_owned() } else { three(value) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mean_far_below_its_own_uncertainty_is_zero() {
+        assert_eq!(three_beside(-1.52e-7, 1e-4), "0");
+        assert_eq!(three_beside(-1.52e-5, 1e-4), "-0.0000152");
+    }
 
     #[test]
     fn noise_of_a_data_sheet_keeps_its_size() {

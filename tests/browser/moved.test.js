@@ -64,7 +64,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   await assertAccessible(page, "a study of a unit that was moved");
 
   const turn = page.locator('[data-key="moved"]');
-  assert.match(await turn.innerText(), /as any others/);
+  assert.match(await turn.innerText(), /Include these rows/);
   await turn.click();
   await page.locator('[data-key="moved"]', { hasText: "Exclude them" }).waitFor({ timeout: SLOW });
   await atRest(page);
@@ -77,7 +77,7 @@ test("where the unit was moved is shaded, told on hover, taken back and left out
   assert.equal(kept.axis, left.axis, "the same axis is looked at");
 
   await turn.click();
-  await page.locator('[data-key="moved"]', { hasText: "as any others" }).waitFor({ timeout: SLOW });
+  await page.locator('[data-key="moved"]', { hasText: "Include these rows" }).waitFor({ timeout: SLOW });
   await atRest(page);
   const again = await stateOf(page, server);
   assert.deepEqual(again.axes, left.axes, "all is as it was, to the last digit");

@@ -9,7 +9,10 @@ import { addressOf, addressedStudy, placeOf } from "../../host-fit/src/workbench
 import { csvOf } from "../../host-fit/src/workbench/page/downloads.js";
 import { meanFor } from "../../host-fit/src/workbench/page/seriessource.js";
 import { figureIn } from "../../host-fit/src/workbench/page/units.js";
-import { linearTicks, logTicks } from "../../host-fit/src/workbench/page/ticks.js";
+import { linearTicks, logTicks, spaced as thinned } from "../../host-fit/src/workbench/page/ticks.js";
+import { parameterName, parameterValue, withParameters } from "../../host-fit/src/workbench/page/parameters.js";
+import { onPage as inPageTerms } from "../../host-fit/src/workbench/page/notices.js";
+import { TimeWindow } from "../../host-fit/src/workbench/page/timewindow.js";
 
 const spaced = (/** @type {string} */ text) => text.replaceAll("\u202f", " ");
 
@@ -109,4 +112,43 @@ test("what a chart alone is asked for: few pixels, single samples late in a log,
   for (const tick of linearTicks(-0.37, 12.2, 7)) assert.ok(tick.value >= -0.37 && tick.value <= 12.2);
   assert.deepEqual(linearTicks(1, 1, 5), []);
   assert.deepEqual(logTicks(0, 1, 4), []);
+});
+
+test("labels that would overlap or pass the end of the canvas are omitted", () => {
+  const ticks = linearTicks(0, 40, 4);
+  const labels = (/** @type {number} */ pixels, end = Infinity) => thinned(ticks, (value) => value * pixels, (label) => 7 * label.length, end).map(({ label }) => label);
+  assert.deepEqual(labels(10), ["0", "10", "20", "30", "40"]);
+  assert.deepEqual(labels(1), ["0", "20", "40"]);
+  assert.deepEqual(labels(10, 402), ["0", "10", "20", "30"]);
+  // a log that begins late: round numbers stay
+  const late = linearTicks(10, 50, 4);
+  assert.deepEqual(thinned(late, (value) => value, () => 12).map(({ label }) => label), ["20", "40"]);
+});
+
+test("parameters are written in words with their units", () => {
+  assert.equal(spaced(withParameters("Most likely missing: thermal lag (tau_s = 52.7) and hysteresis (half_width_k = 4.28).")), "Most likely missing: thermal lag (time constant 52.7 s) and hysteresis (half width 4.28 K).");
+  assert.equal(spaced(withParameters("Faults of the data: dropped samples (frac = 7.80e-4).")), "Faults of the data: dropped samples (0.078 %).");
+  assert.equal(parameterName("frac", "dropped_samples"), "Missing samples");
+  assert.equal(parameterName("freq_hz"), "Frequency");
+  assert.equal(spaced(parameterValue("freq_hz", 116.16)), "116 Hz");
+});
+
+test("messages name the buttons of the page, not the options of the library", () => {
+  assert.equal(inPageTerms("or read the log with `keep_moved` if the device did lie still"), "or press Include these rows if the device did lie still");
+  assert.equal(inPageTerms("record 10 min at rest and pass it as `reference`"), "record 10 min at rest and choose it as reference log under Columns…");
+});
+
+test("a whole log is whole, although sums of its times are rounded", () => {
+  const real = globalThis.requestAnimationFrame;
+  globalThis.requestAnimationFrame = () => 0;
+  try {
+    const time = new TimeWindow();
+    // the span of these is rounded so that begin and span end before the last sample
+    for (let n = 1; n < 1000; n += 1) {
+      time.reset([n / 7, n / 7 + n / 3], 0.01);
+      assert.ok(time.isWhole, String(n));
+    }
+  } finally {
+    globalThis.requestAnimationFrame = real;
+  }
 });

@@ -156,6 +156,20 @@ test("a short log is not an all-clear", { timeout: SLOW }, async () => {
   await closePage(page);
 });
 
+test("a log with a long name fits on a phone", { timeout: SLOW }, async () => {
+  const page = await workbench.open({ width: 390 });
+  const name = `${"flight_of_the_second_prototype_with_heated_imu_".repeat(3)}full_rate.csv`;
+  await drop(page, [csvFile(name, unusualCsv())]);
+  await page.getByRole("button", { name: "Read the log" }).click();
+  await page.waitForSelector(".replay .digest", { timeout: SLOW });
+  for (const width of [390, 768, 1440]) {
+    await page.setViewportSize({ width, height: 900 });
+    await page.waitForTimeout(200);
+    await assertNoOverflow(page, `a log with a long name, ${width} px`);
+  }
+  await closePage(page);
+});
+
 test("what is computed can be cancelled, and gone on with", { timeout: 2 * SLOW }, async () => {
   const page = await workbench.open();
   await openExample(page, "logs");

@@ -236,6 +236,13 @@ test("several studies stand side by side", { timeout: 2 * SLOW }, async () => {
   const cells = await page.locator(`.beside [data-study="${id}"] td`).allInnerTexts();
   assert.deepEqual([cells[0], cells[2]], ["gyro x", "thermal_lag"], cells.join(" | "));
   assert.ok(Number(numbersIn(cells[5] ?? "")[0]) > 70, cells.join(" | "));
+  // the same two errors as in the overview of the study
+  await page.locator(`.beside [data-study="${id}"] a`).click();
+  await page.waitForSelector('[data-overview="gx_rads"]');
+  const overview = await page.locator('[data-overview="gx_rads"] td').allInnerTexts();
+  assert.deepEqual(cells.slice(3, 5).map((text) => numbersIn(text)[0]), overview.slice(1, 3).map((text) => numbersIn(text)[0]), cells.join(" | "));
+  await page.locator('[data-key="tab:new"]').click();
+  await page.waitForSelector(".beside tbody tr");
   await assertAccessible(page, "studies side by side");
   await assertNoOverflow(page, "studies side by side");
   await closePage(page);
@@ -258,6 +265,13 @@ test("the overview shows every axis, and the tab the worst of them", { timeout: 
   await page.waitForURL(new RegExp(`axis=${clear.column}`));
   assert.match(await page.title(), /^Missing: /);
   assert.equal(await page.locator(".tab .icon-missing").count() > 0, true);
+  // a link to another axis of the open study
+  await page.evaluate(() => (location.hash = location.hash.replace(/\?.*/, "?axis=gx_rads&view=coast")));
+  await page.waitForSelector('[data-overview="gx_rads"][data-current]');
+  assert.equal(await page.locator('input[name="view"][value="coast"]').isChecked(), true);
+  assert.match(await page.locator(".job").innerText(), /Ready/);
+  await page.getByRole("button", { name: "Zoom in" }).click();
+  await page.waitForURL(/axis=gx_rads&view=coast&time=/);
   // field units, or SI where they are chosen
   assert.match(await page.locator('[data-overview="gx_rads"]').innerText(), /°\/[sh]/);
   await page.locator('input[name="units"][value="si"]').check({ force: true });

@@ -168,7 +168,9 @@ pub fn compare(
         axis.horizons = Default::default();
     }
     let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
-    let worst = in_parallel(0..model.axes.len(), |axis| worst_stretches(&trace, axis, recording));
+    let worst = in_parallel(0..model.axes.len(), |axis| {
+        worst_stretches(&trace, axis, &model.axes[axis].column, recording)
+    });
     let axes = model
         .axes
         .iter()

@@ -17,7 +17,7 @@ use sha2::{Digest, Sha256};
 
 use crate::estimate::{BIAS, check_regressors};
 use crate::gathered::{Gathered, GatheredError, GatheredUnit};
-use crate::odd::{Distance, FAR, assess, devices_needed, discoveries};
+use crate::odd::{Distance, assess, devices_needed, discoveries};
 use crate::population::{Member, Population};
 use crate::row::{Asked, Unit, UnitRow, unit_row};
 
@@ -131,10 +131,8 @@ impl PartSummary {
         let devices = populations
             .map(|population| population.units)
             .max()
-            .map_or_else(|| "no axis has a population".to_owned(), |devices| format!("{devices} devices"));
-        Some(format!(
-            "Not conclusive: {devices}; to find one that is {FAR} standard deviations off, at least {needed} are needed, and lots of several devices each."
-        ))
+            .map_or_else(|| "no axis has a population".to_owned(), |devices| format!("{devices} were read"));
+        Some(format!("Not conclusive. {needed} devices are needed, several in each lot ({devices})."))
     }
 }
 

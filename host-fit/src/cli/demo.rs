@@ -7,9 +7,9 @@ use fos_core::Image;
 use serde_json::json;
 
 use super::arguments::OutputFolder;
-use super::output::{Failure, number, print_json, progress, say};
+use super::output::{Failure, print_json, progress, say};
 use super::refinement::print_refinement;
-use super::units::{Printed, Units};
+use super::units::{Printed, Units, three};
 use crate::curves::curves;
 use crate::export::{image, rust_source};
 use crate::figures::moved;
@@ -100,9 +100,9 @@ impl Demo {
             .and_then(|step| step.errors.iter().zip(&study.axes).find(|(_, r)| r.column == AXIS));
         say!(
             self,
-            "3. On the log to explain the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {}.",
-            number(slow(before).to_degrees()),
-            number(slow(in_reference.map(|(errors, _)| errors)).to_degrees())
+            "3. On the log to explain the model fails: in a free run its slow error is {} °/s RMS; on the reference log it is {} °/s.",
+            three(slow(before).to_degrees()),
+            three(slow(in_reference.map(|(errors, _)| errors)).to_degrees())
         );
         if let Some(worst) = failing.worst.first() {
             say!(
@@ -167,9 +167,9 @@ impl Demo {
         say!(
             self,
             "\n6. The refined model is an image of {} bytes. fos-core ran it over the evaluation log in f32, as on the device: no corrected\n   \
-             value of gyro x differs by more than {} rad/s from what the host computes in f64. Digest of all corrections: {:016x}.",
+             value of gyro x differs by more than {} °/h from what the host computes in f64. Digest of all corrections: {:016x}.",
             bytes.len(),
-            number(off),
+            three(3600.0 * off.to_degrees()),
             replayed.summary.corrections_digest
         );
         say!(

@@ -70,7 +70,7 @@ fn explain(effect: &Effect) {
     line("regressors", &terms.join("\n"));
     line("typical size", &effect.typical_size);
     line("source", &effect.source);
-    line("what gives it away", &effect.gives_away);
+    line("signature in a plot", &effect.gives_away);
     line("experiment that shows it", &effect.experiment);
     line("on the device", &effect.device);
     if !effect.confused_with.is_empty() {

@@ -40,7 +40,7 @@ pub(super) struct Plan {
     /// Number of times the temperature rises and falls; 0.5 is one rise
     #[arg(long, value_parser = within(0.5..=1000.0))]
     cycles: Option<f64>,
-    /// A recorded log, to state what it shows beside the planned ones
+    /// A recorded log, to compare it with the planned recordings
     #[arg(long, value_name = "LOG")]
     log: Option<PathBuf>,
     /// Effects of your own, one TOML file each. May be repeated

@@ -160,7 +160,7 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
         print_line!("  (!): the measured reduction lies outside the interval of the predicted one");
     }
     print_line!(
-        "  slow error: RMS of 1-s means, about the bias of the log to explain if the evaluation continues it, else about their own"
+        "  slow error: RMS of 1-s means, about the bias of the log to explain if the evaluation log continues it, otherwise about its own mean"
     );
     if let [first, .., last] = slow[..] {
         print_line!(
@@ -175,7 +175,7 @@ pub(super) fn print_refinement(refinement: &Refinement, printed: Printed) {
         return;
     }
     print_line!(
-        "  residual of the physical part on the evaluated rows; slow error: RMS of 1-s means about their mean, or about the bias of the log to explain if the rows continue it; broadband error: RMS of samples about their mean; bias error: the mean there, where the log determines it"
+        "  residual of the physical part on the evaluated rows; slow error: RMS of 1-s means, about the bias of the log to explain if the evaluation log continues it, otherwise about its own mean; broadband error: RMS of samples about their mean; bias error: the mean there, where the log determines it"
     );
     print_line!("  instructions: per sample on a Cortex-M4F, about; terms and inputs of this axis");
     let errors: Vec<&ModelErrors> = refinement.steps.iter().map(|step| &step.errors).collect();

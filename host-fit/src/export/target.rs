@@ -74,7 +74,7 @@ pub enum TableRefusal {
     },
     /// The sensor of the log is unknown.
     #[error(
-        "{log}: no table for {}: the log does not say which of its IMUs it comes from\nhelp: state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
+        "{log}: no table for {}: the log does not identify the IMU\nhelp: state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
         autopilot.name()
     )]
     NoInstance {

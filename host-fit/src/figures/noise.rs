@@ -4,9 +4,8 @@ use fos_fit::noise::{AxisNoise, FLICKER_FLOOR, Level};
 
 use super::{Axis, Figure, Ink, Panel, Series, Shape};
 use crate::export::SHARE;
-use crate::units::ShownUnit;
+use crate::units::{ShownUnit, three};
 use fos_data::column::Column;
-use fos_data::text::number;
 
 /// One panel an axis: measured with intervals of 90 %, the lines of N, B and K as far as they were seen, their sum.
 /// `units` gives the units in which the legend states N, B and K.
@@ -73,7 +72,7 @@ fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {
 
 fn with_interval(name: &str, level: &Level, unit: &ShownUnit) -> String {
     let ShownUnit { label, divisor } = unit;
-    let shown = |value: f64| number(value / divisor);
+    let shown = |value: f64| three(value / divisor);
     match (level.value, level.low) {
         (Some(value), Some(low)) => {
             format!("{name} {} ({} … {}) {label}", shown(value), shown(low), shown(level.high))

@@ -4,7 +4,7 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Error, Value, context, escape_formatter};
 
 use crate::figures::{Figure, svg};
-use fos_data::text::{number, rounded};
+use crate::units::three;
 use fos_data::visible::visible_lines;
 use fos_diagnose::detect::rms_reduction;
 
@@ -45,9 +45,8 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     environment.set_auto_escape_callback(move |_| escape.clone());
     environment.add_filter("number", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
-    environment.add_filter("three", |value: Option<f64>| {
-        value.map_or_else(|| "–".to_owned(), |value| rounded(value, 3).replace('-', "−"))
-    });
+    environment
+        .add_filter("three", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| shown(value)));
     environment.add_filter("root", |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
     });
@@ -65,5 +64,5 @@ fn percent(share: Option<f64>) -> String {
 }
 
 fn shown(value: f64) -> String {
-    number(value).replace('-', "−")
+    three(value).replace('-', "−")
 }

@@ -15,6 +15,9 @@ const DEEPEST: usize = 3;
 /// Folder of stored studies within the own one.
 const STUDIES: &str = "studies";
 
+/// Begin of the names of files with the true error of a simulated case, which are no logs.
+const TRUTH: &str = "truth_";
+
 /// Largest number of listed logs.
 const LISTED: usize = 500;
 
@@ -76,7 +79,8 @@ impl Folders {
 
     /// Lists the logs that may be opened, by their extensions.
     pub(super) fn logs(&self) -> Vec<Listed> {
-        self.listed(&|path| path.file_name().is_some_and(|name| may_be_log(&name.to_string_lossy())))
+        let is_log = |name: &str| may_be_log(name) && !name.starts_with(TRUTH);
+        self.listed(&|path| path.file_name().is_some_and(|name| is_log(&name.to_string_lossy())))
     }
 
     /// Lists the logs of that name with any extension; the name may include folders: `2026-W9/013`.

@@ -16,6 +16,8 @@ pub(super) enum Outcome {
     NothingMissing,
     /// Too little was tested for an all-clear.
     NotEnoughData,
+    /// Nothing was found but faults of the data, such as missing samples.
+    DataFault,
     /// An added effect does not reduce the error by more than noise.
     DidNotPay,
     /// Something is missing that no effect of the library explains.
@@ -70,6 +72,8 @@ impl Standing {
         let steps = refinement.map_or(&[][..], |refinement| &refinement.steps);
         let unpaid = steps.windows(2).rfind(|steps| !pays(&steps[0], &steps[1]));
         let (outcome, sentence, record) = match (diagnosis.verdict, unpaid) {
+            // a trace in the residual is mentioned in the sentence
+            (Verdict::Missing, _) if has_only_faults(diagnosis) => (Outcome::DataFault, said, Vec::new()),
             (Verdict::Missing, _) => (Outcome::Missing, said, Vec::new()),
             (Verdict::Unexplained, _) => (Outcome::Unexplained, said, Vec::new()),
             (Verdict::NotEnoughData, _) => {
@@ -84,6 +88,11 @@ impl Standing {
         };
         Self { outcome, sentence, record }
     }
+}
+
+/// Returns true if every finding is a fault of the data rather than an effect of the sensor.
+fn has_only_faults(diagnosis: &Diagnosis) -> bool {
+    diagnosis.findings.iter().all(|finding| finding.band == Band::Data)
 }
 
 /// Largest number of effects that a sentence lists.
@@ -155,6 +164,22 @@ mod tests {
             "cautions": [],
         }))
         .unwrap()
+    }
+
+    #[test]
+    fn dropped_samples_alone_are_a_fault_of_the_data_and_no_missing_effect() {
+        let mut found = diagnosis(serde_json::json!([]));
+        found.verdict = Verdict::Missing;
+        found.findings = serde_json::from_value(serde_json::json!([{
+            "effect": "dropped_samples", "name": "dropped samples", "band": "data", "params": { "frac": 7.8e-4 },
+            "params_interval": {}, "sizes": [], "gain": null, "score": null, "expected_drop": 0.0,
+            "expected_drop_ci": [0.0, 0.0], "confounded_with": [], "separate": [], "shows_against": null,
+            "shows_from_to_s": null, "correction": [], "limits": {},
+        }]))
+        .unwrap();
+        assert_eq!(Standing::of(&found, None).outcome, Outcome::DataFault);
+        found.findings[0].band = Band::Slow;
+        assert_eq!(Standing::of(&found, None).outcome, Outcome::Missing);
     }
 
     #[test]

@@ -248,13 +248,15 @@ impl Study {
         Ok(())
     }
 
-    /// Reads the logs again with their rows of detected motion kept or excluded, and repeats all computations.
+    /// Reads the logs again with their rows of detected motion kept or excluded, and repeats all computations. Works too
+    /// if the logs could not be used because of that motion.
     ///
     /// # Errors
     ///
-    /// The logs are not read yet.
+    /// The study has no logs yet.
     pub(super) fn keep_moved(&self, keep: bool) -> Result<(), String> {
-        let files = LogFiles::of(&self.read()?.logs);
+        let requested = || self.files().ok_or("the logs are being read\nhelp: wait a moment".to_owned());
+        let files = self.read().map(|read| LogFiles::of(&read.logs)).or_else(|_| requested())?;
         self.read_again(LogFiles { read: LoadOptions { keep_moved: keep, ..files.read }, ..files });
         Ok(())
     }

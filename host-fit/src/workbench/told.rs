@@ -10,7 +10,7 @@ use super::task::LogFiles;
 use crate::command_lines::command_lines;
 use crate::report::{AxisSection, AxisUnits, Summaries, UnitChoice};
 use fos_diagnose::compare::AxisComparison;
-use fos_diagnose::study::{Refinement, RefinementStep};
+use fos_diagnose::study::Refinement;
 
 /// Status that is sent to the page with every change.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,17 +43,17 @@ struct AxisEntry {
     sentence: Option<String>,
     /// Effects that were added, in order.
     added: Vec<String>,
-    /// Root of the variance of the 1-s means of the residual on evaluation data, before the first effect and now, in
-    /// `unit`.
-    slow_before: Option<f64>,
-    slow_now: Option<f64>,
+    /// RMS of the slow error in a free run, in `unit`, as in [`AxisPage`]: of the constant mean, and of the model.
+    slow_error: Option<[Option<f64>; 2]>,
     errors_in: UnitChoice,
+}
+
+fn slow_error(section: &AxisSection) -> Option<[Option<f64>; 2]> {
+    section.comparison.as_ref().map(AxisComparison::slow_errors)
 }
 
 impl AxisEntry {
     fn of(axis: &KnownAxis) -> Self {
-        let steps = axis.refinement.as_ref().map_or(&[][..], |refinement| &refinement.steps);
-        let slow = |step: Option<&RefinementStep>| step.map(|step| step.left.slow.sqrt());
         Self {
             column: axis.section.column.clone(),
             label: axis.section.label.clone(),
@@ -65,8 +65,7 @@ impl AxisEntry {
                 .flat_map(Refinement::added)
                 .map(|added| added.effect.id.clone())
                 .collect(),
-            slow_before: slow(steps.first()),
-            slow_now: slow(steps.last()),
+            slow_error: slow_error(&axis.section),
             errors_in: AxisUnits::of(&axis.section).errors,
         }
     }
@@ -119,7 +118,7 @@ impl AxisPage {
         Self {
             standing: section.diagnosis.as_ref().map(|diagnosis| Standing::of(diagnosis, refinement)),
             failure: axis.failure.clone(),
-            slow_error: section.comparison.as_ref().map(AxisComparison::slow_errors),
+            slow_error: slow_error(&section),
             pays: steps
                 .iter()
                 .take(1)

@@ -101,7 +101,7 @@ fn entry(effect: &Effect) -> String {
     }
     row("typical size", &effect.typical_size);
     row("source", &effect.source);
-    row("sign in a plot", &effect.gives_away);
+    row("signature in a plot", &effect.gives_away);
     row("experiment", &effect.experiment);
     row("cost on the device", &effect.device);
     if !effect.confused_with.is_empty() {

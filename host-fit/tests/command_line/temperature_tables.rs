@@ -249,7 +249,7 @@ fn the_table_of_an_imu_is_written_for_that_imu() {
         assert!(refused.contains(&format!("it is of IMU {topic}, but IMU {other} was stated")), "{refused}");
         // ArduPilot numbers its IMUs differently from PX4
         let refused = fails(folder, 1, &["export", "unit.json", "--px4", "other.params"]);
-        assert!(refused.contains("the log does not say which of its IMUs it comes from"), "{refused}");
+        assert!(refused.contains("the log does not identify the IMU"), "{refused}");
         assert!(!folder.join("other.parm").exists() && !folder.join("other.params").exists());
     }
     // the second gyro of this log has -3 times the values of the first

@@ -180,12 +180,12 @@ class AxisComparison:
         column: As `gx_rads`.
         unit: Its unit.
         rows: Rows at rest that were evaluated.
-        noise_floor: What no causal predictor can beat, unit², and its 95 % interval.
+        noise_floor: Lower limit for any linear predictor, unit², and its 95 % interval.
         floor_cautions: Why the floor should not be trusted.
         errors: The rivals, then the model.
         worst: The stretches where the model fails worst.
         dependence: Residual against every logged channel; None if the log is too short.
-        time_s: Time stamps of the evaluated rows, s, shape `(n,)`.
+        time_s: Timestamps of the evaluated rows, s, shape `(n,)`.
         measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
         innovation: Measured − predicted one step ahead, shape `(n,)`.
         left: Measured − predicted from own history of at most 60 s, shape `(n,)`.

@@ -67,7 +67,7 @@ class Corrections:
         corrected: Measured − predicted, unit of the axis; float32.
         validity: Bits of `Validity`; uint16.
         still: Where the unit was taken to be still, shape `(n_rows,)`.
-        time_s: Time stamps, s, shape `(n_rows,)`; None of samples that have none.
+        time_s: Timestamps, s, shape `(n_rows,)`; None of samples that have none.
     """
 
     axes: tuple[str, ...]
@@ -79,7 +79,7 @@ class Corrections:
     time_s: npt.NDArray[np.float64] | None = field(default=None)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Corrected values by axis, the time stamps as index."""
+        """Corrected values by axis, the timestamps as index."""
         import pandas
 
         index = None if self.time_s is None else pandas.Index(self.time_s, name="t_s")

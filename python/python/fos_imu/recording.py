@@ -106,7 +106,7 @@ class Recording(Mapping[str, Floats]):
                 that is named otherwise is given in `map`.
             map: Columns under other names, converted: `"gx_rads=gyro_x:mdps"`, `"t_s=time:us"`,
                 `"gx_rads=counts:*1.33e-4:rad/s"`; `"!temp_c"` leaves one out.
-            rate_hz: Nominal sample rate, Hz; needed where there is no column of time stamps.
+            rate_hz: Nominal sample rate, Hz; needed where there is no column of timestamps.
             keep_moved: Keep rows with detected motion.
             name: What studies and reports call the data.
 
@@ -149,7 +149,7 @@ class Recording(Mapping[str, Floats]):
 
     @property
     def jitter_s(self) -> float:
-        """How far the time stamps scatter about a regular grid, s."""
+        """How far the timestamps scatter about a regular grid, s."""
         return self._about.jitter_s
 
     @property
@@ -223,7 +223,7 @@ class Recording(Mapping[str, Floats]):
         self._engine.write(os.fspath(path))
 
     def to_pandas(self) -> pandas.DataFrame:
-        """As a DataFrame, the time stamps as its index."""
+        """As a DataFrame, the timestamps as its index."""
         import pandas
 
         return pandas.DataFrame(dict(self), index=pandas.Index(self.time_s, name="t_s"))
@@ -289,7 +289,7 @@ def read(
         path: PX4 ULog, ArduPilot DataFlash, MCAP and ROS 1 bags, EuRoC, Kalibr, phone apps, ST tools, Betaflight, or any
             CSV, gzip'd CSV or Parquet; `formats()` lists them.
         map: Columns under other names, converted: `"gx_rads=gyro_x:mdps"`, `"t_s=time:us"`; `"!temp_c"` leaves one out.
-        rate_hz: Sample rate, Hz; needed where the log has no time stamps, and replaces stamps that show another rate.
+        rate_hz: Sample rate, Hz; needed where the log has no timestamps, and replaces timestamps that show another rate.
         format: The format by its identifier, where the content does not tell.
         topic: Which sensor, where a log has several.
         strict: Refuse the first row that cannot be used, instead of counting up to 5 % of them.

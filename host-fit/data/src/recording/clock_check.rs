@@ -83,17 +83,17 @@ impl fmt::Display for ClockProblem {
                 let stamped = stamped_hz.map_or_else(|| "no rate".to_owned(), |hz| format!("{hz:.4} Hz"));
                 write!(
                     f,
-                    "the stated rate of {rate_hz} Hz replaces the time stamps (column \"{column}\"), which show {stamped}: rows count in their order, and gaps between the stamps still end segments. If the timestamps are right, omit `rate_hz`; if they are in another unit, name it in the column map, as in t_s={column}:ms"
+                    "the stated rate of {rate_hz} Hz replaces the timestamps (column \"{column}\"), which show {stamped}: rows count in their order, and gaps between the timestamps still end segments. If the timestamps are right, omit `rate_hz`; if they are in another unit, name it in the column map, as in t_s={column}:ms"
                 )
             }
             Self::TooFast { column, thermometer, kelvin, seconds } => write!(
                 f,
-                "{thermometer} moves by {kelvin:.1} K within {seconds:.2} s, {:.0} K/s: a sensor warms by less than {FASTEST_K_PER_S} K/s, so that the time stamps (column \"{column}\") are not time. State the true rate of the rows as `rate_hz`; rows then count in their order",
+                "{thermometer} moves by {kelvin:.1} K within {seconds:.2} s, {:.0} K/s: a sensor warms by less than {FASTEST_K_PER_S} K/s, so that the timestamps (column \"{column}\") are not time. State the true rate of the rows as `rate_hz`; rows then count in their order",
                 kelvin.abs() / seconds
             ),
             Self::Rounded { column, step_s } => write!(
                 f,
-                "the time stamps (column \"{column}\") are multiples of {} µs: a spreadsheet rounded them, as 1.40364E+18. Read the file that it was made of, or state the rate of the rows as `rate_hz`",
+                "the timestamps (column \"{column}\") are multiples of {} µs: a spreadsheet rounded them, as 1.40364E+18. Read the file that it was made of, or state the rate of the rows as `rate_hz`",
                 1e6 * step_s
             ),
             Self::Repeated { column, share } => write!(

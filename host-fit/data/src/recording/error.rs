@@ -302,7 +302,7 @@ pub enum RecordingError {
     },
     /// Timestamps that do not run forward.
     #[error(
-        "{}: the time stamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or give the rate of the rows (`rate_hz`): it replaces stamps that show none, as those that a spreadsheet rounded to 1.40364E+18",
+        "{}: the timestamps (column \"{column}\") do not increase, so there is no sample rate\nhelp: check the column map, or give the rate of the rows (`rate_hz`): it replaces invalid timestamps, such as those that a spreadsheet rounded to 1.40364E+18",
         path.display()
     )]
     NoClock {
@@ -312,7 +312,7 @@ pub enum RecordingError {
     },
     /// Timestamps in another unit than stated.
     #[error(
-        "{}: by its time stamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or give the rate of the rows (`rate_hz`), which replaces the stamps",
+        "{}: by its timestamps (column \"{column}\") the log has a sample every {period_s:e} s, which no sensor gives\nhelp: name their unit in the column map, as in t_s={column}:ms, or give the rate of the rows (`rate_hz`), which replaces the stamps",
         path.display()
     )]
     NoSuchClock {

@@ -136,7 +136,7 @@ pub(super) fn read(
             let found = column.values.len() - start;
             if found != rows {
                 let text =
-                    format!("column \"{}\" has {found} cells where the file tells of {rows}", column.name);
+                    format!("column \"{}\" has {found} cells where the file declares {rows}", column.name);
                 return Err(failed(ParquetError::General(text)));
             }
         }

@@ -106,7 +106,7 @@ pub fn preview(path: &Path, map: &ColumnMap) -> Result<Preview, RecordingError> 
                     true => {
                         "another column is as good for the same channel and differs: choose one".to_owned()
                     }
-                    false => "not a channel that is known: kept under its own name".to_owned(),
+                    false => "unknown channel; keeps its name".to_owned(),
                 },
                 sure: !is_undecided(&quoted),
                 name,

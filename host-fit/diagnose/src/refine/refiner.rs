@@ -582,10 +582,10 @@ fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
 /// The alternative to adding the effect.
 fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
-        Band::Data => "repair the data: another full scale, a faster bus, a finer output",
+        Band::Data => "fix the recording: another full scale, a faster bus, a finer output",
         Band::Stochastic => "fit the stochastic part again on this log",
         Band::Wide if effect.search != Detector::Line => {
-            "a filter in front of the model, or another output rate"
+            "use a filter before the model, or another output rate"
         }
         _ => return Ok(()),
     };

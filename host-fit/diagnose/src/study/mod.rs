@@ -123,7 +123,7 @@ pub enum StudyError {
 
 impl Tool {
     pub fn this() -> Self {
-        Self { name: "host-fit".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
+        Self { name: "fos".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() }
     }
 }
 

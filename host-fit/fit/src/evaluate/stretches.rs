@@ -1,5 +1,6 @@
 //! Stretches in which a model fails worst, and the channels that are unusual in them.
 
+use fos_core::GRAVITY_MPS2;
 use fos_data::column::Column;
 use std::ops::Range;
 
@@ -49,9 +50,9 @@ pub struct Stretch {
     pub special: Vec<String>,
 }
 
-/// Returns the stretches of `axis` whose slow error stands out, worst first: at most five, with neighbours in time
-/// merged.
-pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec<Stretch> {
+/// Returns the stretches of `axis`, whose channel is `column`, with a slow error that stands out, worst first: at most
+/// five, with neighbours in time merged.
+pub fn worst_stretches(trace: &Trace, axis: usize, column: &str, recording: &Recording) -> Vec<Stretch> {
     let still_rows: usize = trace.stretches.iter().map(Range::len).sum();
     let length = ((LENGTH_S / trace.period_s) as usize).min(still_rows / 20).max(1);
     let left = |place: &Range<usize>| {
@@ -96,7 +97,7 @@ pub fn worst_stretches(trace: &Trace, axis: usize, recording: &Recording) -> Vec
         .map(|Group { places: indices, worst, .. }| {
             let rows = places[indices.start].start..places[indices.end - 1].end;
             let rms = rms(&rows);
-            let mut special = backdrop.special(worst);
+            let mut special = backdrop.special(worst, column);
             // every burst begins after a gap
             special.extend(after_a_gap(recording, trace, &places[worst]).filter(|_| !is_in_bursts));
             Stretch {
@@ -210,30 +211,42 @@ impl Backdrop {
         Self { channels: channels.collect() }
     }
 
-    /// Describes the three channels that are furthest from their usual values in stretch `index`.
-    fn special(&self, index: usize) -> Vec<String> {
+    /// Describes the three channels that are furthest from their usual values in stretch `index`. The failing axis
+    /// does not explain itself.
+    fn special(&self, index: usize, failing: &str) -> Vec<String> {
         let mut found: Vec<(f64, String)> = Vec::new();
-        for channel in &self.channels {
-            let unit = Column::named(&channel.name).unit().label();
+        for channel in self.channels.iter().filter(|channel| channel.name != failing) {
+            let label = Column::named(&channel.name).label();
             if let Some((score, usual)) = score(&channel.means, index) {
-                let text =
-                    format!("{} is at {:.4} {unit}, usually {usual:.4}", channel.name, channel.means[index]);
-                found.push((score, text));
+                found.push((
+                    score,
+                    format!("{label} is at {}", compared(&channel.name, channel.means[index], usual)),
+                ));
             }
             if let Some((score, usual)) = score(&channel.deviations, index) {
                 let times = channel.deviations[index] / usual;
                 // a significant difference may still be too small to matter
                 if !USUAL.contains(&times) {
-                    found.push((
-                        score,
-                        format!("{} scatters {times:.1} times as much as usual", channel.name),
-                    ));
+                    found.push((score, format!("{label} scatters {times:.1} times as much as usual")));
                 }
             }
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         found.into_iter().take(3).map(|(_, text)| text).collect()
     }
+}
+
+/// Shows a value of a channel and its usual value in units of data sheets, with two digits of their difference.
+fn compared(channel: &str, value: f64, usual: f64) -> String {
+    let column = Column::named(channel);
+    let (unit, si) = match column {
+        _ if column.is_angular_rate() => ("°/s", 1.0_f64.to_radians()),
+        _ if column.is_specific_force() => ("mg", 1e-3 * f64::from(GRAVITY_MPS2)),
+        _ => (column.unit().label(), 1.0),
+    };
+    let (value, usual) = (value / si, usual / si);
+    let decimals = (1.0 - (value - usual).abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.decimals$} {unit}, usually {usual:.decimals$}")
 }
 
 /// Describes the gap or motion that a place begins soon after; none if it does not.
@@ -285,6 +298,25 @@ mod tests {
         (recording, Trace { rows, period_s: 0.005, stretches, axes })
     }
 
+    #[test]
+    fn values_are_shown_in_units_of_data_sheets_with_two_digits_of_their_difference() {
+        assert_eq!(compared("gy_rads", -0.0046, -0.0044), "-0.264 °/s, usually -0.252");
+        assert_eq!(compared("ax_mps2", 9.80665, 9.7), "1000 mg, usually 989");
+        assert_eq!(compared("temp_c", 35.46, 31.0), "35.5 °C, usually 31.0");
+    }
+
+    #[test]
+    fn an_axis_does_not_explain_itself() {
+        let means = vec![1.0, 1.1, 0.9, 1.0, 5.0];
+        let channel = |name: &str| ChannelBackdrop {
+            name: name.to_owned(),
+            means: means.clone(),
+            deviations: vec![1.0; means.len()],
+        };
+        let backdrop = Backdrop { channels: vec![channel("gx_rads"), channel("temp_c")] };
+        assert_eq!(backdrop.special(4, "gx_rads"), ["temp_c is at 5.0 °C, usually 1.0"]);
+    }
+
     /// Regression: no stretch was reported, as no burst holds the 10 s of a stretch and its first quarter has no coast.
     #[test]
     fn the_five_worst_bursts_are_named_each_alone() {
@@ -292,7 +324,7 @@ mod tests {
             // the worst follow one another, up to the third last
             let sizes: Vec<f64> = (0..bursts).map(|burst| 4_f64.powi((burst + 2) % bursts + 1)).collect();
             let (recording, trace) = in_bursts(&sizes);
-            let worst = worst_stretches(&trace, 0, &recording);
+            let worst = worst_stretches(&trace, 0, "gx_rads", &recording);
             let burst = |time_s: f64| (time_s / 300.0).floor();
             assert!(worst.iter().all(|stretch| burst(stretch.begin_s) == burst(stretch.end_s)), "{worst:?}");
             let found: Vec<f64> = worst.iter().map(|stretch| burst(stretch.begin_s)).collect();
@@ -332,10 +364,11 @@ mod tests {
                 axes,
             }
         };
-        assert_eq!(worst_stretches(&of(coast.clone()), 0, &recording), []);
+        assert_eq!(worst_stretches(&of(coast.clone()), 0, "gx_rads", &recording), []);
         let drifting =
             |(value, time): (&f64, &f64)| value + if (600.0..660.0).contains(time) { 1.2 } else { 0.0 };
-        let found = worst_stretches(&of(coast.iter().zip(&time).map(drifting).collect()), 0, &recording);
+        let found =
+            worst_stretches(&of(coast.iter().zip(&time).map(drifting).collect()), 0, "gx_rads", &recording);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].begin_s >= 590.0 && found[0].end_s <= 670.0, "{found:?}");
     }

@@ -12,6 +12,7 @@ use crate::cli::arguments::OutputFolder;
 use crate::cli::output::{Failure, Written, print_line, print_warning, print_written};
 use fos_data::file::process_reads::Identity;
 use fos_data::file::write_atomically;
+use fos_data::text::counted;
 
 /// Write the image of a part, and a record of some 100 bytes for each device
 ///
@@ -103,7 +104,7 @@ impl Export {
             Ok(())
         };
         let terms = shipment.model.n_terms();
-        let about = format!("{} bytes, {terms} terms", shipment.image.len());
+        let about = format!("{} bytes, {}", shipment.image.len(), counted(terms, "term"));
         write(folder.join(IMAGE), &shipment.image, about)?;
         let names = file_names(&shipment.units);
         let mut table = csv::Writer::from_writer(Vec::new());
@@ -118,23 +119,27 @@ impl Export {
             })?;
         }
         let table = table.into_inner().map_err(|error| error.to_string())?;
-        write(folder.join(UNITS), &table, format!("{} devices and their records", names.len()))?;
+        write(folder.join(UNITS), &table, format!("{} and their records", counted(names.len(), "device")))?;
         print_written(&written, self.json)?;
         if !shipment.without.is_empty() {
             print_warning(&format!(
-                "nothing is known of {} devices, which run on the image of their part: {}",
-                shipment.without.len(),
+                "{} without data, which will run the image of the part: {}",
+                counted(shipment.without.len(), "device"),
                 some(&shipment.without)
             ));
         }
         let odd: Vec<String> =
             shipment.units.iter().filter(|unit| unit.odd).map(|unit| unit.unit.clone()).collect();
         if !odd.is_empty() {
-            print_warning(&format!("odd devices: {}: {}", odd.len(), some(&odd)));
+            print_warning(&format!("{}: {}", counted(odd.len(), "odd device"), some(&odd)));
         }
         if !self.json {
             let longest = shipment.units.iter().map(|unit| unit.record.len()).max().unwrap_or(0);
-            print_line!("{} records in {}, at most {longest} bytes each", names.len(), records.display());
+            print_line!(
+                "{} in {}, at most {longest} bytes each",
+                counted(names.len(), "record"),
+                records.display()
+            );
         }
         Ok(())
     }

@@ -8,12 +8,14 @@ use crate::cli::arguments::{OutputFile, Reading, library};
 use crate::cli::output::{Failure, print_json, print_line, print_warning, progress, table};
 use crate::cli::units::{Units, UnitsOption, percent, three};
 use crate::program::this_build;
+use crate::report::fleet::unit_in_words;
+use crate::units::three_beside;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
 use fos_data::text::counted;
 use fos_diagnose::effects::SizeUnit;
 use fos_fleet::{
-    Asked, AxisSummary, BIAS, FALSE_ODD, PROGRAM, PartSummary, check_regressors, rows, rows_beside, units_in,
+    Asked, AxisSummary, FALSE_ODD, PROGRAM, PartSummary, check_regressors, rows, rows_beside, units_in,
 };
 
 /// The devices, and the files to write.
@@ -123,7 +125,7 @@ fn print_part(part: &PartSummary, units: Units) {
         print_line!("\n{shares}");
     }
     if let Some(sentence) = part.not_conclusive() {
-        print_line!("\nodd devices: {sentence}");
+        print_line!("\nOdd devices: {}", sentence.replacen('N', "n", 1));
     }
     if part.odd.is_empty() {
         if part.units_needed.is_none() {
@@ -162,7 +164,9 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary, units: Units) 
             Units::Field => (unit.si, unit.spelled()),
             Units::Si => (1.0, unit.in_si()),
         };
-        let shown = |value: f64| three(value / one);
+        let [lowest, highest] = population.mean_interval(place);
+        let scale = (highest - lowest).max(scatter.units).max(scatter.measurement) / one;
+        let shown = |value: f64| three_beside(value / one, scale);
         let [low, high] = scatter.units_interval.map(shown);
         let [mean_low, mean_high] = population.mean_interval(place).map(shown);
         let between_lots = match scatter.lots_alike {
@@ -172,7 +176,7 @@ fn add_rows(of_axes: &mut comfy_table::Table, axis: &AxisSummary, units: Units) 
         of_axes.add_row(vec![
             axis.column.clone(),
             name.clone(),
-            if name == BIAS { unit_name } else { format!("{unit_name} per {name}") },
+            unit_in_words(&unit_name, name),
             population.units.to_string(),
             format!("{} ({mean_low} to {mean_high})", shown(population.mean[place])),
             format!("{} ({low} to {high})", shown(scatter.units)),

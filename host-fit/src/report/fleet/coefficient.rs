@@ -4,13 +4,16 @@ use serde::Serialize;
 
 use crate::figures::Figure;
 use crate::figures::population::{LotMean, OfCoefficient, UnitDot, of_coefficient};
+use crate::units::three;
 use fos_data::column::Column;
-use fos_data::text::number;
 use fos_diagnose::effects::SizeUnit;
 use fos_fleet::{BIAS, PartSummary, Population, REFERENCE_C, UnitRow};
 
 /// Ratio of the bounds of a standard deviation's interval above which a caution is given.
 const WIDE: f64 = 2.0;
+
+/// Column of the temperature.
+const TEMPERATURE: &str = "temp_c";
 
 /// Number of lots below which the scatter between them is given with a caution.
 const FEW_LOTS: usize = 6;
@@ -24,7 +27,7 @@ pub(super) const NINETY: f64 = 1.645;
 pub struct CoefficientReport {
     /// Name: `bias`, or the regressor.
     pub name: String,
-    /// Unit of all numbers, such as `dps/K`.
+    /// Unit of all numbers, such as `(°/s)/K`.
     pub unit: String,
     /// Number of units in the population.
     pub units: usize,
@@ -73,13 +76,21 @@ pub struct LeftBy {
 /// Returns the unit of a coefficient, and its size in SI.
 pub(super) fn unit_of(column: &str, name: &str) -> (String, f64) {
     let unit = SizeUnit::of_axis(Column::named(column));
-    let text = match name {
-        BIAS => unit.to_string(),
-        "temp_c" => format!("{unit}/K"),
-        "temp_c * temp_c" => format!("{unit}/K²"),
-        _ => format!("{unit} per {name}"),
-    };
-    (text, unit.si)
+    (unit_in_words(&unit.spelled(), name), unit.si)
+}
+
+/// Returns the unit of a coefficient of an axis whose unit is `axis`: `(°/s)/K` of a coefficient of `temp_c`.
+pub(crate) fn unit_in_words(axis: &str, name: &str) -> String {
+    let kelvins = || name.split(" * ").map(str::trim);
+    let is_temperature = |factor: &str| factor == TEMPERATURE || factor.starts_with("temp_c:lowpass(");
+    let bracketed = if axis.contains('/') { format!("({axis})") } else { axis.to_owned() };
+    match kelvins().count() {
+        _ if name == BIAS => axis.to_owned(),
+        power @ 1..=3 if kelvins().all(is_temperature) => {
+            format!("{bracketed}/K{}", ["", "²", "³"][power - 1])
+        }
+        _ => format!("{bracketed} per unit of {name}"),
+    }
 }
 
 impl CoefficientReport {
@@ -186,24 +197,24 @@ impl CoefficientReport {
         if low <= 0.0 {
             found.push(format!(
                 "The scatter between devices is indistinguishable from the error of the logs, {} {unit}: it may be zero, and is at most {} {unit}. Longer logs separate the two.",
-                number(self.error_of_log),
-                number(high)
+                three(self.error_of_log),
+                three(high)
             ));
         } else if high > WIDE * low {
             found.push(format!(
-                "The scatter between devices is only known to lie between {} and {} {unit}. More devices, or longer logs, tell it better.",
-                number(low),
-                number(high)
+                "The scatter between devices is only known to lie between {} and {} {unit}. More devices or longer logs narrow this interval.",
+                three(low),
+                three(high)
             ));
         }
         if low > 0.0 && self.error_of_log > self.between_units {
-            found.push("A log errs by more than devices differ: a device's own estimate says less of it than the mean of its part.".to_owned());
+            found.push("The error of one log exceeds the scatter of devices, so the mean of the part is more accurate than a device's own estimate.".to_owned());
         }
         if self.between_lots.is_some() && self.lots < FEW_LOTS {
             found.push(format!(
                 "The scatter between lots rests on {} lots: it may be anything up to {} {unit}.",
                 self.lots,
-                number(self.between_lots_interval[1])
+                three(self.between_lots_interval[1])
             ));
         }
         found
@@ -233,6 +244,19 @@ fn in_order(name: &str) -> Vec<(String, u64)> {
 #[cfg(test)]
 mod tests {
     use super::in_order;
+
+    #[test]
+    fn coefficients_have_the_units_of_data_sheets() {
+        for (axis, name, unit) in [
+            ("°/s", "bias", "°/s"),
+            ("°/s", "temp_c", "(°/s)/K"),
+            ("mg", "temp_c * temp_c", "mg/K²"),
+            ("mg", "temp_c:lowpass(60)", "mg/K"),
+            ("°/s", "supply_v", "(°/s) per unit of supply_v"),
+        ] {
+            assert_eq!(super::unit_in_words(axis, name), unit);
+        }
+    }
 
     #[test]
     fn numbers_in_names_go_by_their_size() {

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+pub(crate) use coefficient::unit_in_words;
 pub use coefficient::{CoefficientReport, LeftBy};
 pub use odd::OddReport;
 pub use read::{NotRead, UnitsRead};
@@ -147,8 +148,7 @@ fn variance(axes: &[AxisReport]) -> Option<Figure> {
         }
     }
     coefficients.sort_by_key(|(name, _)| name != BIAS);
-    (!coefficients.is_empty())
-        .then(|| of_variance("Of what the differences of devices are made", &coefficients))
+    (!coefficients.is_empty()).then(|| of_variance("Sources of variation", &coefficients))
 }
 
 /// Returns the reasons not to trust the numbers of a part, a sentence each.
@@ -158,14 +158,16 @@ fn cautions(read: &UnitsRead, axes: &[AxisReport], odd: usize) -> Vec<String> {
     let silent = read.partly + read.nothing;
     if share(silent) > MANY {
         found.push(format!(
-            "{silent} of {} devices have incomplete data: if they differ from the others, these results do not describe the part.",
-            read.units
+            "{silent} of {} devices {} incomplete data: if they differ from the others, these results do not describe the part.",
+            read.units,
+            if silent == 1 { "has" } else { "have" }
         ));
     }
     if share(odd) > MANY {
         found.push(format!(
-            "{odd} of {} devices are odd: so many are no exceptions, but a second population that one mean and one scatter do not describe.",
-            read.units
+            "{odd} of {} devices {} odd. That share suggests two populations; check lots and parts.",
+            read.units,
+            if odd == 1 { "is" } else { "are" }
         ));
     }
     let without: Vec<&str> =

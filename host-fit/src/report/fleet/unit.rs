@@ -46,7 +46,7 @@ pub struct UnitAxis {
 pub struct UnitCoefficient {
     /// Name: `bias`, or the regressor.
     pub name: String,
-    /// Unit of the values, such as `dps/K`.
+    /// Unit of the values, such as `(°/s)/K`.
     pub unit: String,
     /// Estimate from the unit's own log; none where the log does not determine it.
     pub own: Option<[f64; 2]>,

@@ -5,11 +5,11 @@ import { el, icon } from "./dom.js";
 import { capitalised, number, percent } from "./format.js";
 import { effectName } from "./library.js";
 import { chosen } from "./units.js";
-import { OUTCOMES } from "./verdict.js";
+import { OUTCOMES, SLOW_ERROR } from "./verdict.js";
 
 /** @typedef {import("./types.js").AxisPage} AxisPage */
 
-const HEAD = ["Axis", "Outcome", "Slow error", "With the model", "Unit", "Suggested effect", "Predicted reduction"];
+const HEAD = ["Axis", "Outcome", "Slow error", "With the model", "Unit", "Suggested effect", "Predicted reduction of the RMS"];
 const RIGHT = new Set([2, 3, 6]);
 
 /**
@@ -32,7 +32,7 @@ export function axesTable(axes, viewed, isWorking, choose, units) {
       [rms(slow?.[1])],
       [unit.label],
       [suggested ? capitalised(suggested.name || effectName(suggested.effect)) : "–"],
-      [suggested && suggested.expected_drop > 0 ? percent(suggested.rms_reduction) : "–"],
+      [suggested && suggested.expected_drop > 0 ? `${percent(suggested.rms_reduction)} of the ${suggested.band === "wide" ? "samples" : "slow error"}` : "–"],
     ];
     const isViewed = column === viewed;
     const name = el("button", { type: "button", class: "link", "data-key": `overview:${column}`, "aria-current": isViewed ? "true" : null, onclick: () => choose(column) }, label);
@@ -48,6 +48,6 @@ export function axesTable(axes, viewed, isWorking, choose, units) {
     "div",
     { class: "card axes-table" },
     el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "All axes" }, el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, axes.map(row)))),
-    el("div", { class: "axes-foot" }, el("p", { class: "note" }, "Slow error: RMS of 1-s means on data that were not fitted. The first is that of a constant bias, the second that of the model in a free run of at most 60 s."), units),
+    el("div", { class: "axes-foot" }, el("p", { class: "note" }, SLOW_ERROR), units),
   );
 }

@@ -11,8 +11,8 @@ import { drawShape } from "./figureshapes.js";
 import { whileOnPage } from "./onpage.js";
 import { legendEntry, paint, placeOf, within } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
-import { linearTicks, logTicks } from "./ticks.js";
-import { RIGHT, Y_AXIS, axisStyle } from "./timechart.js";
+import { linearTicks, logTicks, spaced } from "./ticks.js";
+import { LINE as LABEL, RIGHT, Y_AXIS, axisStyle, widthOf } from "./timechart.js";
 
 /** @typedef {import("./types.js").Figure} Figure */
 /** @typedef {import("./types.js").Panel} Panel */
@@ -148,14 +148,14 @@ class Drawing {
         axes: [
           {
             ...axisStyle(),
-            ...ticksOf({ ...this.#panel.x, names: labels }, x, (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
+            ...ticksOf({ ...this.#panel.x, names: labels }, x, "x", (u) => (u.width - Y_AXIS - RIGHT) / X_LABELS),
             size: 34 + more,
             lineGap: 1.2,
             label: this.#panel.x.label || undefined,
             labelSize: this.#panel.x.label ? 22 : 0,
             labelFont: "12px system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif",
           },
-          { ...axisStyle(), ...ticksOf(this.#panel.y, y, () => (this.#height - 64) / Y_LABELS), size: Y_AXIS },
+          { ...axisStyle(), ...ticksOf(this.#panel.y, y, "y", () => (this.#height - 64) / Y_LABELS), size: Y_AXIS },
         ],
         series: [{}, { paths: () => null, points: { show: false } }],
         padding: [this.#panel.shading.some(({ ranges }) => ranges.some((range) => range.mark)) ? 18 : 8, RIGHT, 0, 0],
@@ -201,9 +201,9 @@ function fitted(names, room) {
 
 /**
  * Marks of an axis for the chart library, which asks for places first and texts afterwards.
- * @param {FigureAxis} axis @param {Extent} range @param {(u: uPlot) => number} count
+ * @param {FigureAxis} axis @param {Extent} range @param {"x" | "y"} scale @param {(u: uPlot) => number} count
  */
-function ticksOf(axis, range, count) {
+function ticksOf(axis, range, scale, count) {
   const named = axis.names.map((label, value) => ({ value, label }));
   const ticks = (/** @type {uPlot} */ u) => {
     if (named.length > 0) return named;
@@ -211,7 +211,11 @@ function ticksOf(axis, range, count) {
   };
   return {
     splits: (/** @type {uPlot} */ u) => ticks(u).map((tick) => tick.value),
-    values: (/** @type {uPlot} */ u, /** @type {number[]} */ at) => at.map((value) => ticks(u).find((tick) => tick.value === value)?.label ?? ""),
+    values(/** @type {uPlot} */ u, /** @type {number[]} */ at) {
+      const place = (/** @type {number} */ value) => u.valToPos(value, scale);
+      const kept = named.length > 0 ? named : scale === "x" ? spaced(ticks(u), place, widthOf, u.width - Y_AXIS) : spaced(ticks(u), place, () => LABEL);
+      return at.map((value) => kept.find((tick) => tick.value === value)?.label ?? "");
+    },
     filter: (/** @type {uPlot} */ _, /** @type {number[]} */ at) => at,
   };
 }

@@ -73,8 +73,12 @@ function drawTabs() {
     );
   const isOpening = current === null && !addressedPopulation(location.hash);
   replace(tabs, studies.map(tab), el("a", { class: "new", href: "#/open", "aria-current": isOpening ? "page" : null, "data-key": "tab:new" }, "New"));
-  tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+  showCurrentTab();
 }
+
+const showCurrentTab = () => tabs.querySelector(".tab[data-current=true], .new[aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+// the status of a job takes room from the tabs
+new ResizeObserver(showCurrentTab).observe(tabs);
 
 /** @param {number} id */
 async function close(id) {
@@ -94,10 +98,10 @@ async function close(id) {
 function route() {
   const id = addressed();
   const isColumns = isOfColumns(location.hash);
-  job.follow(null, null);
   if (page?.id !== id || isColumns) {
     page?.close();
     page = null;
+    job.follow(null, null);
   }
   const named = addressedPopulation(location.hash);
   if (!named) population = null;
@@ -123,7 +127,9 @@ function route() {
     main.replaceChildren(columns.element);
     document.title = "Columns – fos workbench";
     scrollTo(0, 0);
-  } else if (!page) {
+  } else if (page) {
+    page.visit(location.hash);
+  } else {
     page = new StudyPage(id, {
       notices,
       changed(state) {

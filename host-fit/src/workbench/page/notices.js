@@ -21,13 +21,29 @@ export class Notices {
   }
 }
 
+/** Terms of the libraries, and where the page has them. @type {[RegExp, string][]} */
+const ON_PAGE = [
+  [/read the log with `keep_moved`/g, "press Include these rows"],
+  [/pass it as `reference`/g, "choose it as reference log under Columns…"],
+  [/log the true values \(`ref_…`\)/g, "log the true values in columns such as ref_gx_rads"],
+  [/one with the true values \(`ref_…`\)/g, "one with the true values in columns such as ref_gx_rads"],
+  [/`rate_hz`/g, "the sampling rate under Columns…"],
+  [/the column map/g, "the table under Columns…"],
+];
+
+/** A message of the libraries in the terms of the page. @param {string} text */
+export const onPage = (text) => ON_PAGE.reduce((message, [from, to]) => message.replace(from, to), text);
+
+/** True if the rows with detected motion would make the log usable. @param {string} message */
+export const needsMovedRows = (message) => message.includes("`keep_moved`");
+
 /**
  * A message with the problem and, after `help:`, the remedy.
  * @param {string} message
  * @param {() => void} [dismiss]
  */
 export function alertElement(message, dismiss) {
-  const [wrong, ...help] = message.split(/\n?^help: /m);
+  const [wrong, ...help] = onPage(message).split(/\n?^help: /m);
   return el(
     "div",
     { class: "alert", role: "alert" },

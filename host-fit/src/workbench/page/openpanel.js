@@ -170,7 +170,7 @@ export class OpenPanel {
     const id = uniqueId("population");
     const select = el("select", { id, "data-key": "population" }, populations.map(({ path }) => el("option", { value: path }, path)));
     const open = () => (location.hash = populationAddress(select.value));
-    replace(this.#populations, el("h2", {}, el("label", { for: id }, "A population on this machine")), el("div", { class: "row" }, select, el("button", { type: "button", "data-key": "open-population", onclick: open }, "Open it")));
+    replace(this.#populations, el("h2", {}, el("label", { for: id }, "A population on this machine")), el("div", { class: "row" }, select, el("button", { type: "button", "data-key": "open-population", onclick: open }, "Open population")));
   }
 
   #draw() {

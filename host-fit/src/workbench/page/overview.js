@@ -4,7 +4,7 @@
 import uPlot from "./vendor/uplot.esm.js";
 import { el } from "./dom.js";
 import { whileOnPage } from "./onpage.js";
-import { paint } from "./shading.js";
+import { paint, rangeOutside } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
 import { RIGHT, Y_AXIS, padded } from "./timechart.js";
 
@@ -54,7 +54,7 @@ export class Overview {
         height: HEIGHT,
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false, range: () => this.#time.whole }, y: { range: (_, low, high) => padded(low, high) } },
+        scales: { x: { time: false, range: () => this.#time.whole }, y: { range: (u, low, high) => padded(...rangeOutside(u, this.#moved, low, high)) } },
         axes: [{ show: false }, { show: false }],
         padding: [4, RIGHT, 4, Y_AXIS],
         series: [{}, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }, { stroke: () => faint(ink, 0.7), width: 1, points: { show: false } }],
@@ -73,7 +73,7 @@ export class Overview {
   setMoved(moved) {
     if (this.#moved === moved) return;
     this.#moved = moved;
-    this.#plot?.redraw(false);
+    this.#plot?.redraw();
   }
 
   #place() {

@@ -83,7 +83,7 @@ export class PopulationPage {
       const chosen = units[Number(select.value)];
       if (chosen) location.hash = populationAddress(this.path, chosen);
     };
-    return el("div", { class: "row" }, el("label", { for: id }, `One of ${count(units.length)} devices`), select, el("button", { type: "button", "data-key": "show-unit", onclick: open }, "Show it"));
+    return el("div", { class: "row" }, el("label", { for: id }, `One of ${count(units.length)} devices`), select, el("button", { type: "button", "data-key": "show-unit", onclick: open }, "Show device"));
   }
 
   /** @param {Part} part @returns {HTMLElement[]} */
@@ -97,7 +97,7 @@ export class PopulationPage {
         el(
           "div",
           { class: "card" },
-          el("p", {}, `${count(read.units)} devices in ${count(read.lots)} lots. All axes were read for ${count(read.whole)}, some for ${count(read.partly)}, none for ${count(read.nothing)}.`),
+          el("p", {}, wordsOfRead(read)),
           part.cautions.map((caution) => el("p", {}, caution)),
           read.not_read.length === 0 ? null : table(title("devices with incomplete data"), ["device", "lot", "why"], read.not_read.map((unit) => [this.#link(part, unit.unit), unit.lot ?? "", [...unit.reasons, ...unit.help].map((line) => el("div", {}, line))]), 0),
           read.more > 0 ? el("p", { class: "note" }, `And ${count(read.more)} more.`) : null,
@@ -167,6 +167,13 @@ export class PopulationPage {
   }
 }
 
+/** How many devices were read, and how completely. @param {Part["read"]} read */
+function wordsOfRead({ units, lots, whole, partly, nothing }) {
+  const devices = (/** @type {number} */ one) => `${count(one)} ${one === 1 ? "device" : "devices"}`;
+  const incomplete = [partly > 0 ? ` Some axes of ${devices(partly)} were read.` : "", nothing > 0 ? ` No axis of ${devices(nothing)} was read.` : ""];
+  return `${devices(units)} in ${count(lots)} ${lots === 1 ? "lot" : "lots"}. All axes of ${devices(whole)} were read.${incomplete.join("")}`;
+}
+
 /** @param {string} title @param {...HTMLElement} children */
 function titled(title, ...children) {
   const id = uniqueId("part");
@@ -191,17 +198,23 @@ const range = ([low, high]) => `${number(low)} to ${number(high)}`;
 
 /** @param {Part} part @param {string} label */
 function differences({ axes }, label) {
-  const row = (/** @type {string} */ label, /** @type {Coefficient} */ one) => [
-    label,
-    one.name,
-    one.unit,
-    count(one.units),
-    `${number(one.mean)} (${range(one.mean_interval)})`,
-    `${number(one.between_units)} (${range(one.between_units_interval)})`,
-    isNumber(one.between_lots) ? `${number(one.between_lots)} (${range(one.between_lots_interval)})` : UNKNOWN,
-    number(one.error_of_log),
-    number(one.lots_alike),
-  ];
+  const row = (/** @type {string} */ label, /** @type {Coefficient} */ one) => {
+    // a value too small to matter beside its uncertainty and scatter is 0, so that one notation is enough
+    const scale = Math.max(one.mean_interval[1] - one.mean_interval[0], one.between_units, one.error_of_log);
+    const write = (/** @type {number} */ value) => number(Math.abs(value) < 0.01 * scale ? 0 : value);
+    const from = (/** @type {number} */ value, /** @type {[number, number]} */ [low, high]) => `${write(value)} (${write(low)} to ${write(high)})`;
+    return [
+      label,
+      one.name,
+      one.unit,
+      count(one.units),
+      from(one.mean, one.mean_interval),
+      from(one.between_units, one.between_units_interval),
+      isNumber(one.between_lots) ? from(one.between_lots, one.between_lots_interval) : UNKNOWN,
+      write(one.error_of_log),
+      number(one.lots_alike),
+    ];
+  };
   const rows = axes.flatMap((axis) => axis.coefficients.map((one) => row(axis.label, one)));
   const without = axes.filter((axis) => axis.without).map((axis) => el("p", {}, `${capitalised(axis.label)}: ${axis.without}`));
   return [
@@ -233,5 +246,5 @@ function figures({ part, axes, variance }) {
 /** @param {Part} part @param {string} label @returns {HTMLElement[]} */
 function shipped({ axes }, label) {
   const rows = axes.flatMap((axis) => axis.effects.map((one) => [axis.label, one.effect, one.device, `${count(one.units[0])} of ${count(one.units[1])}`, `${percent(one.share_interval[0])} to ${percent(one.share_interval[1])}`, percent(one.mean_reduction)]));
-  return rows.length === 0 ? [] : [table(label, ["axis", "effect", "costs on the device", "devices that have it", "share of the part, 90 %", "fall of the error if all models had it"], rows, 3)];
+  return rows.length === 0 ? [] : [table(label, ["axis", "effect", "costs on the device", "devices that have it", "share of the part, 90 %", "reduction of the error if all models had it"], rows, 3)];
 }

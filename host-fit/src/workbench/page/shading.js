@@ -23,6 +23,33 @@ export function placeOf(u, range) {
 /** The stretches between two values of x. @param {Shading} shading @param {number} low @param {number} high */
 export const within = (shading, low, high) => shading.ranges.filter(({ from, to }) => to >= low && from <= high);
 
+/**
+ * Lowest and highest visible value outside of excluded stretches; of all values where every visible one is excluded.
+ * @param {uPlot} u @param {Shading | null} shading @param {number | null} low of all visible values @param {number | null} high
+ * @returns {[number | null, number | null]}
+ */
+export function rangeOutside(u, shading, low, high) {
+  if (shading?.tone !== "LeftOut" || shading.ranges.length === 0) return [low, high];
+  const time = u.data[0];
+  const [first, last] = u.series[0]?.idxs ?? [0, time.length - 1];
+  const shown = u.series.slice(1).flatMap(({ show }, at) => (show ? [/** @type {(number | null)[]} */ (u.data[at + 1])] : []));
+  // means and buckets at the edge of a stretch contain excluded samples too
+  const reach = (/** @type {number} */ at) => 0.5 * Math.min(...[at - 1, at].map((of) => Number(time[of + 1]) - Number(time[of])).filter((gap) => gap > 0));
+  let [least, most] = [Infinity, -Infinity];
+  for (let at = first; at <= last; at += 1) {
+    const now = Number(time[at]);
+    const half = reach(at);
+    if (shading.ranges.some(({ from, to }) => now > from - half && now < to + half)) continue;
+    for (const values of shown) {
+      const value = values[at];
+      if (typeof value !== "number") continue;
+      least = Math.min(least, value);
+      most = Math.max(most, value);
+    }
+  }
+  return least <= most ? [least, most] : [low, high];
+}
+
 /** Paints the visible stretches. @param {uPlot} u @param {Shading} shading */
 export function paint(u, shading) {
   const { ctx, bbox } = u;

@@ -7,7 +7,7 @@ import { axesTable } from "./axestable.js";
 import { el, icon, radioGroup, replace } from "./dom.js";
 import { follow } from "./follow.js";
 import { capitalised, count, duration, fileName, percent } from "./format.js";
-import { alertElement } from "./notices.js";
+import { alertElement, needsMovedRows } from "./notices.js";
 import { failsPart } from "./parts/fails.js";
 import { fallsPart } from "./parts/falls.js";
 import { measuredPart } from "./parts/measured.js";
@@ -88,8 +88,7 @@ export class StudyPage {
     this.id = id;
     this.#around = around;
     this.#wanted = placeOf(location.hash);
-    const { view } = this.#wanted;
-    this.#view = VIEWS.find((one) => one === view) ?? "slow";
+    this.#view = viewOf(this.#wanted);
     this.#source.failed = (error) => around.notices.show(messageOf(error));
     const context = this.#context();
     this.#all = [measuredPart(context), failsPart(context), missingPart(context), fallsPart(context), takePart(context)];
@@ -106,6 +105,19 @@ export class StudyPage {
     replace(this.#reading, waiting("Opening the study"));
     this.#bar.hidden = true;
     this.#parts.hidden = true;
+  }
+
+  /** Shows another place of this study; an address without a place changes nothing. @param {string} hash */
+  visit(hash) {
+    clearTimeout(this.#addressTimer);
+    const place = placeOf(hash);
+    if (Object.values(place).every((part) => part === null)) return this.#writeAddress();
+    this.#wanted = place;
+    this.#view = viewOf(place);
+    this.#chosen = null;
+    if (!place.window) this.#time.showAll();
+    if (this.#state) this.#goToWanted(this.#state);
+    this.#draw();
   }
 
   close() {
@@ -158,12 +170,13 @@ export class StudyPage {
     const wanted = this.#wanted;
     if (!wanted || !state.logs) return;
     this.#wanted = null;
+    // another axis clears the chosen stretch
+    if (state.axes.some(({ column }) => column === wanted.axis) && wanted.axis !== state.axis) this.#look(wanted.axis ?? "");
     if (wanted.stretch) {
       const [from, to] = wanted.stretch;
       this.#chosen = { from, to, mark: null };
     }
     if (wanted.window) this.#time.show(...wanted.window);
-    if (state.axes.some(({ column }) => column === wanted.axis) && wanted.axis !== state.axis) this.#look(wanted.axis ?? "");
   }
 
   #writeAddress() {
@@ -204,6 +217,8 @@ export class StudyPage {
 
   /** @param {State} state */
   #update(state) {
+    // a finished computation is no longer announced
+    if (this.#state?.job && !state.job) this.#said.textContent = "";
     this.#state = state;
     const field = state.logs?.log;
     const log = field ? `${field.sha256} ${field.from_s} ${field.to_s}` : "";
@@ -231,7 +246,8 @@ export class StudyPage {
     const error = state.error ?? axis?.failure ?? null;
     this.#once("error", [error, canGoOn, axis?.column], () => {
       const goOn = el("button", { type: "button", "data-key": "go-on", onclick: () => void this.#change("axis", { axis: axis?.column }) }, `Diagnose ${axis?.label}`);
-      replace(this.#error, error ? alertElement(error) : null, canGoOn ? goOn : null);
+      const include = el("button", { type: "button", "data-key": "include-moved", onclick: () => void this.#change("moved", { keep: true }) }, "Include these rows");
+      replace(this.#error, error ? alertElement(error) : null, error && needsMovedRows(error) ? include : canGoOn ? goOn : null);
     });
     const isWorking = state.job !== null;
     this.#once("axes", [state.axes.map((one) => [one.column, one.standing, one.slow_error, one.failure, one.units, one.diagnosis?.findings.length]), this.#axis, isWorking, system()], () => {
@@ -278,6 +294,9 @@ export class StudyPage {
     replace(this.#bar, axes, el("nav", { "aria-label": "Parts" }, el("ol", { class: "steps" }, STEPS.map(step))));
   }
 }
+
+/** The view of a place. @param {import("./address.js").Place} place @returns {ViewName} */
+const viewOf = ({ view }) => VIEWS.find((one) => one === view) ?? "slow";
 
 /** Key that differs between two states of an axis' model. @param {AxisState} axis */
 export function modelKey(axis) {

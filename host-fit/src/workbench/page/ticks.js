@@ -78,3 +78,32 @@ function powerLabel(digit, exponent, isPlain) {
 
 /** @param {number} exponent */
 const powerOfTen = (exponent) => `10${raised(exponent)}`;
+
+/** Room between labels, pixels. */
+const ROOM = 4;
+
+/**
+ * Every tick, or every second, third, … of them, so that labels neither overlap nor pass the end of the canvas.
+ * @param {Tick[]} ticks
+ * @param {(value: number) => number} place of a value, pixels
+ * @param {(label: string) => number} size of a label along the axis, pixels
+ * @param {number} [end] of the canvas, pixels
+ */
+export function spaced(ticks, place, size, end = Infinity) {
+  const labelled = ticks.filter(({ label }) => label);
+  const fits = (/** @type {Tick[]} */ some) =>
+    some.every((tick, at) => {
+      const next = some[at + 1];
+      return !next || Math.abs(place(next.value) - place(tick.value)) >= 0.5 * (size(tick.label) + size(next.label)) + ROOM;
+    });
+  const step = (labelled[1]?.value ?? 1) - (labelled[0]?.value ?? 0);
+  for (let every = 1; every <= labelled.length; every += 1) {
+    // round numbers stay: 0, 20, 40 of 0, 10, 20, 30, 40
+    const kept = labelled.filter(({ value }, at) => (every === 1 ? true : step > 0 && isEven(labelled, step) ? Math.round(value / step) % every === 0 : at % every === 0));
+    if (fits(kept)) return kept.filter(({ value, label }) => place(value) + 0.5 * size(label) <= end);
+  }
+  return labelled.slice(0, 1);
+}
+
+/** @param {Tick[]} ticks @param {number} step */
+const isEven = (ticks, step) => ticks.every((tick, at) => at === 0 || Math.abs(tick.value - Number(ticks[at - 1]?.value) - step) < 1e-6 * step);

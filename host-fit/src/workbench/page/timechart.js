@@ -7,9 +7,9 @@ import { capitalised, seconds } from "./format.js";
 import { listenToHands, listenToKeys } from "./gestures.js";
 import { whileOnPage } from "./onpage.js";
 import { downloads } from "./downloads.js";
-import { legendEntry, paint, placeOf, saidAt } from "./shading.js";
+import { legendEntry, paint, placeOf, rangeOutside, saidAt } from "./shading.js";
 import { colour, faint, onTheme } from "./theme.js";
-import { linearTicks } from "./ticks.js";
+import { linearTicks, spaced } from "./ticks.js";
 import { inUnit } from "./units.js";
 
 /** @typedef {import("./types.js").AxisSeries} Series */
@@ -25,6 +25,8 @@ const DOT_SPACE = 5;
 export const Y_AXIS = 64;
 export const RIGHT = 12;
 const Y_LABELS = 45; // pixels between labels
+/** Height of a label with some room, pixels. */
+export const LINE = 15;
 const X_LABELS = 110;
 /** Rows for the marks of stretches that lie close together. */
 const MARK_ROWS = 3;
@@ -135,7 +137,7 @@ export class TimeChart {
   setMoved(moved) {
     if (this.#moved === moved) return;
     this.#moved = moved;
-    this.#plot?.redraw(false);
+    this.#plot?.redraw();
     this.#describe();
   }
 
@@ -232,10 +234,10 @@ export class TimeChart {
         },
         scales: {
           x: { time: false, range: () => [time.shown[0], time.shown[1]] },
-          y: { range: (_, low, high) => padded(low, high) },
+          y: { range: (u, low, high) => padded(...rangeOutside(u, this.#moved, low, high)) },
         },
         axes: [
-          { ...axisStyle(), size: 34, label: "Time (s)", labelSize: 20, labelFont: FONT, splits: (u, _, low, high) => split(linearTicks(low, high, plotWidth(u) / X_LABELS)), values: (u, at) => labels(at, u.scales.x, plotWidth(u) / X_LABELS) },
+          { ...axisStyle(), size: 34, label: "Time (s)", labelSize: 20, labelFont: FONT, splits: (u, _, low, high) => split(linearTicks(low, high, plotWidth(u) / X_LABELS)), values: (u, at) => labels(at, u) },
           { ...axisStyle(), size: Y_AXIS, splits: (u, _, low, high) => this.#ySplits(low, high, u.height - 72), values: (u, at) => this.#yLabels(at, u.height - 72) },
         ],
         series: [{}, ...drawn.flatMap(pair)],
@@ -294,7 +296,9 @@ export class TimeChart {
   #yLabels(at, height) {
     const { min, max } = this.#plot?.scales.y ?? {};
     const ticks = this.#yTicks(min ?? 0, max ?? 1, height);
-    return at.map((value) => ticks.find((tick) => tick.value === value)?.label ?? "");
+    const unit = height / ((max ?? 1) - (min ?? 0));
+    const kept = spaced(ticks, (value) => value * unit, () => LINE);
+    return at.map((value) => kept.find((tick) => tick.value === value)?.label ?? "");
   }
 
   /** @param {uPlot} u */
@@ -415,11 +419,18 @@ export function axisStyle() {
 /** Between the axes, pixels; known before the chart is laid out. @param {uPlot} u */
 const plotWidth = (u) => u.width - Y_AXIS - RIGHT;
 
+/** Width of a label, pixels. @param {string} label */
+export const widthOf = (label) => 7.2 * label.length;
+
 /** @param {import("./ticks.js").Tick[]} ticks */
 const split = (ticks) => ticks.map((tick) => tick.value);
 
-/** @param {number[]} at @param {uPlot.Scale | undefined} scale @param {number} count */
-function labels(at, scale, count) {
-  const ticks = linearTicks(scale?.min ?? 0, scale?.max ?? 1, count);
-  return at.map((value) => ticks.find((tick) => tick.value === value)?.label ?? "");
+/** @param {number[]} at @param {uPlot} u */
+function labels(at, u) {
+  const { min = 0, max = 1 } = u.scales.x ?? {};
+  const width = plotWidth(u);
+  const [low, high] = [min ?? 0, max ?? 1];
+  const ticks = linearTicks(low, high, width / X_LABELS);
+  const kept = spaced(ticks, (value) => (width * (value - low)) / (high - low), widthOf, width + RIGHT);
+  return at.map((value) => kept.find((tick) => tick.value === value)?.label ?? "");
 }

@@ -42,9 +42,11 @@ export class TimeWindow {
   show(from, to) {
     const [first, last] = this.whole;
     const span = Math.min(Math.max(to - from, this.shortest), last - first);
+    const isWhole = span === last - first;
     const middle = 0.5 * (from + to);
     const left = Math.min(Math.max(middle - 0.5 * span, first), last - span);
-    this.shown = [left, left + span];
+    // the sum of begin and span is rounded, and may lie before the end of the log
+    this.shown = isWhole ? [first, last] : [left, left + span];
     if (this.#scheduled) return;
     this.#scheduled = true;
     requestAnimationFrame(() => {

@@ -49,9 +49,8 @@ dependence: Dependence | null, };
 export type AxisEntry = { column: string, label: string, unit: string, sentence: string | null,
 /** Effects that were added, in order. */
 added: Array<string>,
-/** Root of the variance of the 1-s means of the residual on evaluation data, before the first effect and now, in
- * `unit`. */
-slow_before: number | null, slow_now: number | null, errors_in: UnitChoice, };
+/** RMS of the slow error in a free run, in `unit`, as in [`AxisPage`]: of the constant mean, and of the model. */
+slow_error: [number | null, number | null] | null, errors_in: UnitChoice, };
 
 /** Axis with its standing and the units in which its numbers are shown. */
 export type AxisPage = { standing: Standing | null,
@@ -247,7 +246,7 @@ origins: number, };
 export type CoefficientReport = {
 /** Name: `bias`, or the regressor. */
 name: string,
-/** Unit of all numbers, such as `dps/K`. */
+/** Unit of all numbers, such as `(°/s)/K`. */
 unit: string,
 /** Number of units in the population. */
 units: number,
@@ -816,7 +815,7 @@ cost: Cost | null,
 evidence: Figure | null, };
 
 /** Outcome for an axis, or the worst of a study's axes; later ones are worse. */
-export type Outcome = "nothing_missing" | "not_enough_data" | "did_not_pay" | "unexplained" | "missing";
+export type Outcome = "nothing_missing" | "not_enough_data" | "data_fault" | "did_not_pay" | "unexplained" | "missing";
 
 /** Everything that a page shows of a study, except time series. */
 export type Page = { id: number, name: string, revision: number, job: Job | null, error: string | null,
@@ -1132,7 +1131,7 @@ export type UnitChoice = { field: ShownUnit, si: ShownUnit, };
 export type UnitCoefficient = {
 /** Name: `bias`, or the regressor. */
 name: string,
-/** Unit of the values, such as `dps/K`. */
+/** Unit of the values, such as `(°/s)/K`. */
 unit: string,
 /** Estimate from the unit's own log; none where the log does not determine it. */
 own: [number, number] | null,

@@ -95,7 +95,7 @@ const DIALECTS: &[Dialect] = &[
             ("gz_rads", "gyroRotationZ", "rad/s"),
         ],
         gyro_clock: Some("gyroTimestamp_sinceReboot"),
-        assumed: "the accelerometers' sign turned so that gravity counts up; each sensor by its own stamps since reboot",
+        assumed: "the accelerometers' sign turned so that gravity counts up; each sensor has its own timestamps since reboot",
         corrected_by: Some(""),
         frame: Frame::Phone,
         ..PLAIN

@@ -254,7 +254,7 @@ pub const KNOWN_FORMATS: &[FormatKnowledge] = &[
         values: "corrected by Betaflight (gyro zero, accelerometer trim), in the axes of the vehicle",
         clock: "time, µs since boot",
         temperature: "none",
-        traps: "gyroADC is filtered and both are rounded to 1 °/s; the accelerometer is in counts, of which gravity tells the scale",
+        traps: "gyroADC is filtered and both are rounded to 1 °/s; the accelerometer is in counts (scale from gravity)",
         refused: "the binary log: decode it by blackbox_decode",
     },
     FormatKnowledge {

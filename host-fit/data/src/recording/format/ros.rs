@@ -319,7 +319,7 @@ impl Topics {
         let without = match without.is_empty() {
             true => String::new(),
             false => {
-                format!("; not read, since nothing says which is of this device: {}", without.join(", "))
+                format!("; not read, device not identified: {}", without.join(", "))
             }
         };
         let assumed = format!(

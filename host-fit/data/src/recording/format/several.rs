@@ -369,7 +369,7 @@ impl Chosen {
             ),
             None => "with gravity".to_owned(),
         };
-        let assumed = format!("{}; {gravity}; each sensor by its own stamps", descriptions.join(", "));
+        let assumed = format!("{}; {gravity}; each sensor has its own timestamps", descriptions.join(", "));
         Ok(Opened::Streams(streams, ReadAs { format: self.format, assumed, provenance: Some(provenance) }))
     }
 
@@ -421,7 +421,7 @@ impl Chosen {
         let sign = match (sensor, self.format, self.platform) {
             _ if is_turned => ", its sign turned so that gravity counts up",
             (Sensor::Accelerometer, Format::SensorLogger, Platform::Unknown) => {
-                ", taken for Android's as no Metadata.csv says otherwise (an iPhone's has the other sign)"
+                ", assumed Android (no Metadata.csv; an iPhone's has the other sign)"
             }
             _ => "",
         };
@@ -491,9 +491,7 @@ pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, Recordi
     let sensor_provenance = provenance_of(&stem);
     let sign = match (is_force, is_turned) {
         (true, true) => ", its sign turned so that gravity counts up",
-        (true, false) => {
-            ", taken for Android's as no Metadata.csv says otherwise (an iPhone's has the other sign)"
-        }
+        (true, false) => ", assumed Android (no Metadata.csv; an iPhone's has the other sign)",
         _ => "",
     };
     let assumed = format!("{stem} in {unit}, by its {by}{sign}; seconds_elapsed in s");

@@ -91,7 +91,7 @@ impl fmt::Display for JoinedStream {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} ({:.1} Hz) ", self.name, self.rate_hz)?;
         match self.how {
-            HowJoined::SameStamps => write!(f, "has the same stamps")?,
+            HowJoined::SameStamps => write!(f, "has the same timestamps")?,
             HowJoined::Interpolated { noise_kept, clocks } => {
                 write!(
                     f,

@@ -150,7 +150,7 @@ fn size(finding: &Finding, effect: &Effect, target: &str) -> Option<String> {
         let times = size.value.abs() / typical;
         (least > FAR_BEYOND * typical).then(|| {
             format!(
-                "{} of {} {} is {times:.0} times the largest typical size: another effect may stand behind it, or a column in another unit",
+                "{} of {} {} is {times:.0} times the largest typical size: another effect may be the cause, or a column in another unit",
                 finding.name,
                 rounded(size.value, 3),
                 unit.spelled()

@@ -37,7 +37,7 @@ export function failsPart({ study, time, source, choose, announce }) {
   const empty = el("p", { class: "empty" });
   const list = el("ol", { class: "stretches" });
   const listTitle = el("h3", {}, "The worst stretches");
-  const unaided = el("div");
+  const unaided = el("div", { class: "unaided" });
   const note = el("div", { class: "chosen", role: "status" });
   const panels = el("div", { class: "panels" });
   const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list, unaided), note, panels);
@@ -88,7 +88,7 @@ export function failsPart({ study, time, source, choose, announce }) {
     // the other figures stay if this one fails
     const figure = /** @type {import("../types.js").Figure | null} */ (await get(`/api/studies/${study}/noise?${query}`, signal).catch(() => null));
     if (signal.aborted || !figure) return;
-    panels.querySelector('[data-figure="allan"]')?.after(figureCard({ name: "noise", figure: figureIn(figure, axis.unit, unitOf(axis.units.errors)) }));
+    panels.querySelector('[data-figure="allan"]')?.after(noiseCard(figureIn(figure, axis.unit, unitOf(axis.units.errors))));
   }
 
   return {
@@ -132,6 +132,14 @@ function chosenNote(chosen, choose) {
 /** @param {NamedFigure} named */
 const figureCard = ({ name, figure }) => el("div", { class: "card", "data-figure": name }, figureElement(figure));
 
+/** @param {import("../types.js").Figure} figure */
+function noiseCard(figure) {
+  const card = figureCard({ name: "noise", figure });
+  card.classList.add("noted");
+  card.append(el("p", { class: "note" }, "N, B and K of the log itself, before any model is subtracted."));
+  return card;
+}
+
 /** @param {HTMLElement} host @param {NamedFigure[]} figures @param {import("../types.js").AxisComparison} comparison */
 function drawFigures(host, figures, comparison) {
   // likeliest channels first
@@ -152,7 +160,7 @@ function drawFigures(host, figures, comparison) {
     el("div", { class: "grid two" }, known.map(figureCard)),
     against.length > 0 ? el("h3", {}, "Against everything that was logged") : null,
     el("div", { class: "grid two" }, first.map(figureCard)),
-    rest.length > 0 ? unfolding("channels", `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(figureCard))) : null,
+    rest.length > 0 ? unfolding("channels", rest.length === 1 ? "1 more channel" : `${rest.length} more channels`, () => el("div", { class: "grid two" }, rest.map(figureCard))) : null,
     dependence ? unfolding("dependence", "Which delay explains most, and when the model fails at which frequency", () => figureCard(dependence)) : null,
   );
 }

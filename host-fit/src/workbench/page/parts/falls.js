@@ -93,12 +93,12 @@ function table({ units, pays }, { column, steps }, isBusy, { change, announce })
         "aria-disabled": isBusy ? "true" : "false",
         async onclick() {
           if (isBusy) return announce("A computation is running; cancel it at the top.");
-          announce(isLast ? `Taking ${name} back.` : `Taking back ${name} and all after it.`);
+          announce(isLast ? `Undoing ${name}.` : `Undoing ${name} and later effects.`);
           await change("undo", { axis: column, keep: at - 1 });
         },
       },
       isLast ? "Undo" : "Undo from here",
-      el("span", { class: "unseen" }, isLast ? `: take ${name} back` : `: take ${name} and what follows back`),
+      el("span", { class: "unseen" }, isLast ? ` ${name}` : `: ${name} and later effects`),
     );
   };
 

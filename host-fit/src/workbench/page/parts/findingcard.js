@@ -5,15 +5,13 @@ import { el } from "../dom.js";
 import { capitalised, count, firstSentence, interval, isNumber, number, percent, quantity, seconds } from "../format.js";
 import { figureElement } from "../figure.js";
 import { effectName } from "../library.js";
+import { parameterLimit, parameterName, parameterValue, withParameters } from "../parameters.js";
 import { chosen, figureIn } from "../units.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../types.js").FindingWithRms} Finding */
 /** @typedef {import("../types.js").Offer} Offer */
 /** @typedef {{finding: Finding, offer: Offer | null, rank: number, isBusy: boolean, context: Context, axis: import("../types.js").AxisPage}} Given */
-
-/** Units of parameters, by the end of their name. @type {Record<string, string>} */
-const UNITS = { s: "s", k: "K", hz: "Hz", v: "V" };
 
 /** @param {Given} given */
 export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
@@ -30,16 +28,16 @@ export function findingCard({ finding, offer, rank, isBusy, context, axis }) {
       el("div", { class: "finding-name" }, el("h3", {}, capitalised(finding.name)), finding.score === null ? null : el("p", { class: "note" }, "score ", number(finding.score), " (9 is enough)")),
       adding(finding, offer, isBusy, context, axis.column),
     ),
-    offer && !offer.can_be_added && offer.why_not && !finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), offer.why_not) : null,
+    offer && !offer.can_be_added && offer.why_not && !finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Cannot be added. "), `${capitalised(offer.why_not)}${/[.:!?]$/.test(offer.why_not) ? "" : "."}`) : null,
     el(
       "div",
       { class: "finding-body" },
       el(
         "div",
         { class: "finding-words" },
-        finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Not conclusive. "), `${finding.doubt.charAt(0).toUpperCase()}${finding.doubt.slice(1)}.`, card?.experiment ? [el("br", {}), el("b", {}, "To decide: "), card.experiment] : null) : null,
+        finding.doubt ? el("p", { class: "why-not" }, el("b", {}, "Not conclusive. "), `${capitalised(withParameters(finding.doubt))}.`, card?.experiment ? [el("br", {}), el("b", {}, "To decide: "), card.experiment] : null) : null,
         mechanism ? el("p", { class: "mechanism" }, mechanism) : null,
-        band === "data" ? null : fall(finding, band),
+        band === "data" ? null : fall(finding, band, rank > 1),
         el("dl", { class: "facts-list" }, facts(finding, offer, axis)),
         shows(finding, context),
         rivals(finding),
@@ -65,6 +63,7 @@ function adding({ effect, name, doubt }, offer, isBusy, { change, announce, stay
         if (isBusy) return announce("Something is being computed; it can be cancelled at the top.");
         announce(`Adding ${name}.`);
         if (await change("add", { axis, effect })) stayAt(4);
+        else announce("");
       },
     },
     "Add",
@@ -75,7 +74,7 @@ function adding({ effect, name, doubt }, offer, isBusy, { change, announce, stay
 /** @param {string} effect @param {import("../types.js").Card} card @param {string} more */
 function physics(effect, card, more) {
   const rows = [
-    ["What gives it away", card.gives_away],
+    ["Signature in a plot", card.gives_away],
     ["Typical size", card.typical_size],
     ["Source", card.source],
     ["Experiment that shows it", card.experiment],
@@ -84,15 +83,15 @@ function physics(effect, card, more) {
   return el(
     "details",
     { class: "physics", "data-key": `physics:${effect}` },
-    el("summary", {}, "The physics, how large it usually is, how to be sure"),
+    el("summary", {}, "Physics, typical size and experiment"),
     more ? el("p", {}, more) : null,
     card.equation ? el("p", { class: "equation" }, card.equation) : null,
     el("dl", { class: "explained" }, rows.filter(([, text]) => text).map(([name, text]) => [el("dt", {}, name ?? ""), el("dd", {}, text ?? "")]).flat()),
   );
 }
 
-/** The predicted reduction, as numbers and as a bar. @param {Finding} finding @param {import("../types.js").Band} band */
-function fall({ rms_reduction: reduction, rms_reduction_interval: range }, band) {
+/** The predicted reduction, as numbers and as a bar, and the measured one. @param {Finding} finding @param {import("../types.js").Band} band @param {boolean} withOthers */
+function fall({ rms_reduction: reduction, rms_reduction_interval: range, measured_rms_reduction: measured }, band, withOthers) {
   if (!isNumber(reduction) || !range || reduction <= 0) return null;
   const bar = el("span", { class: "fall-bar", "aria-hidden": "true" });
   const piece = (/** @type {string} */ kind, /** @type {number} */ from, /** @type {number} */ to) => {
@@ -108,6 +107,7 @@ function fall({ rms_reduction: reduction, rms_reduction_interval: range }, band)
     { class: "fall" },
     el("p", {}, el("strong", {}, percent(reduction)), ` predicted reduction of the RMS ${band === "wide" ? "of the samples" : "of the slow error"}`, el("span", { class: "note" }, ` (90 % interval ${interval(range, (value) => percent(value))})`)),
     bar,
+    isNumber(measured) ? el("p", { class: "fall-measured" }, el("strong", {}, percent(measured)), " measured reduction on the evaluation data", withOthers ? el("span", { class: "note" }, " (with the findings above it in the model)") : null) : null,
   );
 }
 
@@ -127,20 +127,13 @@ function facts(finding, offer, axis) {
     add(finding.sizes.length > 1 ? `Size of ${shortRegressor(size.of)}` : "Size", inSize(size.value), `95 %: ${interval(size.interval, (value) => number(isNumber(value) ? value / unit.divisor : value))}`);
   }
   for (const [name, value] of Object.entries(finding.params)) {
-    const unit = UNITS[name.split("_").pop() ?? ""] ?? "";
     const range = finding.params_interval[name];
-    add(parameterName(name), quantity(value, unit), range ? `95 %: ${interval(range, (one) => number(one))}` : "");
+    add(parameterName(name, finding.effect), parameterValue(name, value), range ? `95 %: ${interval(range, (one) => parameterLimit(name, one))}` : "");
   }
   if (finding.shows_against) add("Shows against", finding.shows_against, "");
   const cost = offer?.cost;
   if (cost) add("Cost on the device", `${count(cost.terms)} ${cost.terms === 1 ? "term" : "terms"}, ${count(cost.ram_bytes)} bytes of RAM`, `about ${count(cost.instructions)} instructions a sample`);
   return rows;
-}
-
-/** `tau_s` → `Time constant`; others by their own name. @param {string} name */
-function parameterName(name) {
-  if (name === "tau_s") return "Time constant";
-  return capitalised(name.replace(/_(s|k|hz|v)$/, "").replaceAll("_", " "));
 }
 
 /** Name without its long numbers. @param {string} of */
@@ -165,6 +158,6 @@ function rivals({ confounded_with, separate }) {
     "div",
     { class: "rivals" },
     el("p", {}, el("b", {}, "In this log indistinguishable from: ")),
-    el("ul", {}, confounded_with.map((id) => el("li", {}, el("b", {}, effectName(id)), experiment(id) ? `. To tell: ${experiment(id)}` : ""))),
+    el("ul", {}, confounded_with.map((id) => el("li", {}, el("b", {}, effectName(id)), experiment(id) ? `. To distinguish them: ${experiment(id)}` : ""))),
   );
 }

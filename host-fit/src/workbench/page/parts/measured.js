@@ -2,11 +2,11 @@
 // Part 1: measured against predicted, from the whole log down to single samples.
 
 import { el, radioGroup, replace, uniqueId } from "../dom.js";
-import { seconds } from "../format.js";
+import { isNumber, seconds } from "../format.js";
 import { KEY_ZOOM } from "../gestures.js";
 import { Overview } from "../overview.js";
 import { TimeChart } from "../timechart.js";
-import { chosen as unitOf } from "../units.js";
+import { chosen as unitOf, inUnit } from "../units.js";
 import { section } from "./section.js";
 import { movedOf, shadesOf } from "./stretches.js";
 
@@ -40,7 +40,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     click: (shade) => shade && choose({ from: shade.from, to: shade.to, mark: shade.mark }),
   });
   chart.resized = (width) => source.setWidth(width);
-  const beside = [0, 1].map((at) => new TimeChart({ label: `channel ${at + 1}`, height: 110, time, traces: [{ of: at, label: "", ink: "--ink-other" }] }));
+  const beside = [0, 1].map((at) => new TimeChart({ label: `channel ${at + 1}`, height: 124, time, traces: [{ of: at, label: "", ink: "--ink-other" }] }));
   const means = el("div", { class: "means" });
   const overview = new Overview(time);
   const views = el("div", {});
@@ -56,7 +56,8 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
   const empty = el("p", { class: "loading" }, "Reading samples …");
   const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {() => void} */ act) =>
     el("button", { type: "button", class: "small", "aria-label": name, title: name, onclick: act }, text);
-  const late = el("p", { class: "note", hidden: true });
+  const late = el("p", { class: "note late", hidden: true });
+  const fit = el("p", { class: "goodness" });
   const controls = el(
     "div",
     { class: "controls" },
@@ -72,6 +73,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     1,
     "Measured against predicted",
     "Does the model follow the sensor?",
+    fit,
     el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls, late),
   );
 
@@ -116,6 +118,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
         chart.setLabel(scene.axis ? scene.axis.label : "Measured");
       }
       if (scene.axis) chart.setUnit(unitOf(scene.axis.units.measured));
+      replace(fit, scene.axis ? goodness(scene.axis) : null);
       const begin = scene.axis?.evaluated_s?.[0];
       const field = scene.state.logs?.log;
       late.hidden = begin === undefined || !field || begin - field.from_s < LATE * (field.to_s - field.from_s);
@@ -126,6 +129,21 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
       say();
     },
   };
+}
+
+/** Slow error of the model and of the constant mean, and how close the samples are to the noise floor. @param {import("../types.js").AxisPage} axis */
+function goodness({ comparison, slow_error: slow, units }) {
+  if (!comparison || !slow || slow[1] === null) return null;
+  const unit = unitOf(units.errors);
+  const entry = (/** @type {string} */ name, /** @type {string} */ value) => el("span", {}, `${name} `, el("b", {}, value));
+  const squares = comparison.errors.find(({ model }) => model === "model")?.one_step_mse;
+  const floor = comparison.noise_floor?.[0];
+  return [
+    el("span", {}, "Slow error in a free run: "),
+    entry("model", inUnit(slow[1], unit)),
+    entry("constant mean", inUnit(slow[0], unit)),
+    ...(isNumber(squares) && isNumber(floor) ? [el("span", {}, "One-step prediction error: "), entry("model", inUnit(Math.sqrt(squares), unit)), entry("noise floor", inUnit(Math.sqrt(floor), unit))] : []),
+  ];
 }
 
 /** Averaging times to choose from, s. */

@@ -5,8 +5,10 @@ import { el, icon, replace } from "../dom.js";
 import { capitalised, count, number } from "../format.js";
 import { figureElement } from "../figure.js";
 import { effectName, effectOf, readLibrary } from "../library.js";
+import { withParameters } from "../parameters.js";
 import { chosen, inUnit, system } from "../units.js";
 import { OUTCOMES } from "../verdict.js";
+import { onPage } from "../notices.js";
 import { findingCard } from "./findingcard.js";
 import { section, waitingFor } from "./section.js";
 
@@ -84,7 +86,7 @@ function verdictElement({ outcome, sentence, record }, diagnosis) {
     "div",
     { class: `verdict ${outcome}`, "data-verdict": outcome },
     icon(outcome),
-    el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, capitalised(says)), record.length > 0 && el("p", {}, el("b", {}, "What the tests need: "), `${record.join("; ")}.`), outcome === "nothing_missing" && diagnosis && diagnosis.untested.length > 0 && el("p", { class: "note" }, `${diagnosis.tested.length} slow effects were tested. ${diagnosis.untested.length} effects could not be tested on this log; what they need is listed below.`)),
+    el("div", {}, el("p", { class: "verdict-word" }, title), el("p", { class: "verdict-sentence" }, capitalised(withParameters(says))), record.length > 0 && el("p", {}, el("b", {}, "What the tests need: "), `${record.join("; ")}.`), outcome === "nothing_missing" && diagnosis && diagnosis.untested.length > 0 && el("p", { class: "note" }, `${diagnosis.tested.length} slow effects were tested. ${diagnosis.untested.length} effects could not be tested on this log; what they need is listed below.`)),
   );
 }
 
@@ -103,12 +105,12 @@ function motionOf({ logs, keeps_moved: isKept, axes }, context) {
   const others = /** @type {[string, string[]][]} */ ([["Reference log", says(logs.reference)], ["Evaluation log", says(logs.evaluation)]]).filter(([, told]) => told.length > 0);
   if (!isKept && field.length === 0 && others.length === 0) return null;
   const list = (/** @type {string[]} */ told) => el("ul", {}, told.slice(0, MOST_TOLD).map((text) => el("li", {}, text)), told.length > MOST_TOLD && el("li", {}, `and ${told.length - MOST_TOLD} more`));
-  const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Exclude them again" : "Count them as any others");
+  const turn = el("button", { type: "button", "data-key": "moved", onclick: () => void context.change("moved", { keep: !isKept }) }, isKept ? "Exclude them again" : "Include these rows");
   return el(
     "div",
     { class: "card wide moved" },
     el("h3", {}, "The device moved"),
-    el("p", { class: "note" }, isKept ? "Motion is not excluded: these rows count as any others in fits, comparisons and diagnoses." : "Motion shows on several axes at once. These stretches are excluded from fits, comparisons and diagnoses."),
+    el("p", { class: "note" }, isKept ? "Motion is not excluded: fits, comparisons and diagnoses include these rows." : "Motion shows on several axes at once. These stretches are excluded from fits, comparisons and diagnoses."),
     field.length > 0 && list(field),
     others.flatMap(([name, told]) => [el("h4", {}, name), list(told)]),
     el("p", {}, turn, el("span", { class: "note" }, ` This computes everything again${hasEffects(axes) ? " and removes the added effects" : ""}.`)),
@@ -137,7 +139,7 @@ function restOf(axis, diagnosis) {
     "div",
     { class: "grid two" },
     shared ? sharedSignal(shared) : null,
-    cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "Cautions"), el("ul", {}, cautions.map((text) => el("li", {}, text)))),
+    cautions.length > 0 && el("div", { class: "card wide cautions" }, el("h3", {}, icon("caution"), "Cautions"), el("ul", {}, cautions.map((text) => el("li", {}, onPage(text))))),
     notes.length > 0 && el("div", { class: "card wide" }, el("h3", {}, "About the log"), el("ul", {}, notes.map((text) => el("li", {}, capitalised(text))))),
     leads.length > 0 &&
       el(
@@ -154,8 +156,8 @@ function restOf(axis, diagnosis) {
       rejected.length === 0
         ? el("p", { class: "note" }, "Nothing else was tested.")
         : [
-            el("p", { class: "note" }, "Each effect alone on the log. A score below 9 is chance; a higher one has a reason."),
-            el("ul", { class: "scores" }, rejected.map(({ effect, score, why }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect), why !== undefined && el("span", { class: "note" }, `: ${why}`)), el("span", { class: "score" }, number(score))))),
+            el("p", { class: "note" }, "Each effect alone on the log. Scores below 9 are not significant; for higher ones the reason is stated."),
+            el("ul", { class: "scores" }, rejected.map(({ effect, score, why }) => el("li", { title: effectOf(effect)?.gives_away }, el("span", {}, effectName(effect), why ? el("span", { class: "note" }, `: ${withParameters(why)}`) : null), el("span", { class: "score" }, number(score))))),
           ],
     ),
     el(
@@ -167,8 +169,8 @@ function restOf(axis, diagnosis) {
       untested.length === 0
         ? el("p", { class: "note" }, "The log allows every test of the library.")
         : [el("p", { class: "note" }, "These tests need:"), el("ul", { class: "scores" }, untested.map(({ effect, needs }) => el("li", {}, el("span", {}, effectName(effect)), el("span", { class: "needs" }, needs.join(", ")))))],
-      el("h3", {}, "Noise"),
-      el("p", { class: "note" }, `Estimated from ${noise.learnt_from}; slow effects were tested in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
+      el("h3", {}, "Noise in these tests"),
+      el("p", { class: "note" }, `These levels decide which effects are significant; they are not comparable with N, B and K of the log in part 2. Estimated from ${noise.learnt_from}. Slow effects were tested in ${count(noise.blocks)} blocks of ${number(noise.block_s)} s.`),
       el("dl", { class: "facts-list" }, levels.map(([name, value]) => [el("dt", {}, name ?? ""), el("dd", {}, value ?? "")]).flat()),
     ),
   );

@@ -29,6 +29,6 @@ export function drawUnaided(host, axis) {
       el("thead", {}, el("tr", {}, ["after", `before the model, ${label}`, `with the model, ${label}`, "windows"].map((name) => el("th", { scope: "col" }, name)))),
       el("tbody", {}, after.map((error, at) => el("tr", {}, el("th", { scope: "row" }, words(error.window_s)), [cell(before[at]), cell(error), count(error.windows)].map((text) => el("td", {}, text))))),
     ),
-    el("p", { class: "note" }, "RMS over whole windows at rest of the evaluated rows, with 90 % interval. Before: raw error minus the constant bias learnt in training. With the model: a free run that sees nothing of the error inside a window."),
+    el("p", { class: "note" }, "RMS over whole windows at rest of the evaluated rows, with 90 % interval. Before: raw error minus the constant bias estimated in training. With the model: a free run, which does not use the error measured in the window."),
   );
 }
