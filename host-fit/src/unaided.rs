@@ -4,13 +4,16 @@ use serde::Serialize;
 
 use crate::figures::compare::capitalised;
 use crate::units::{ShownUnit, Units, three};
-use fos_data::column::Column;
+use fos_data::column::{ACCELEROMETERS, Column, GYROS};
 use fos_diagnose::compare::AxisComparison;
 use fos_fit::evaluate::{FEWEST_WINDOWS, RmsInterval, UnaidedError};
 
 /// Legend of `before` and `after`.
 pub(crate) const LEGEND: &str = "before: raw error minus the constant bias estimated in training; after: free run of the model, which \
                                  does not use the error measured in the window";
+
+/// Legend of the errors of six axes together.
+pub(crate) const LEGEND_STRAPDOWN: &str = "strapdown: all six axes together, where an attitude error tilts gravity into the position; position is a distance in space";
 
 const POSITION: &str = "position error";
 
@@ -41,6 +44,21 @@ impl UnaidedRow {
     /// One row for each length of windows; none for an axis that is neither gyro nor accelerometer.
     pub(crate) fn all(axis: &AxisComparison, units: Units) -> Vec<Self> {
         axis.unaided().into_iter().map(|errors| Self::of(&axis.column, errors, units)).collect()
+    }
+
+    /// A heading and a position for each length of windows, of a strapdown of six axes.
+    pub(crate) fn of_strapdown(errors: &[[UnaidedError; 2]], units: Units) -> Vec<Self> {
+        let of_column = |errors: &[UnaidedError; 2], column: &str, is_heading: bool| {
+            let only = |error: UnaidedError| UnaidedError {
+                heading_rad: error.heading_rad.filter(|_| is_heading),
+                position_m: error.position_m.filter(|_| !is_heading),
+                ..error
+            };
+            Self::of(column, errors.map(only), units)
+        };
+        let [heading, position] = [(GYROS[0], true), (ACCELEROMETERS[0], false)]
+            .map(|(column, is_heading)| errors.iter().map(move |of| of_column(of, column, is_heading)));
+        heading.chain(position).collect()
     }
 
     fn of(column: &str, errors: [UnaidedError; 2], units: Units) -> Self {

@@ -13,7 +13,9 @@ use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
-use fos_fit::evaluate::{ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, trace, worst_stretches};
+use fos_fit::evaluate::{
+    ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, strapdown_errors, trace, worst_stretches,
+};
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
@@ -55,6 +57,10 @@ pub struct Comparison {
     /// The axes of the model.
     #[serde(serialize_with = "with_rms")]
     pub axes: Vec<AxisComparison>,
+    /// Heading and position errors without aiding through a strapdown of the six axes, by length of the windows: with the
+    /// constant bias learnt in training alone, and with the model. Empty unless the model has all six axes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strapdown: Vec<[UnaidedError; 2]>,
 }
 
 /// Comparison of one axis with the measurements.
@@ -88,6 +94,8 @@ struct Evaluated {
     floors: Vec<Option<NoiseFloor>>,
     /// Errors of each axis: of the rivals, then of the model.
     errors: Vec<Vec<ModelErrors>>,
+    /// Errors of a strapdown: with the constant bias, and with the model.
+    strapdown: Vec<[UnaidedError; 2]>,
     /// Trace of the model.
     trace: Trace,
 }
@@ -116,9 +124,9 @@ fn evaluate(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
-    let rival_errors = |kind: &Rival| -> Result<Vec<ModelErrors>, CompareError> {
+    let rival_errors = |kind: &Rival| -> Result<(Vec<ModelErrors>, Vec<UnaidedError>), CompareError> {
         let trace = trace::<f64>(&rival(model, *kind, lag_1), &playback, rows.clone(), |_| {})?;
-        Ok(of(kind.name(), &trace))
+        Ok((of(kind.name(), &trace), strapdown_errors(&trace)))
     };
     // a trace may be larger than the log; that of the model, which is stored, comes last
     let at_once = (TRACES_AT_ONCE / Trace::bytes(rows.len(), n_axes).max(1)).clamp(1, Rival::ALL.len());
@@ -127,10 +135,17 @@ fn evaluate(
     progress(MODEL);
     let trace = trace::<f64>(model, &playback, rows, |_| {})?;
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
-    for of_model in rivals.into_iter().chain([Ok(of(MODEL, &trace))]) {
-        errors.iter_mut().zip(of_model?).for_each(|(errors, of_axis)| errors.push(of_axis));
+    let mut before = Vec::new();
+    let after = strapdown_errors(&trace);
+    for of_model in rivals.into_iter().chain([Ok((of(MODEL, &trace), Vec::new()))]) {
+        let (of_axes, strapdown) = of_model?;
+        if of_axes.first().is_some_and(|axis| axis.model == Rival::Mean.name()) {
+            before = strapdown;
+        }
+        errors.iter_mut().zip(of_axes).for_each(|(errors, of_axis)| errors.push(of_axis));
     }
-    Ok(Evaluated { floors, errors, trace })
+    let strapdown = before.into_iter().zip(after).map(|(before, after)| [before, after]).collect();
+    Ok(Evaluated { floors, errors, strapdown, trace })
 }
 
 /// Evaluates `model` and its rivals on `rows`; also returns the trace of the model, for the figures. `lag_1` is the
@@ -160,7 +175,7 @@ pub fn compare(
         recording: if is_same { recording } else { other_pose.as_ref().unwrap_or(trained.recording) },
         ..trained.clone()
     });
-    let Evaluated { floors, errors, mut trace } =
+    let Evaluated { floors, errors, strapdown, mut trace } =
         evaluate(model, lag_1, recording, stillness, rows.clone(), progress)?;
     for axis in &mut trace.axes {
         // its errors are in the comparison; no figure needs them row by row
@@ -193,7 +208,7 @@ pub fn compare(
         })
         .collect();
     let evaluated_s = (recording.time_s[rows.start], recording.time_s[rows.end - 1]);
-    Ok((Comparison { evaluated_s, axes }, trace))
+    Ok((Comparison { evaluated_s, axes, strapdown }, trace))
 }
 
 /// Evaluation of a study on a log, with the data behind it.

@@ -148,6 +148,12 @@ impl<'a> Playback<'a> {
         }
     }
 
+    /// Mean of the measurements of an axis in `rows`, its unit.
+    pub fn measured_mean(&self, axis: usize, rows: Range<usize>) -> f64 {
+        let n = rows.len() as f64;
+        self.measured[axis][rows].iter().sum::<f64>() / n
+    }
+
     /// Returns true if the true value of an axis is not the model's own reference in every row.
     pub fn has_reference(&self) -> bool {
         self.has_reference

@@ -17,7 +17,7 @@ use fos_fit::evaluate::{ModelErrors, Stretch};
 use crate::curves::curves;
 use crate::figures::moved;
 use crate::plots;
-use crate::unaided::{LEGEND as LEGEND_UNAIDED, UnaidedRow};
+use crate::unaided::{LEGEND as LEGEND_UNAIDED, LEGEND_STRAPDOWN, UnaidedRow};
 use fos_data::recording::{LoadOptions, Recording};
 use fos_diagnose::study::{Study, load_again};
 
@@ -136,6 +136,9 @@ fn print_comparison(comparison: &Comparison, printed: Printed) {
     }
 }
 
+/// Name of the errors of six axes integrated together.
+const STRAPDOWN: &str = "strapdown";
+
 /// A sentence for each time without aiding if there is one axis or with `--details`, otherwise a table.
 fn print_unaided(comparison: &Comparison, printed: Printed) {
     let of_axes: Vec<(&str, Vec<UnaidedRow>)> = comparison
@@ -148,8 +151,10 @@ fn print_unaided(comparison: &Comparison, printed: Printed) {
     if of_axes.is_empty() {
         return;
     }
+    let together = UnaidedRow::of_strapdown(&comparison.strapdown, printed.units);
     if printed.details || comparison.axes.len() == 1 {
-        for (column, rows) in &of_axes {
+        let together = (!together.is_empty()).then_some((STRAPDOWN, together));
+        for (column, rows) in of_axes.iter().chain(&together) {
             print_line!("\n  {column}");
             rows.iter().for_each(|row| print_line!("  {}", row.sentence()));
         }
@@ -162,9 +167,17 @@ fn print_unaided(comparison: &Comparison, printed: Printed) {
             let cells = rows.iter().map(UnaidedRow::cell);
             rows_of_table.add_row([format!("  {column}"), quantity].into_iter().chain(cells));
         }
+        for rows in together.chunk_by(|one, other| one.quantity == other.quantity) {
+            let quantity = format!("{}, {}", rows[0].quantity, rows[0].unit);
+            let cells = rows.iter().map(UnaidedRow::cell);
+            rows_of_table.add_row([format!("  {STRAPDOWN}"), quantity].into_iter().chain(cells));
+        }
         print_line!("\n{rows_of_table}");
     }
     print_line!("  {LEGEND_UNAIDED}");
+    if !comparison.strapdown.is_empty() {
+        print_line!("  {LEGEND_STRAPDOWN}");
+    }
 }
 
 /// Time of a stretch, its error, and its distinctive properties.

@@ -170,6 +170,21 @@ fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
             flicker.label
         );
     }
+    let seconds = ShownUnit { label: "s".to_owned(), divisor: 1.0 };
+    for (axis, [white, flicker, _]) in &shown {
+        let Some(process) = &axis.levels.gauss_markov else { continue };
+        let stated = |level: &Level, unit: &ShownUnit| {
+            let [value, interval] = cells(level, unit, "–");
+            format!("{value} {} ({interval})", unit.label)
+        };
+        print_line!(
+            "  {}: a Gauss–Markov process describes the bias better than B and K: σ {}, τ {}, beside N {}",
+            axis.column,
+            stated(&process.deviation, flicker),
+            stated(&process.tau_s, &seconds),
+            stated(&process.white, white)
+        );
+    }
     for (axis, [_, _, walk]) in &shown {
         let Some(needed) = axis.walk_needs_s else { continue };
         print_line!(

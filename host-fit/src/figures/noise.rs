@@ -56,6 +56,16 @@ fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {
         ink: Ink::Floor,
         shape: Shape::Line(taus.iter().map(|tau| (*tau, levels.allan_deviation(*tau))).collect()),
     });
+    if let Some(process) = levels.gauss_markov {
+        let seconds = ShownUnit { label: "s".into(), divisor: 1.0 };
+        let sigma = with_interval("σ", &process.deviation, flicker);
+        let tau = with_interval("τ", &process.tau_s, &seconds);
+        series.push(Series {
+            label: format!("N and a Gauss–Markov process: {sigma}, {tau}"),
+            ink: Ink::Method(4),
+            shape: Shape::Line(taus.iter().map(|tau| (*tau, process.allan_deviation(*tau))).collect()),
+        });
+    }
     series.push(Series {
         label: "measured (90 %)".into(),
         ink: Ink::Measured,

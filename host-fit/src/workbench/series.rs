@@ -338,7 +338,13 @@ mod tests {
         let log = log(2_000, 2_000);
         let left: Vec<f64> = (0..1_000).map(|n| f64::from(n % 7)).collect();
         let axis = AxisTrace { one_step: left.clone(), coast: left, ..AxisTrace::default() };
-        let trace = Trace { rows: 1_000..2_000, period_s: 0.005, stretches: Vec::new(), axes: Vec::new() };
+        let trace = Trace {
+            rows: 1_000..2_000,
+            period_s: 0.005,
+            stretches: Vec::new(),
+            axes: Vec::new(),
+            strapdown: None,
+        };
         let rows = Rows { trace: Some((&trace, &axis)), ..of(&log) };
         let shown = series(rows, by(ViewKind::OneStep), 0.0, 10.0, 4_000);
         let (left, predicted) = (shown.left.unwrap(), shown.predicted.unwrap());

@@ -59,8 +59,8 @@ class UnaidedError:
     Attributes:
         window_s: The time, s.
         windows: Number of windows; below 3 there is no RMS.
-        heading_rad: Heading error, rad; only of a gyro axis.
-        position_m: Position error, m; only of an accelerometer axis.
+        heading_rad: Heading error, rad; of a gyro axis, and of six axes together.
+        position_m: Position error, m; of an accelerometer axis, and of six axes together.
     """
 
     window_s: float
@@ -288,10 +288,13 @@ class Comparison:
     Attributes:
         evaluated_s: First and last time stamp of the evaluated rows, s.
         axes: The axes of the model.
+        strapdown: Errors of a strapdown of all six axes, by length of the windows: before the model and after it. Empty
+            unless the model has all six.
     """
 
     evaluated_s: Interval
     axes: tuple[AxisComparison, ...]
+    strapdown: tuple[tuple[UnaidedError, UnaidedError], ...] = ()
 
     def __getitem__(self, axis: str) -> AxisComparison:
         """The axis of this column, or of its first part: `gx`."""

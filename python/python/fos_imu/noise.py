@@ -72,6 +72,50 @@ class ThermalDrift:
 
 
 @dataclass(frozen=True)
+class GaussMarkovNoise:
+    """White noise and a first-order Gauss–Markov process.
+
+    Attributes:
+        white: N beside the process.
+        deviation: Standard deviation of the bias.
+        tau_s: Correlation time, s.
+        gain: Decrease of −2 ln L against N, B and K, after a penalty for parameters.
+    """
+
+    white: Level
+    deviation: Level
+    tau_s: Level
+    gain: float
+
+
+@dataclass(frozen=True)
+class FilterNoise:
+    """Noise of a Kalman filter with one bias state: next bias = transition · bias + noise of bias_variance.
+
+    Attributes:
+        interval_s: Update interval, s: one sample of the log.
+        white: N, unit·√s.
+        white_variance: Variance of the white noise of one update, N²/interval, unit².
+        deviation: Standard deviation of the bias; None for a random walk.
+        tau_s: Correlation time, s; None for a random walk.
+        walk: K, unit/√s; None for a Gauss–Markov process.
+        transition: Factor of the bias from one update to the next.
+        bias_variance: Variance added to the bias in each update, unit²; None if it is not identifiable.
+        absent: Reason why values are None: hidden_by_step, walk_not_seen.
+    """
+
+    interval_s: float
+    white: float | None = None
+    white_variance: float | None = None
+    deviation: float | None = None
+    tau_s: float | None = None
+    walk: float | None = None
+    transition: float | None = None
+    bias_variance: float | None = None
+    absent: str | None = None
+
+
+@dataclass(frozen=True)
 class AxisNoise:
     """Noise of one axis at rest. Motion, knocks and outliers are excluded.
 
@@ -89,6 +133,8 @@ class AxisNoise:
         step: Step of the converter where it hides the noise: N, B and K are then limits.
         thermal_drift: Drift with the logged temperature, estimated together with N, B and K and part of none of them.
         walk_within_20_percent_s: Time at rest, s, after which a walk that was seen is expected within ±20 % (90 %).
+        gauss_markov: White noise and a Gauss–Markov process, where they describe the axis better than N, B and K.
+        filter: Noise of a Kalman filter that is updated with every sample.
     """
 
     column: str
@@ -104,6 +150,8 @@ class AxisNoise:
     step: float | None = None
     thermal_drift: ThermalDrift | None = None
     walk_within_20_percent_s: float | None = None
+    gauss_markov: GaussMarkovNoise | None = None
+    filter: FilterNoise | None = None
 
     def to_pandas(self) -> pandas.DataFrame:
         """The Allan deviation, one row an averaging time."""

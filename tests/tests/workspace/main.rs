@@ -3,6 +3,7 @@
 mod c_source;
 mod compatibility;
 mod exported_model;
+mod noise_accuracy;
 mod noise_of_a_log;
 mod path;
 mod reference_series;

@@ -6,13 +6,13 @@ use fos_fit::noise::{AxisNoise, AxisNoiseError, Level, axis_noise};
 use fos_simulate::Colour;
 use fos_testkit::is_thorough;
 
-const RATE_HZ: f64 = 20.0;
-const N: f64 = 1.2e-4;
-const B: f64 = 4e-5;
-const K: f64 = 4e-6;
+pub(super) const RATE_HZ: f64 = 20.0;
+pub(super) const N: f64 = 1.2e-4;
+pub(super) const B: f64 = 4e-5;
+pub(super) const K: f64 = 4e-6;
 
 /// A gyro of `n` samples at rest, with other columns.
-fn log(values: Vec<f64>, others: Vec<(String, Vec<f64>)>) -> Recording {
+pub(super) fn log(values: Vec<f64>, others: Vec<(String, Vec<f64>)>) -> Recording {
     let time: Vec<f64> = (0..values.len()).map(|row| row as f64 / RATE_HZ).collect();
     let mut columns = vec![("t_s".to_owned(), time), ("gx_rads".to_owned(), values)];
     columns.extend(others);
@@ -25,11 +25,11 @@ fn simulated(walk: f64, n: usize, seed: u64) -> Vec<f64> {
     fos_simulate::AxisNoise::new(2.0_f64.sqrt() * N, B, walk, Colour::WHITE, RATE_HZ).simulate(n, seed)
 }
 
-fn noise_of(recording: &Recording) -> Result<AxisNoise, AxisNoiseError> {
+pub(super) fn noise_of(recording: &Recording) -> Result<AxisNoise, AxisNoiseError> {
     axis_noise(recording, &stillness::find(recording), "gx")
 }
 
-fn holds(level: Level, truth: f64) -> bool {
+pub(super) fn holds(level: Level, truth: f64) -> bool {
     level.low.is_none_or(|low| low <= truth) && truth <= level.high
 }
 

@@ -7,6 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::origins::Origins;
+use super::strapdown::{SixAxes, Strapdown, StrapdownEnd};
 use super::unaided::{Integral, UNAIDED_S};
 use crate::model::{AXES, FittedAxis, FittedTerm, INPUTS, UnitModel};
 use crate::playback::{Feed, Playback};
@@ -32,6 +33,12 @@ const WINDOWS: usize = BLOCKS + 1;
 /// Number of lengths of coasts: horizons, blocks, windows without aiding.
 const LENGTHS: usize = WINDOWS + UNAIDED_S.len();
 
+/// Errors of a strapdown at the ends of windows, for each length of windows.
+type Ends = [Vec<StrapdownEnd>; UNAIDED_S.len()];
+
+/// Time over which a strapdown measures gravity at the start of a window, s.
+const GRAVITY_S: f64 = 1.0;
+
 /// Error of a coast: the row that it began in, the axis, the error.
 type Left = (usize, usize, f64);
 
@@ -54,12 +61,26 @@ pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: u
     /// Integration of the residual over windows without aiding, one entry per axis; none for an axis that is neither
     /// gyro nor accelerometer.
     integrals: Vec<Option<Integral>>,
+    /// Places of the axes for a strapdown; none unless the model has all six.
+    six: Option<SixAxes>,
     period_s: f64,
     /// Waiting coasts by length: each horizon, blocks, each length of windows without aiding.
     waiting: [Waiting<R, TERMS, HISTORY>; LENGTHS],
     left: [Vec<Left>; 3],
     /// Integrated errors at the ends of windows, for each length of windows.
     ends: [Vec<Left>; UNAIDED_S.len()],
+    /// First rows of windows, and the errors of a strapdown at their ends, for each length of windows.
+    strapdown: [Vec<(usize, StrapdownEnd)>; UNAIDED_S.len()],
+}
+
+/// Errors of the window of one lane so far.
+#[derive(Default)]
+struct Window {
+    /// Integral of each axis, rad or m.
+    ends: Vec<f64>,
+    /// Residual of each axis in the current row.
+    residuals: Vec<f64>,
+    strapdown: Option<Strapdown>,
 }
 
 /// Waiting coasts, each with no more than its initial state. The memory of coasts that have run is reused.
@@ -140,10 +161,12 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
             ticks: origins.ticks,
             is_held: is_held(model),
             integrals: model.axes.iter().map(|axis| Integral::of(&axis.column)).collect(),
+            six: SixAxes::of(model),
             period_s: model.period_s,
             waiting: [const { Waiting::new() }; LENGTHS],
             left: [const { Vec::new() }; 3],
             ends: [const { Vec::new() }; UNAIDED_S.len()],
+            strapdown: [const { Vec::new() }; UNAIDED_S.len()],
         }
     }
 
@@ -190,9 +213,9 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
     }
 
     /// Runs the coasts that still wait. Returns for each axis, in the order of the rows that the coasts began in, the
-    /// squared errors after exactly each horizon and the errors at the ends of windows without aiding. `keep` as for
-    /// [`begin_block`](Self::begin_block).
-    pub(super) fn finish(mut self, keep: impl FnMut(usize, usize, &[f64])) -> Vec<Finished> {
+    /// squared errors after exactly each horizon and the errors at the ends of windows without aiding; then those of a
+    /// strapdown, if the model has six axes. `keep` as for [`begin_block`](Self::begin_block).
+    pub(super) fn finish(mut self, keep: impl FnMut(usize, usize, &[f64])) -> (Vec<Finished>, Option<Ends>) {
         (0..self.ticks.len()).for_each(|length| self.run(length));
         self.run_blocks(keep);
         (0..UNAIDED_S.len()).for_each(|length| self.run_windows(length));
@@ -209,7 +232,11 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
                 finished[axis].ends[length].push(end);
             }
         }
-        finished
+        let in_order = |mut ends: Vec<(usize, StrapdownEnd)>| -> Vec<StrapdownEnd> {
+            ends.sort_by_key(|(row, _)| *row);
+            ends.into_iter().map(|(_, end)| end).filter(StrapdownEnd::is_finite).collect()
+        };
+        (finished, self.six.map(|_| self.strapdown.map(in_order)))
     }
 
     /// Queues a coast. Returns true once there are as many as are run at once.
@@ -270,21 +297,42 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
 
     /// Runs the waiting windows without aiding of one length.
     fn run_windows(&mut self, length: usize) {
-        let (integrals, period_s) = (self.integrals.clone(), self.period_s);
+        let (integrals, six, period_s) = (self.integrals.clone(), self.six, self.period_s);
+        let playback = self.playback;
         let n_axes = integrals.len();
         let left = self.run_waiting(
             WINDOWS + length,
             |_| true,
-            |ends: &mut Vec<f64>, (rows, lane), axis, ahead, error| {
-                ends.resize(ends.len().max((lane + 1) * n_axes), 0.0);
+            |windows: &mut Vec<Window>, (rows, lane), axis, ahead, error| {
+                if windows.len() <= lane {
+                    windows.resize_with(lane + 1, Window::default);
+                }
+                let window = &mut windows[lane];
+                if window.ends.is_empty() {
+                    window.ends = vec![0.0; n_axes];
+                    window.residuals = vec![0.0; n_axes];
+                    let start = |axis| playback.measured_mean(axis, start_of(rows, period_s));
+                    window.strapdown =
+                        six.map(|six| Strapdown::new(six, six.accelerometers.map(start), period_s));
+                }
                 let weight =
                     integrals[axis].map_or(0.0, |integral| integral.weight(ahead, rows.len(), period_s));
-                ends[lane * n_axes + axis] += weight * error;
+                window.ends[axis] += weight * error;
+                window.residuals[axis] = error;
+                // the axes of a row come in their order
+                if axis + 1 == n_axes
+                    && let Some(strapdown) = &mut window.strapdown
+                {
+                    strapdown.step(&window.residuals);
+                }
             },
         );
-        for (lanes, ends) in left {
-            for (index, end) in ends.into_iter().enumerate() {
-                self.ends[length].push((lanes[index / n_axes].start, index % n_axes, end));
+        for (lanes, windows) in left {
+            for (rows, window) in lanes.iter().zip(windows) {
+                let ends = window.ends.into_iter().enumerate();
+                self.ends[length].extend(ends.map(|(axis, end)| (rows.start, axis, end)));
+                let end = window.strapdown.map(|strapdown| (rows.start, strapdown.end()));
+                self.strapdown[length].extend(end);
             }
         }
     }
@@ -405,6 +453,12 @@ where
             }
         }
     }
+}
+
+/// Returns the rows at the start of a window in which gravity is measured.
+fn start_of(rows: &Range<usize>, period_s: f64) -> Range<usize> {
+    let n = ((GRAVITY_S / period_s).round() as usize).clamp(1, rows.len());
+    rows.start..rows.start + n
 }
 
 /// Returns true if a coast of the model holds its first prediction while there are samples: a constant, or the last

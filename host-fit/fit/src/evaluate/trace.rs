@@ -6,6 +6,7 @@ use fos_core::{Correction, ModelError, Predictor, Real};
 
 use super::coasts::Coasting;
 use super::origins::Origins;
+use super::strapdown::StrapdownEnd;
 use super::unaided::UNAIDED_S;
 use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::{Feed, Playback};
@@ -22,6 +23,9 @@ pub struct Trace {
     pub stretches: Vec<Range<usize>>,
     /// One entry per axis of the model.
     pub axes: Vec<AxisTrace>,
+    /// Errors of a strapdown at the ends of windows without aiding, for each length of [`UNAIDED_S`]; none unless the
+    /// model has all six axes.
+    pub strapdown: Option<[Vec<StrapdownEnd>; UNAIDED_S.len()]>,
 }
 
 /// Residuals of one axis, in its unit; one value per evaluated row, NaN where unknown.
@@ -120,7 +124,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
             origins.windows.clear();
         }
         let axes = model.axes.iter().map(|_| AxisTrace::with_rows(rows.len(), coasted)).collect();
-        let trace = Trace { rows, period_s: model.period_s, stretches, axes };
+        let trace = Trace { rows, period_s: model.period_s, stretches, axes, strapdown: None };
         let coasting = Coasting::new(model, playback, &origins);
         Self { playback, feed: playback.feed(), origins, coasting, predictor, coasted, trace }
     }
@@ -170,11 +174,13 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
             self.step(row);
         }
         let axes = &mut self.trace.axes;
-        let finished = self.coasting.finish(|row, axis, errors| keep_block(axes, row, axis, errors));
+        let (finished, strapdown) =
+            self.coasting.finish(|row, axis, errors| keep_block(axes, row, axis, errors));
         for (axis, finished) in axes.iter_mut().zip(finished) {
             axis.horizons = finished.squares;
             axis.unaided = finished.ends;
         }
+        self.trace.strapdown = strapdown;
         self.trace
     }
 
@@ -266,7 +272,7 @@ impl Trace {
         self
     }
 
-    /// Returns the part within `rows` of the recording. `coast_whole`, `horizons`, `unaided` and `cautions`, which
+    /// Returns the part within `rows` of the recording. `coast_whole`, `horizons`, `unaided`, `strapdown` and `cautions`, which
     /// describe the whole, are empty.
     pub fn within(&self, rows: Range<usize>) -> Self {
         let start = rows.start.clamp(self.rows.start, self.rows.end);
@@ -276,6 +282,7 @@ impl Trace {
         Self {
             period_s: self.period_s,
             stretches: clipped.filter(|stretch| !stretch.is_empty()).collect(),
+            strapdown: None,
             axes: self
                 .axes
                 .iter()

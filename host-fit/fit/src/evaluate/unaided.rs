@@ -9,7 +9,7 @@
 //!
 //! p = Δt² · Σ (n − i − ½) rᵢ, i = 0 … n − 1.
 //!
-//! One axis is integrated alone: no attitude error tilts gravity into it. The residual is that of a free run which
+//! One axis is integrated alone: no attitude error tilts gravity into it (`strapdown` integrates six axes). The residual is that of a free run which
 //! begins with the window, so nothing of the error inside the window is known. Windows are whole, lie in one gap-free
 //! stretch at rest each, and do not overlap.
 
@@ -32,10 +32,10 @@ pub struct UnaidedError {
     pub window_s: f64,
     /// Number of whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS.
     pub windows: usize,
-    /// Heading error at the end of a window, rad; for a gyro axis only.
+    /// Heading error at the end of a window, rad; for a gyro axis, and for six axes together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub heading_rad: Option<RmsInterval>,
-    /// Position error at the end of a window, m; for an accelerometer axis only.
+    /// Position error at the end of a window, m; for an accelerometer axis, and for six axes together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_m: Option<RmsInterval>,
 }
@@ -55,7 +55,7 @@ pub struct RmsInterval {
 impl UnaidedError {
     /// Computes the RMS of the errors at the ends of windows of `window_s`, in their order, rad or m.
     pub(super) fn of(triad: Triad, window_s: f64, ends: &[f64]) -> Self {
-        let found = (ends.len() >= FEWEST_WINDOWS).then(|| RmsInterval::of(ends));
+        let found = (ends.len() >= FEWEST_WINDOWS).then(|| RmsInterval::of(&[ends]));
         let of = |wanted: Triad| found.filter(|_| triad == wanted);
         Self {
             window_s,
@@ -72,12 +72,24 @@ impl UnaidedError {
 }
 
 impl RmsInterval {
-    /// RMS of errors about zero with the interval of χ², whose degrees of freedom allow for the autocorrelation of the
-    /// errors. It covers the RMS of a stationary error that loses its memory within the log. An error that is equal in
-    /// all windows counts as one window, as another turn-on may have another.
-    fn of(ends: &[f64]) -> Self {
-        let rms = (ends.iter().map(|end| end * end).sum::<f64>() / ends.len() as f64).sqrt();
-        let freedom = degrees_of_freedom(ends);
+    /// RMS of the lengths of errors about zero, given as one series per component, with the interval of χ², whose degrees
+    /// of freedom allow for the autocorrelation of the errors and combine those of the components (Satterthwaite 1946). It
+    /// covers the RMS of a stationary error that loses its memory within the log. An error that is equal in all windows
+    /// counts as one window, as another turn-on may have another.
+    pub(super) fn of(components: &[&[f64]]) -> Self {
+        let mean_square = |ends: &&[f64]| ends.iter().map(|end| end * end).sum::<f64>() / ends.len() as f64;
+        let squares: Vec<f64> = components.iter().map(mean_square).collect();
+        let total: f64 = squares.iter().sum();
+        let freedom = match components {
+            [ends] => degrees_of_freedom(ends),
+            _ => {
+                let moving = components.iter().zip(&squares).filter(|(_, square)| **square > 0.0);
+                let scatter: f64 =
+                    moving.map(|(ends, square)| square * square / degrees_of_freedom(ends)).sum();
+                if scatter > 0.0 { total * total / scatter } else { 1.0 }
+            }
+        };
+        let rms = total.sqrt();
         let chi_squared = ChiSquared::new(freedom).expect("degrees of freedom are positive");
         let bound = |probability| rms * (freedom / chi_squared.inverse_cdf(probability)).sqrt();
         Self { rms, low: bound(0.95), high: bound(0.05) }

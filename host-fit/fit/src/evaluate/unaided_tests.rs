@@ -6,7 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_testkit::noise::{autoregression, random_walk, white_noise};
 
 use super::*;
-use crate::evaluate::{Rival, rival, trace};
+use crate::evaluate::{Rival, rival, strapdown_errors, trace};
 use crate::model::{FittedAxis, FittedTerm, HostPredictor, UnitModel};
 use crate::playback::Playback;
 
@@ -125,6 +125,35 @@ fn windows_equal_free_runs_that_are_integrated_step_by_step() {
     assert_eq!([windows(0), windows(1)], [[744, 73, 11, 0], [745, 74, 12, 0]]);
 }
 
+#[test]
+fn a_strapdown_of_six_axes_tilts_gravity_into_the_position() {
+    let (rate_hz, rows, g, b) = (20.0, 5000, 9.81, 1e-4);
+    let columns = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+    let values = [0.0, 0.0, g, 0.0, b, 0.0].map(|value| vec![value; rows]);
+    let errors = |n_axes: usize| {
+        let columns = &columns[..n_axes];
+        let series: Vec<(&str, &[f64])> =
+            columns.iter().copied().zip(values.iter().map(Vec::as_slice)).collect();
+        let log = log(&series, rate_hz, 0..0);
+        let mut model = model(columns, log.rate.period_s);
+        model.axes.iter_mut().for_each(|axis| axis.parameters.offset = 0.0);
+        model.axes[2].parameters.offset = g;
+        let still = vec![true; rows];
+        let playback = Playback::new(&log, &model, &still).expect("a playback");
+        let rival = rival(&model, Rival::Mean, &[0.0; 6]);
+        strapdown_errors(&trace::<f64>(&rival, &playback, 0..rows, |_| {}).expect("a trace"))
+    };
+    let found = errors(6);
+    let after_60_s = found[2];
+    assert_eq!((found.len(), after_60_s.window_s, after_60_s.windows), (4, 60.0, 4));
+    // the first of 1200 samples is not tilted yet
+    let position = after_60_s.position_m.expect("an RMS").rms / (g * b * 60.0_f64.powi(3) / 6.0);
+    assert!((position - 1.0).abs() < 3e-3, "{position}");
+    assert!(after_60_s.heading_rad.expect("an RMS").rms < 1e-12);
+    assert_eq!((found[3].windows, found[3].position_m), (0, None));
+    assert_eq!(errors(5), []);
+}
+
 /// Standard error of an RMS of n normal values, four times, as a share of it.
 fn four_sigma(n: usize) -> f64 {
     4.0 / (2.0 * n as f64).sqrt()
@@ -189,7 +218,7 @@ fn intervals_cover_the_rms_as_often_as_they_state() {
         let (trials, apart) = (1000, n + 100);
         let series = autoregression(5, trials * apart, &[correlation], 1.0 - correlation * correlation);
         let covers = |log: &&[f64]| {
-            let RmsInterval { low, high, .. } = RmsInterval::of(&log[..n]);
+            let RmsInterval { low, high, .. } = RmsInterval::of(&[&log[..n]]);
             low <= 1.0 && 1.0 <= high
         };
         let share = series.chunks(apart).filter(covers).count() as f64 / trials as f64;
@@ -199,7 +228,7 @@ fn intervals_cover_the_rms_as_often_as_they_state() {
 
 #[test]
 fn equal_errors_count_as_one_window() {
-    let RmsInterval { rms, low, high } = RmsInterval::of(&[0.2; 30]);
+    let RmsInterval { rms, low, high } = RmsInterval::of(&[&[0.2; 30]]);
     assert!((rms - 0.2).abs() < 1e-12);
     // χ² of one degree of freedom: 0.00393 and 3.84
     assert!((low / rms - 0.51).abs() < 0.01 && (high / rms - 15.9).abs() < 0.1, "{low} {high}");

@@ -9,7 +9,7 @@ use super::noise_model::{NoiseModel, yaml_line};
 
 /// Returns the file, in ASCII.
 pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
-    let NoiseModel { log, rate_hz, accel, gyro } = noise;
+    let NoiseModel { log, rate_hz, accel, gyro, filter } = noise;
     let topic = quoted(rostopic);
     let keys = |indent: &str| {
         let levels = [
@@ -35,7 +35,7 @@ pub fn imu_yaml(noise: &NoiseModel, rostopic: &str) -> String {
          # Noise of {}, by fos: of three axes the one that has the most.\n\
          # Continuous densities, not to be multiplied by the root of the rate: N is the Allan deviation at 1 s of the\n\
          # white noise, K the random walk of the bias. A data sheet's one-sided density is sqrt(2) times N.\n\
-         \n# Kalibr reads these\n{}\
+         {filter}\n# Kalibr reads these\n{}\
          \n# OpenVINS reads this block; Kalibr estimates the extrinsic transformation and the scale factors\n\
          imu0:\n  T_i_b:\n{}{}  time_offset: 0.0\n  model: \"kalibr\"\n\
          \x20 Tw:\n{}  R_IMUtoGYRO:\n{}  Ta:\n{}  R_IMUtoACC:\n{}  Tg:\n{zero}",

@@ -7,12 +7,14 @@
 //! | `description`, `model_of` | an image in words, and as a model again |
 //! | `allan_csv` | the noise of a log as a table |
 //! | `noise_model` | one number of noise for three axes, for the files below |
+//! | `filter_comment` | discrete noise of a Kalman filter, for the comments of `imu_yaml` |
 //! | `imu_yaml` | the noise for Kalibr and OpenVINS |
 //! | `slam` | the noise for ORB-SLAM3 and VINS |
 
 mod allan_csv;
 mod comment;
 mod description;
+mod filter_comment;
 mod image;
 mod imu_yaml;
 mod model_of;

@@ -1,5 +1,6 @@
 //! One noise level for the three axes of a sensor, as in the files of other stacks.
 
+use super::filter_comment::filter_comment;
 use super::noise_unit::NoiseUnits;
 use crate::noise::{AxisNoise, Level};
 use fos_data::column::{ACCELEROMETERS, GYROS};
@@ -14,6 +15,8 @@ pub struct NoiseModel {
     /// Noise of the accelerometers.
     pub accel: TriadNoise,
     pub gyro: TriadNoise,
+    /// Comment lines with the discrete noise of a Kalman filter of every axis.
+    pub filter: String,
 }
 
 /// Noise of three axes, at each level that of the noisiest axis. A filter given too small a noise value becomes
@@ -62,7 +65,13 @@ impl NoiseModel {
                 walk: worst(&three, &units.walk, |axis| axis.levels.walk),
             })
         };
-        Ok(Self { log: log.to_owned(), rate_hz, accel: of(ACCELEROMETERS)?, gyro: of(GYROS)? })
+        Ok(Self {
+            log: log.to_owned(),
+            rate_hz,
+            accel: of(ACCELEROMETERS)?,
+            gyro: of(GYROS)?,
+            filter: filter_comment(axes),
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use super::noise_model::{NoiseModel, real, yaml_line};
 /// Returns lines for the settings of ORB-SLAM3, with continuous densities. It multiplies the noise by √`IMU.Frequency`
 /// and divides the walk by it (src/Tracking.cc), and rejects a number without a point (src/Settings.cc, `isReal`).
 pub fn orb_slam3(noise: &NoiseModel) -> String {
-    let NoiseModel { log, rate_hz, accel, gyro } = noise;
+    let NoiseModel { log, rate_hz, accel, gyro, .. } = noise;
     let levels = [
         ("IMU.NoiseGyro", &gyro.white),
         ("IMU.NoiseAcc", &accel.white),
@@ -29,7 +29,7 @@ pub fn orb_slam3(noise: &NoiseModel) -> String {
 /// time step when it accumulates them (factor/integration_base.h, `V·noise·Vᵀ`, V ∝ dt), which is right for standard
 /// deviations per sample, N·√rate and K·√rate. These are active; the densities are given in comments.
 pub fn vins(noise: &NoiseModel) -> String {
-    let NoiseModel { log, rate_hz, accel, gyro } = noise;
+    let NoiseModel { log, rate_hz, accel, gyro, .. } = noise;
     let levels =
         [("acc_n", &accel.white), ("gyr_n", &gyro.white), ("acc_w", &accel.walk), ("gyr_w", &gyro.walk)];
     let discrete = levels.map(|(key, level)| {

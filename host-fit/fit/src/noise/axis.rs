@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::blocks::{Blocks, length_for};
 use super::estimate::{FEWEST_BLOCKS, NoiseEstimate, estimate};
+use super::filter::FilterNoise;
 use super::levels::UnknownLevels;
 use super::model::NoiseLevels;
 use super::step::Rounded;
@@ -38,6 +39,8 @@ pub struct AxisNoise {
     /// N, B and K.
     #[serde(flatten)]
     pub levels: NoiseEstimate,
+    /// Noise of a Kalman filter that is updated with every sample.
+    pub filter: FilterNoise,
     /// Drift with temperature, which is part of neither the levels nor the Allan deviation; none if the temperature is
     /// constant or not logged.
     pub thermal_drift: Option<ThermalDrift>,
@@ -163,6 +166,7 @@ pub fn axis_noise(
         span_s,
         left_out,
         levels,
+        filter: FilterNoise::of(&levels, period_s),
         // a longer log does not reveal what a step hides
         walk_needs_s: if step.is_some() { None } else { levels.seconds_for_walk(span_s) },
         walk_within_20_percent_s: if step.is_some() {

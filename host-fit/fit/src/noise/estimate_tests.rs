@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::blocks::Blocks;
 use super::estimate::{Level, NoiseEstimate, estimate};
 use super::levels::UnknownLevels;
-use super::model::NoiseLevels;
+use super::model::{GaussMarkov, NoiseLevels};
 use super::noise_tests::blocks_of;
 
 fn simulated(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> [Level; 3] {
@@ -27,8 +27,8 @@ fn intervals_have_their_stated_coverage() {
     let counts: Vec<usize> = (0..1500).map(|block| if (700..760).contains(&block) { 0 } else { 8 }).collect();
     let blocks = blocks_of(&counts);
     let (white, flicker, walk) = (1.0_f64, 0.4, 0.06);
-    let faster = 3.0_f64.ln() / std::f64::consts::PI * flicker * flicker * blocks.flicker_from_s;
-    let levels = NoiseLevels { white: (white * white + faster).sqrt(), flicker, walk, gauss_markov: None };
+    let (with_faster, faster) = blocks.faster_flicker(white, flicker);
+    let levels = NoiseLevels { white: with_faster, flicker, walk, gauss_markov: Some(faster) };
     let mut held = [0; 3];
     let mut below = [0; 3];
     for seed in 0..100 {
@@ -92,6 +92,7 @@ fn predicts_a_recording_time_only_for_a_walk_known_within_a_factor_of_three() {
         white: known(0.01, 0.0099, 0.0101),
         flicker: Level { value: None, low: None, high: 1e-4 },
         walk: known(3.16e-5, 1.5e-5, 5e-5),
+        gauss_markov: None,
     };
     let needed = estimate.seconds_for_accurate_walk(3600.0).expect("a time");
     assert!(needed > 3600.0);
@@ -101,4 +102,41 @@ fn predicts_a_recording_time_only_for_a_walk_known_within_a_factor_of_three() {
     assert!(more.seconds_for_accurate_walk(3600.0).expect("a time") > 1.2 * needed);
     let hardly = NoiseEstimate { walk: known(3.16e-5, 0.3e-5, 9e-5), ..estimate };
     assert_eq!(hardly.seconds_for_accurate_walk(3600.0), None, "hardly seen");
+}
+
+/// A Gauss-Markov process of 25 s in 20 min of blocks of 0.8 s.
+const PROCESS: GaussMarkov = GaussMarkov { deviation: 0.8, tau_s: 25.0 };
+
+#[test]
+fn a_gauss_markov_process_is_estimated_with_intervals_that_hold() {
+    let blocks = blocks_of(&[8; 1500]);
+    let levels = NoiseLevels { white: 1.0, flicker: 0.0, walk: 0.0, gauss_markov: Some(PROCESS) };
+    let ones = vec![1.0; blocks.len()];
+    let (mut preferred, mut held) = (0, [0; 3]);
+    for seed in 0..20 {
+        let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+        let Some(found) = estimate(&blocks, &y, &[&ones]).unwrap().gauss_markov else { continue };
+        preferred += 1;
+        let truths = [(found.white, 1.0), (found.deviation, 0.8), (found.tau_s, 25.0)];
+        for (held, (level, truth)) in held.iter_mut().zip(truths) {
+            *held += u32::from(holds(&level, truth));
+        }
+        assert!(found.tau_s.low.is_some() && found.tau_s.high < 250.0, "{found:?}");
+    }
+    println!("preferred {preferred} of 20, held {held:?}");
+    // 18 ± 1.3 of 20: three standard deviations
+    assert!(preferred >= 17 && held.iter().all(|held| *held + 4 >= preferred), "{preferred}: {held:?}");
+}
+
+#[test]
+fn flicker_noise_and_a_random_walk_are_no_gauss_markov_process() {
+    let blocks = blocks_of(&[8; 1500]);
+    let levels = NoiseLevels { white: 1.0, flicker: 0.4, walk: 0.02, gauss_markov: None };
+    let ones = vec![1.0; blocks.len()];
+    let is_preferred = |seed: &u64| {
+        let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(*seed));
+        estimate(&blocks, &y, &[&ones]).unwrap().gauss_markov.is_some()
+    };
+    let preferred = (0..20).filter(is_preferred).count();
+    assert!(preferred <= 1, "{preferred} of 20");
 }

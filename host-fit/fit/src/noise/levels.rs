@@ -289,7 +289,8 @@ fn at_walk(random_walk_likelihood: &[f64; WALK_VALUES], above: f64) -> f64 {
     before + (place - next as f64) * (random_walk_likelihood[next] - before)
 }
 
-fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
+/// Second derivatives of a function of logarithms, from differences over 0.1.
+pub(super) fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
     let step = 5.0 * STEP;
     let at = |moves: &[(usize, f64)]| {
         let mut place = centre;

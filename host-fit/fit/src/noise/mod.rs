@@ -8,6 +8,9 @@
 //! | `levels` | the levels, estimated together with a regression |
 //! | `prior` | prior of the levels: data sheet, reference log |
 //! | `estimate` | white noise, bias instability and random walk from the data alone, with intervals |
+//! | `gauss_markov` | white noise and a Gauss-Markov process in place of flicker and random walk |
+//! | `filter` | discrete noise for a Kalman filter |
+//! | `profile` | minimum and profile intervals of the likelihood |
 //! | `information` | how long to record for an accuracy of the levels |
 //! | `least` | the least number from which on a condition holds |
 //! | `step` | the noise behind the steps of a coarse converter |
@@ -17,12 +20,15 @@
 mod axis;
 mod blocks;
 mod estimate;
+mod filter;
+mod gauss_markov;
 mod gls;
 mod information;
 mod least;
 mod levels;
 mod model;
 mod prior;
+mod profile;
 mod step;
 mod thermal_drift;
 
@@ -38,6 +44,8 @@ mod noise_tests;
 pub use axis::{AxisNoise, AxisNoiseError, axis_noise};
 pub use blocks::{Block, Blocks, length_for, length_with_levels_for};
 pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
+pub use filter::{Absent, FilterNoise};
+pub use gauss_markov::GaussMarkovNoise;
 pub use gls::{Gls, combination, dot};
 pub use information::{densities, log_deviations, seconds_for_walk_deviation};
 pub use least::least_where;

@@ -16,6 +16,9 @@ use super::blocks::Blocks;
 /// Rungs of the flicker ladder: 3⁷ = 2187 times the shortest, beyond most logs.
 const RUNGS: usize = 8;
 
+/// Rungs below the ladder that count as white noise: the next would add 10⁻⁵ of their sum.
+const FASTER_RUNGS: i32 = 10;
+
 /// States: the ladder, the random walk, one further Gauss-Markov process.
 const STATES: usize = RUNGS + 2;
 
@@ -76,9 +79,31 @@ impl Rung {
         let neighbours = variance * ((-x).exp_m1() / x).powi(2);
         let decay = (-x.min(LONGEST)).exp();
         let sampled = neighbours / decay;
-        // 1 − x/3 + x²/12 where the difference would cancel
-        let one = if x > 1e-4 { 2.0 * (x + (-x).exp_m1()) / (x * x) } else { 1.0 - x / 3.0 };
-        Self { decay, variance: sampled, white: variance * one - sampled }
+        Self { decay, variance: sampled, white: variance * variance_of_mean(x) - sampled }
+    }
+}
+
+/// Variance of the mean of a Gauss-Markov process of unit variance over a time of `x` correlation times.
+fn variance_of_mean(x: f64) -> f64 {
+    // 1 − x/3 + x²/12 where the difference would cancel
+    if x > 1e-4 { 2.0 * (x + (-x).exp_m1()) / (x * x) } else { 1.0 - x / 3.0 }
+}
+
+/// Variance of each process of the ladder for flicker noise of unit bias instability.
+fn rung_variance() -> f64 {
+    3.0_f64.ln() / std::f64::consts::PI
+}
+
+impl Blocks {
+    /// Returns white noise, unit·√s, and a process that together with the ladder are white noise of `white` and flicker
+    /// noise of a bias instability, unit. The process is the next faster rung; all rungs below it are nearly white in
+    /// block means and have their variance.
+    pub(super) fn faster_flicker(&self, white: f64, flicker: f64) -> (f64, GaussMarkov) {
+        let variance = flicker * flicker * rung_variance();
+        let tau_s = |rung: i32| self.flicker_from_s * 3.0_f64.powi(-rung);
+        let means: f64 = (2..=FASTER_RUNGS).map(|rung| variance_of_mean(self.length_s / tau_s(rung))).sum();
+        let next = GaussMarkov { deviation: variance.sqrt(), tau_s: tau_s(1) };
+        ((white * white + variance * means * self.length_s).sqrt(), next)
     }
 }
 
@@ -124,7 +149,7 @@ impl NoiseLevels {
     #[inline(always)]
     fn filter(&self, blocks: &Blocks, restarts: &[usize]) -> Whitening {
         let length_s = blocks.length_s;
-        let ladder_deviation = self.flicker * (3.0_f64.ln() / std::f64::consts::PI).sqrt();
+        let ladder_deviation = self.flicker * rung_variance().sqrt();
         let mut decay = [1.0; STATES];
         let mut stationary = [0.0; STATES];
         let mut white = 0.0;

@@ -1110,9 +1110,9 @@ export type UnaidedError = {
 window_s: number,
 /** Number of whole windows that were measured throughout. Below [`FEWEST_WINDOWS`] the log is too short for an RMS. */
 windows: number,
-/** Heading error at the end of a window, rad; for a gyro axis only. */
+/** Heading error at the end of a window, rad; for a gyro axis, and for six axes together. */
 heading_rad?: RmsInterval,
-/** Position error at the end of a window, m; for an accelerometer axis only. */
+/** Position error at the end of a window, m; for an accelerometer axis, and for six axes together. */
 position_m?: RmsInterval, };
 
 /** An axis of a unit. */
