@@ -245,7 +245,7 @@ fn rejects_other_magic_version_and_flags() {
     assert_eq!(with(4, 2), ImageError::UnknownVersion(2));
     assert_eq!(with(4, 0), ImageError::UnknownVersion(0));
     assert_eq!(with(5, 1), ImageError::UnknownVersion(257));
-    assert_eq!(with(6, 1), ImageError::UnknownFlags(1));
+    assert_eq!(with(6, 2), ImageError::UnknownFlags(2));
     assert_eq!(with(7, 0x80), ImageError::UnknownFlags(0x8000));
 }
 

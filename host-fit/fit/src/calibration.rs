@@ -189,14 +189,8 @@ mod tests {
                 accel: triad,
                 gyro: Some(triad),
             }),
-            quantities: vec![LoggedQuantity {
-                column: "temp_c".to_owned(),
-                quantity: Quantity::Temperature,
-            }],
-            inputs: vec![
-                input(Transform::LowPass { tau_s: 60.0 }),
-                input(Transform::Rate { tau_s: 10.0 }),
-            ],
+            quantities: vec![LoggedQuantity { column: "temp_c".to_owned(), quantity: Quantity::Temperature }],
+            inputs: vec![input(Transform::LowPass { tau_s: 60.0 }), input(Transform::Rate { tau_s: 10.0 })],
             axes: vec![
                 axis(Axis::Ay, 0.05, Term::new(0.4, &[u(0, 0), u(0, 0)])),
                 axis(Axis::Az, 0.0, Term::new(0.4, &[u(1, 0)])),
