@@ -295,7 +295,7 @@ mod tests {
         let recording = Recording::from_columns(Source::made_by("a test"), columns, &options).unwrap();
         let rows = 0..coast.len();
         let axes = vec![AxisTrace { coast, ..AxisTrace::default() }];
-        (recording, Trace { rows, period_s: 0.005, stretches, axes })
+        (recording, Trace { rows, period_s: 0.005, stretches, axes, strapdown: None })
     }
 
     #[test]
@@ -362,6 +362,7 @@ mod tests {
                 period_s: 0.1,
                 stretches: std::iter::once(0..time.len()).collect(),
                 axes,
+                strapdown: None,
             }
         };
         assert_eq!(worst_stretches(&of(coast.clone()), 0, "gx_rads", &recording), []);

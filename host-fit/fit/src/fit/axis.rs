@@ -432,7 +432,13 @@ mod tests {
             horizons: [squares, Vec::new(), Vec::new()],
             ..Default::default()
         };
-        Trace { rows: 0..3, period_s: 0.01, stretches: std::iter::once(0..3).collect(), axes: vec![axis] }
+        Trace {
+            rows: 0..3,
+            period_s: 0.01,
+            stretches: std::iter::once(0..3).collect(),
+            axes: vec![axis],
+            strapdown: None,
+        }
     }
 
     #[test]
