@@ -26,6 +26,9 @@ pub const VERSION: u16 = 1;
 /// Flag of an image with a calibration.
 const CALIBRATED: u16 = 1;
 
+/// Bytes of a calibration: 24 numbers.
+const CALIBRATION_LENGTH: usize = 96;
+
 /// Bytes before the body: magic, version, flags, length of the body, length of the information, checksum.
 pub const HEADER_LENGTH: usize = 20;
 

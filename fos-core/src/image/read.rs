@@ -2,11 +2,13 @@
 
 use serde::Deserialize;
 
-use super::{AxisHead, CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use super::{
+    AxisHead, CALIBRATED, CALIBRATION_LENGTH, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum,
+};
 use crate::evaluator::ModelHeader;
 use crate::{
     AxisParameters, Calibration, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
-    StillnessLimits, Term,
+    StillnessLimits, Term, TriadCalibration,
 };
 
 /// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
@@ -77,11 +79,9 @@ impl<'a> Image<'a> {
         let (body, information) = rest.split_at_checked(body).ok_or(ImageError::Malformed)?;
         let mut records = Records(body);
         let head = records.take()?;
-        let mut calibration: &[u8] = &[];
-        if flags & CALIBRATED != 0 {
-            calibration = records.0;
-            records.take::<Calibration<f32>>()?;
-        }
+        let length = if flags & CALIBRATED != 0 { CALIBRATION_LENGTH } else { 0 };
+        let (calibration, rest) = records.0.split_at_checked(length).ok_or(ImageError::Malformed)?;
+        records.0 = rest;
         let image = Self { head, calibration, records, information };
         image.check_form()?;
         Ok(image)
@@ -125,8 +125,22 @@ impl<'a> Image<'a> {
     }
 
     /// Calibration of the triads, for the corrected values.
+    // without serde, which would take half a kilobyte of flash, and with a stack frame of its own
+    #[inline(never)]
     pub fn calibration(&self) -> Option<Calibration<f32>> {
-        Records(self.calibration).take().ok()
+        if self.calibration.is_empty() {
+            return None;
+        }
+        let mut records = Records(self.calibration);
+        let mut number = || records.bytes().map_or(f32::NAN, f32::from_le_bytes);
+        let mut three = || [number(), number(), number()];
+        let mut triad = || TriadCalibration { matrix: [three(), three(), three()], bias: three() };
+        Some(Calibration { accel: triad(), gyro: triad() })
+    }
+
+    #[inline(never)]
+    fn check_calibration(&self) -> Result<(), ImageError> {
+        self.calibration().map_or(Ok(()), |calibration| Ok(calibration.check()?))
     }
 
     /// Names of the sensor, its quantities and effects, and the provenance of the model.
@@ -235,9 +249,7 @@ impl<'a> Image<'a> {
         if let Some(limits) = &self.head.stillness {
             limits.check()?;
         }
-        if let Some(calibration) = self.calibration() {
-            calibration.check()?;
-        }
+        self.check_calibration()?;
         for input in self.inputs() {
             evaluator.add_input(&input.convert())?;
         }

@@ -89,7 +89,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
         self.check_fitted_on(image.fitted_on())?;
         image.load_evaluator(&mut self.evaluator).map_err(HubError::Image)?;
-        self.take_calibration(image.calibration().as_ref())?;
+        self.take_calibration(|| image.calibration())?;
         let axes = image.axes().map(|axis| axis.parameters);
         self.connect(image.period_s(), axes, image.quantities(), image.stillness())
     }
@@ -97,7 +97,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.check_fitted_on(model.fitted_on)?;
         self.evaluator.load(model).map_err(|error| HubError::Image(error.into()))?;
-        self.take_calibration(model.calibration.as_ref())?;
+        self.take_calibration(|| model.calibration)?;
         let axes = model.axes.iter().map(|axis| axis.parameters);
         self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
     }
@@ -105,14 +105,14 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[cfg(feature = "calibration")]
     // as `connect`
     #[inline(never)]
-    fn take_calibration(&mut self, calibration: Option<&Calibration<f32>>) -> Result<(), HubError> {
-        self.calibration = calibration.map(Calibration::convert);
+    fn take_calibration(&mut self, of: impl FnOnce() -> Option<Calibration<f32>>) -> Result<(), HubError> {
+        self.calibration = of().map(|calibration| calibration.convert());
         Ok(())
     }
 
     #[cfg(not(feature = "calibration"))]
-    fn take_calibration(&mut self, calibration: Option<&Calibration<f32>>) -> Result<(), HubError> {
-        calibration.map_or(Ok(()), |_| Err(HubError::CalibrationNotBuilt))
+    fn take_calibration(&mut self, of: impl FnOnce() -> Option<Calibration<f32>>) -> Result<(), HubError> {
+        of().map_or(Ok(()), |_| Err(HubError::CalibrationNotBuilt))
     }
 
     fn check_fitted_on(&self, model: FittedOn) -> Result<(), HubError> {

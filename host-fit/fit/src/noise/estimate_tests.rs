@@ -104,16 +104,16 @@ fn predicts_a_recording_time_only_for_a_walk_known_within_a_factor_of_three() {
     assert_eq!(hardly.seconds_for_accurate_walk(3600.0), None, "hardly seen");
 }
 
-/// A Gauss-Markov process of 25 s in 20 min of blocks of 0.8 s.
+/// A Gauss-Markov process of 25 s, in an hour of blocks of 0.8 s.
 const PROCESS: GaussMarkov = GaussMarkov { deviation: 0.8, tau_s: 25.0 };
 
 #[test]
 fn a_gauss_markov_process_is_estimated_with_intervals_that_hold() {
-    let blocks = blocks_of(&[8; 1500]);
+    let blocks = blocks_of(&[8; 4500]);
     let levels = NoiseLevels { white: 1.0, flicker: 0.0, walk: 0.0, gauss_markov: Some(PROCESS) };
     let ones = vec![1.0; blocks.len()];
     let (mut preferred, mut held) = (0, [0; 3]);
-    for seed in 0..20 {
+    for seed in 0..4 {
         let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
         let Some(found) = estimate(&blocks, &y, &[&ones]).unwrap().gauss_markov else { continue };
         preferred += 1;
@@ -123,9 +123,9 @@ fn a_gauss_markov_process_is_estimated_with_intervals_that_hold() {
         }
         assert!(found.tau_s.low.is_some() && found.tau_s.high < 250.0, "{found:?}");
     }
-    println!("preferred {preferred} of 20, held {held:?}");
-    // 18 ± 1.3 of 20: three standard deviations
-    assert!(preferred >= 17 && held.iter().all(|held| *held + 4 >= preferred), "{preferred}: {held:?}");
+    println!("preferred {preferred} of 4, held {held:?}");
+    // 3.6 ± 0.6 of 4 hold
+    assert!(preferred >= 2 && held.iter().all(|held| *held + 2 >= preferred), "{preferred}: {held:?}");
 }
 
 #[test]

@@ -45,6 +45,7 @@ static MODEL: Model<'_, f32> = Model {
     period_s: 0.005,
     fitted_on: FittedOn::Raw,
     stillness: None,
+    calibration: None,
     quantities: &[],
     inputs: &[],
     axes: &[GYRO_Z],

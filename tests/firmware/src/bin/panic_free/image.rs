@@ -138,6 +138,7 @@ fn with_model(with: impl FnOnce(&Model<'_, f32>)) {
         period_s: black_box(0.005),
         fitted_on: black_box(FittedOn::Raw),
         stillness: black_box(None),
+        calibration: black_box(None),
         quantities: quantities.get(..black_box(3)).unwrap_or(&[]),
         inputs: inputs.get(..black_box(3)).unwrap_or(&[]),
         axes: axes.get(..black_box(2)).unwrap_or(&[]),
