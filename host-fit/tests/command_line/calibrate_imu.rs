@@ -124,7 +124,7 @@ fn study_calibrates_its_corrected_values() {
     // below 1 mg
     assert!(measured > 0.1 && corrected < 0.01, "{measured} {corrected}");
     let text = done(folder, &["history", "unit.json"]);
-    assert!(text.contains("calibration of accelerometer and gyro from 14 rests (turned.csv)"), "{text}");
+    assert!(text.contains("calibration of accelerometer and gyro from 13 rests (turned.csv)"), "{text}");
     // exported source compiles in the same numbers
     done(folder, &["export", "unit.json", "--rust", "model.rs", "--c", "model.h"]);
     let source = fs::read_to_string(folder.join("model.rs")).expect("written");

@@ -122,7 +122,12 @@ fn page_shows_the_numbers_of_the_population() {
     done(folder.path(), &["fleet", "report", "population.json"]);
     let page = fs::read_to_string(folder.path().join("fleet.html")).expect("a page");
     let shown = |value: f64| {
-        let text = rounded(value, 3).replace('-', "−");
+        // three digits, in plain notation as far as it can be read
+        let text = match value.abs() {
+            small @ 1e-5..1e-3 => format!("{value:.*}", (2.0 - small.log10().floor()) as usize),
+            _ => rounded(value, 3),
+        };
+        let text = text.replace('-', "−");
         assert!(page.contains(&format!(">{text}")) || page.contains(&format!(" {text}")), "{text}");
     };
 

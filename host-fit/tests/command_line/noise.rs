@@ -125,9 +125,14 @@ fn table_and_figure_show_the_same_numbers() {
     for title in ["Gyro z", "N, B and K together"] {
         assert!(svg.contains(title), "{title}");
     }
-    let value = fos_data::text::number(axis["white"]["value"].as_f64().unwrap());
+    // three digits, in plain notation as far as it can be read
+    let shown = |value: &Value| match value.as_f64().unwrap() {
+        small @ 1e-5..1e-3 => format!("{small:.*}", (2.0 - small.log10().floor()) as usize),
+        other => fos_data::text::rounded(other, 3),
+    };
+    let value = shown(&axis["white"]["value"]);
     assert!(svg.contains(&format!("N {value} (")), "{value}");
-    let at_most = fos_data::text::number(axis["walk"]["high"].as_f64().unwrap());
+    let at_most = shown(&axis["walk"]["high"]);
     assert!(svg.contains(&at_most), "{at_most}");
 }
 
