@@ -108,14 +108,15 @@ impl Calibrated {
     /// measured value of an axis of a hub that the model does not have; without one, its triad remains as it is.
     pub fn apply(&mut self, corrected: &mut [f32], others: impl Fn(usize) -> Option<f32>) {
         let mut is_known = [true; 6];
-        for channel in 0..SIX.len() {
-            let value = match self.places[channel] {
-                Some(place) => Some(corrected[place]),
+        let channels = self.places.iter().zip(&mut is_known).zip(&mut self.values);
+        for (channel, ((place, is_known), latest)) in channels.enumerate() {
+            let value = match place {
+                Some(place) => Some(corrected[*place]),
                 None => others(channel),
             };
-            is_known[channel] = value.is_some();
+            *is_known = value.is_some();
             // a hub repeats the last finite value
-            self.values[channel] = value.filter(|value| value.is_finite()).unwrap_or(self.values[channel]);
+            *latest = value.filter(|value| value.is_finite()).unwrap_or(*latest);
         }
         for (channel, value) in self.calibration.apply(&self.values).into_iter().enumerate() {
             let triad = channel / 3 * 3;

@@ -190,7 +190,7 @@ impl CalibrateImu {
         self.warn(&recording);
         let stated = Stated { device: self.device.clone(), part: self.part.clone(), date: self.date.clone() };
         let certificate = Certificate::of(stated, &recording, result);
-        let study = self.study.as_deref().map(|path| Study::read_to_change(path)).transpose()?;
+        let study = self.study.as_deref().map(Study::read_to_change).transpose()?;
         let study = match (study, &certificate.result) {
             (Some((mut study, file)), Outcome::Hand(found)) => {
                 study.calibrate(unit_calibration(found, &recording)?, &recording)?;

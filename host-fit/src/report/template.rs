@@ -45,8 +45,7 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     environment.set_auto_escape_callback(move |_| escape.clone());
     environment.add_filter("number", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
-    environment
-        .add_filter("three", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| shown(value)));
+    environment.add_filter("three", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
     environment.add_filter("root", |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
     });
