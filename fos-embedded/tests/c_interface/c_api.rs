@@ -59,8 +59,15 @@ fn image(axes: &[Axis], terms: &[Term<f32>], quantities: &[Quantity], inputs: &[
 }
 
 fn encode_model(axes: &[AxisModel<'_, f32>], quantities: &[Quantity], inputs: &[Input<f32>]) -> Vec<u8> {
-    let model =
-        Model { period_s: 0.005, fitted_on: FittedOn::Raw, stillness: None, quantities, inputs, axes };
+    let model = Model {
+        period_s: 0.005,
+        fitted_on: FittedOn::Raw,
+        stillness: None,
+        calibration: None,
+        quantities,
+        inputs,
+        axes,
+    };
     let info = Info { quantities: "temp_c °C\nsupply_v V\nhumidity_pct %", ..Info::default() };
     encode(&model, &info, &mut [0; 32_768]).expect("an image").to_vec()
 }

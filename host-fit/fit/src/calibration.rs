@@ -1,10 +1,10 @@
 //! Calibration of a device's triads as part of its model, and the form in which a hub applies it.
 
 use fos_core::{Axis, Calibration, Image, Quantity, Range, Source, Transform, TriadCalibration};
-use fos_data::recording::{self, Recording};
-use serde::{Deserialize, Serialize};
+use fos_data::recording::Recording;
 
 use crate::model::{FittedAxis, UnitModel};
+pub use crate::unit_calibration::UnitCalibration;
 
 /// The axes of a hub, in its order.
 const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
@@ -14,25 +14,6 @@ const EXTRAPOLATED: f64 = 1.0;
 
 /// Columns of the axes of a hub.
 const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
-
-/// Bias, sensitivity and cross-axis of a device as a log of turned orientations gave them. The log does not know the
-/// error that the model predicts, so each bias contains it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct UnitCalibration {
-    /// Logs that it was made from.
-    pub sources: Vec<recording::Source>,
-    /// Number of rests.
-    pub rests: usize,
-    /// RMS of |a| − g at these rests, m/s², before and after.
-    pub gravity_residual_mps2: [f64; 2],
-    /// Temperature at which it was made, °C; none if the logs have no thermometer.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub temperature_c: Option<f64>,
-    pub accel: TriadCalibration<f64>,
-    /// None if the logs determine no gyro.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gyro: Option<TriadCalibration<f64>>,
-}
 
 impl UnitModel {
     /// Returns the calibration for values from which a hub has subtracted the predicted error: each bias without the

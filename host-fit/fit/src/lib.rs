@@ -18,3 +18,4 @@ pub mod playback;
 pub mod series;
 pub mod signal;
 pub mod thermal;
+mod unit_calibration;

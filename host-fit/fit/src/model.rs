@@ -6,9 +6,9 @@ use fos_core::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::UnitCalibration;
 use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
+use crate::unit_calibration::UnitCalibration;
 
 /// Largest number of axes of a model on the host.
 pub const AXES: usize = 6;

@@ -12,8 +12,6 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::trace::Trace;
-use super::unaided::{FEWEST_WINDOWS, RmsInterval, UNAIDED_S, UnaidedError};
 use crate::model::UnitModel;
 use fos_data::column::{ACCELEROMETERS, GYROS};
 
@@ -103,24 +101,6 @@ impl Strapdown {
 fn rotated(by: &Quaternion<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
     let axis = by.vector();
     vector + 2.0 * axis.cross(&(axis.cross(vector) + by.w * vector))
-}
-
-/// Computes heading and position errors by length of the windows; empty if the model of the trace lacks one of the six
-/// axes. Position is the RMS distance in space.
-pub fn strapdown_errors(trace: &Trace) -> Vec<UnaidedError> {
-    let Some(ends) = &trace.strapdown else { return Vec::new() };
-    let error = |(window_s, ends): (f64, &Vec<StrapdownEnd>)| {
-        let is_enough = ends.len() >= FEWEST_WINDOWS;
-        let parts = |part: &dyn Fn(&StrapdownEnd) -> f64| -> Vec<f64> { ends.iter().map(part).collect() };
-        let position = || -> [Vec<f64>; 3] { std::array::from_fn(|i| parts(&|end| end.position_m[i])) };
-        UnaidedError {
-            window_s,
-            windows: ends.len(),
-            heading_rad: is_enough.then(|| RmsInterval::of(&[&parts(&|end| end.heading_rad)])),
-            position_m: is_enough.then(|| RmsInterval::of(&position().each_ref().map(Vec::as_slice))),
-        }
-    };
-    UNAIDED_S.into_iter().zip(ends).map(error).collect()
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::comment::in_ascii;
-use super::noise_model::real;
 use super::noise_unit::NoiseUnits;
+use super::real::real;
 use crate::noise::{Absent, AxisNoise, FilterNoise};
 
 /// Returns comment lines, in ASCII: the equations, then one line per axis.

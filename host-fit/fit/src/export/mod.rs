@@ -20,6 +20,7 @@ mod imu_yaml;
 mod model_of;
 mod noise_model;
 mod noise_unit;
+mod real;
 mod slam;
 
 pub use allan_csv::{SHARE, allan_csv};

@@ -2,6 +2,7 @@
 
 use super::filter_comment::filter_comment;
 use super::noise_unit::NoiseUnits;
+use super::real::real;
 use crate::noise::{AxisNoise, Level};
 use fos_data::column::{ACCELEROMETERS, GYROS};
 
@@ -108,10 +109,4 @@ impl Worst {
 /// Formats a line of YAML: a number, with a remark as a comment.
 pub(super) fn yaml_line(key: &str, value: f64, about: &str) -> String {
     format!("{key}: {}  # {about}\n", real(value))
-}
-
-/// Formats a number that every reader takes as real: YAML 1.1 needs a point and a sign in the exponent, ORB-SLAM3 a
-/// point.
-pub(super) fn real(value: f64) -> String {
-    if value > 0.0 && value < 1.0 { format!("{value:.6e}") } else { format!("{value:.6}") }
 }

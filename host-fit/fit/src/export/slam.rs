@@ -1,7 +1,8 @@
 //! Noise of a log for ORB-SLAM3 and for VINS-Mono and VINS-Fusion: the lines of their settings that concern it.
 
 use super::comment::in_ascii;
-use super::noise_model::{NoiseModel, real, yaml_line};
+use super::noise_model::{NoiseModel, yaml_line};
+use super::real::real;
 
 /// Returns lines for the settings of ORB-SLAM3, with continuous densities. It multiplies the noise by √`IMU.Frequency`
 /// and divides the walk by it (src/Tracking.cc), and rejects a number without a point (src/Settings.cc, `isReal`).

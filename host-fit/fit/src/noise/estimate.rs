@@ -10,6 +10,8 @@ use serde::Serialize;
 use super::blocks::Blocks;
 use super::gauss_markov::{GaussMarkovNoise, gauss_markov};
 use super::information::seconds_for_walk_deviation;
+pub use super::level::Level;
+use super::level::restricted_deviance;
 use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels};
 use super::model::NoiseLevels;
 use super::profile::{Interval, Profile, RISE};
@@ -25,24 +27,6 @@ const MAX_WALK_FACTOR: f64 = 3.0;
 
 /// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
 pub const FLICKER_FLOOR: f64 = 0.664_282_9;
-
-/// Estimate of one level.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Level {
-    /// Most likely value; none if the interval includes zero.
-    pub value: Option<f64>,
-    /// Lower end of the 90 % interval; none if it includes zero.
-    pub low: Option<f64>,
-    /// Upper end of the 90 % interval, which is also the 95 % limit if there is no lower end.
-    pub high: f64,
-}
-
-impl Level {
-    /// Returns the value, or its upper limit if there is none.
-    pub fn at_most(&self) -> f64 {
-        self.value.unwrap_or(self.high)
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseEstimate {
@@ -83,14 +67,13 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
         Level { value: low.map(|_| best.logs[parameter].exp()), low, high }
     };
     let levels = NoiseEstimate { white: level(0), flicker: level(1), walk: level(2), gauss_markov: None };
-    let gauss_markov = gauss_markov(&regression, &levels, best.deviance);
+    let gauss_markov = gauss_markov(
+        &regression,
+        [levels.white, levels.flicker, levels.walk],
+        |averaging_s| levels.allan_deviation(averaging_s),
+        best.deviance,
+    );
     Ok(NoiseEstimate { gauss_markov, ..levels })
-}
-
-/// −2 ln L of the part of the data that no regressor can explain (restricted likelihood).
-pub(super) fn restricted_deviance(regression: &Regression<'_>, levels: NoiseLevels) -> f64 {
-    let gls = regression.at(levels).gls;
-    gls.deviance() + gls.log_determinant_of_information()
 }
 
 fn is_constant(y: &[f64]) -> bool {

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::estimate::{Level, NoiseEstimate, restricted_deviance};
+use super::level::{Level, restricted_deviance};
 use super::levels::{LogLevels, Regression};
 use super::model::{GaussMarkov, NoiseLevels};
 use super::profile::{Best, Profile};
@@ -50,14 +50,16 @@ impl GaussMarkovNoise {
     }
 }
 
-/// Fits white noise and a Gauss-Markov process to a regression whose flicker and random walk were estimated with
-/// `deviance`; none if these describe it as well.
+/// Fits white noise and a Gauss-Markov process to a regression whose levels N, B and K were estimated with `deviance`, and
+/// have this Allan deviation; none if these describe it as well.
 pub(super) fn gauss_markov(
     regression: &Regression<'_>,
-    levels: &NoiseEstimate,
+    levels: [Level; 3],
+    allan_deviation: impl Fn(f64) -> f64,
     deviance: f64,
 ) -> Option<GaussMarkovNoise> {
-    let detected = [levels.flicker, levels.walk].iter().filter(|level| level.value.is_some()).count();
+    let [white, flicker, walk] = levels;
+    let detected = [flicker, walk].iter().filter(|level| level.value.is_some()).count();
     if detected == 0 {
         return None;
     }
@@ -66,7 +68,7 @@ pub(super) fn gauss_markov(
         let process = Some(GaussMarkov { deviation, tau_s });
         restricted_deviance(regression, NoiseLevels { white, flicker: 0.0, walk: 0.0, gauss_markov: process })
     });
-    let best = profile.best(&starts(regression, levels, |logs| profile.at(logs)));
+    let best = profile.best(&starts(regression, white.at_most(), allan_deviation, |logs| profile.at(logs)));
     let more = (2 - detected) as f64;
     let gain = deviance - best.deviance - more * (regression.blocks.len() as f64).ln();
     if gain < PREFERRED {
@@ -85,18 +87,18 @@ fn level<F: Fn(&LogLevels) -> f64>(profile: &Profile<F>, parameter: usize, best:
 /// levels there.
 fn starts(
     regression: &Regression<'_>,
-    levels: &NoiseEstimate,
+    white: f64,
+    allan_deviation: impl Fn(f64) -> f64,
     deviance: impl Fn(&LogLevels) -> f64,
 ) -> Vec<LogLevels> {
     let blocks = regression.blocks;
     let span_s = blocks.middle_s(blocks.len() - 1) - blocks.middle_s(0);
     let (shortest_s, longest_s) = (3.0 * blocks.length_s, span_s / 3.0);
-    let white = levels.white.at_most();
     let mut starts: Vec<(LogLevels, f64)> = (0..TRIED)
         .map(|at| {
             let share = f64::from(at) / f64::from(TRIED - 1);
             let tau_s = shortest_s * (longest_s / shortest_s).powf(share);
-            let slow = levels.allan_deviation(tau_s).powi(2) - white * white / tau_s;
+            let slow = allan_deviation(tau_s).powi(2) - white * white / tau_s;
             let variance = (slow / PEAK).max(1e-2 * white * white / tau_s);
             let logs = [white.ln(), 0.5 * variance.ln(), tau_s.ln()];
             (logs, deviance(&logs))

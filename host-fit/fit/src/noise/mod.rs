@@ -25,6 +25,7 @@ mod gauss_markov;
 mod gls;
 mod information;
 mod least;
+mod level;
 mod levels;
 mod model;
 mod prior;
