@@ -14,7 +14,8 @@ use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{
-    ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, strapdown_errors, trace, worst_stretches,
+    ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, strapdown_errors, trace, trace_with_strapdown,
+    worst_stretches,
 };
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
@@ -107,6 +108,7 @@ fn evaluate(
     recording: &Recording,
     stillness: &Stillness,
     rows: Range<usize>,
+    with_strapdown: bool,
     mut progress: impl FnMut(&str),
 ) -> Result<Evaluated, CompareError> {
     let playback = Playback::new(recording, model, &stillness.still)?;
@@ -124,8 +126,12 @@ fn evaluate(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
+    let traced = |model: &UnitModel, with_strapdown: bool| match with_strapdown {
+        true => trace_with_strapdown::<f64>(model, &playback, rows.clone()),
+        false => trace::<f64>(model, &playback, rows.clone(), |_| {}),
+    };
     let rival_errors = |kind: &Rival| -> Result<(Vec<ModelErrors>, Vec<UnaidedError>), CompareError> {
-        let trace = trace::<f64>(&rival(model, *kind, lag_1), &playback, rows.clone(), |_| {})?;
+        let trace = traced(&rival(model, *kind, lag_1), with_strapdown && *kind == Rival::Mean)?;
         Ok((of(kind.name(), &trace), strapdown_errors(&trace)))
     };
     // a trace may be larger than the log; that of the model, which is stored, comes last
@@ -133,15 +139,14 @@ fn evaluate(
     let rivals: Vec<_> =
         Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, rival_errors)).collect();
     progress(MODEL);
-    let trace = trace::<f64>(model, &playback, rows, |_| {})?;
+    let trace = traced(model, with_strapdown)?;
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
     let mut before = Vec::new();
     let after = strapdown_errors(&trace);
     for of_model in rivals.into_iter().chain([Ok((of(MODEL, &trace), Vec::new()))]) {
         let (of_axes, strapdown) = of_model?;
-        if of_axes.first().is_some_and(|axis| axis.model == Rival::Mean.name()) {
-            before = strapdown;
-        }
+        // of the constant mean alone
+        before.extend(strapdown);
         errors.iter_mut().zip(of_axes).for_each(|(errors, of_axis)| errors.push(of_axis));
     }
     let strapdown = before.into_iter().zip(after).map(|(before, after)| [before, after]).collect();
@@ -176,7 +181,7 @@ pub fn compare(
         ..trained.clone()
     });
     let Evaluated { floors, errors, strapdown, mut trace } =
-        evaluate(model, lag_1, recording, stillness, rows.clone(), progress)?;
+        evaluate(model, lag_1, recording, stillness, rows.clone(), true, progress)?;
     for axis in &mut trace.axes {
         // its errors are in the comparison; no figure needs them row by row
         axis.coast_whole = Vec::new();
@@ -310,7 +315,7 @@ pub fn study_of(
     let rows = trained_rows..recording.n_rows();
     let known_pose = in_known_pose(&model, recording, stillness)?;
     let posed = known_pose.as_ref().unwrap_or(recording);
-    let evaluation = evaluate(&model, &lag_1, posed, stillness, rows, progress)?;
+    let evaluation = evaluate(&model, &lag_1, posed, stillness, rows, false, progress)?;
     let still = stillness.still.iter().filter(|still| **still).count();
     Ok(Study {
         schema: SCHEMA.to_owned(),

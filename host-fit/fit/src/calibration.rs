@@ -1,6 +1,7 @@
 //! Calibration of a device's triads as part of its model, and the form in which a hub applies it.
 
-use fos_core::{Axis, Calibration, Image, Quantity, Range, Source, Transform, TriadCalibration};
+use fos_core::{Axis, Calibration, Channel, Image, Quantity, Range, Source, Transform, TriadCalibration};
+use fos_data::column::AXES;
 use fos_data::recording::Recording;
 
 use crate::model::{FittedAxis, UnitModel};
@@ -11,9 +12,6 @@ const SIX: [Axis; 6] = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::
 
 /// Distance from the fitted range of an input up to which its error is extrapolated, in widths of the range.
 const EXTRAPOLATED: f64 = 1.0;
-
-/// Columns of the axes of a hub.
-const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
 impl UnitModel {
     /// Returns the calibration for values from which a hub has subtracted the predicted error: each bias without the
@@ -56,8 +54,8 @@ impl UnitModel {
             .iter()
             .map(|term| {
                 let factors = term.factors.iter().map(|factor| match factor.channel {
-                    fos_core::Channel::Input(index) => value(index),
-                    fos_core::Channel::Output => 0.0,
+                    Channel::Input(index) => value(index),
+                    Channel::Output => 0.0,
                 });
                 term.coefficient * factors.product::<f64>()
             })
@@ -110,7 +108,7 @@ impl Calibrated {
 
 /// Columns of a log by axis of a hub, for [`Calibrated::apply`].
 pub fn hub_columns(log: &Recording) -> [Option<&[f64]>; 6] {
-    COLUMNS.map(|column| log.channel(column).ok().map(|channel| &channel.values[..]))
+    AXES.map(|column| log.channel(column).ok().map(|channel| &channel.values[..]))
 }
 
 #[cfg(test)]

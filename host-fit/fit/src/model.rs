@@ -210,7 +210,12 @@ impl UnitModel {
     ///
     /// If there is no such axis.
     pub fn of_axes(&self, indices: impl IntoIterator<Item = usize>) -> Option<Self> {
-        indices.into_iter().map(|index| self.only(index)).reduce(|mut all, other| {
+        Self::joined(indices.into_iter().map(|index| self.only(index)))
+    }
+
+    /// Joins models of one device, each with axes of its own; none without any.
+    pub fn joined(models: impl IntoIterator<Item = Self>) -> Option<Self> {
+        models.into_iter().reduce(|mut all, other| {
             all.absorb(other);
             all
         })

@@ -63,7 +63,7 @@ fn accuracy(levels: &[Level], truth: f64) -> (f64, f64) {
 }
 
 #[test]
-#[ignore = "statistics of 1200 logs"]
+#[ignore = "statistics of 1200 logs: .ci/release runs it"]
 fn levels_are_at_the_bound_and_their_intervals_hold() {
     let mut held = [0.0; 3];
     for (mix, seconds) in MIXES.iter().flat_map(|mix| LENGTHS_S.map(|seconds| (mix, seconds))) {
@@ -89,7 +89,7 @@ fn levels_are_at_the_bound_and_their_intervals_hold() {
 }
 
 #[test]
-#[ignore = "statistics of 200 logs"]
+#[ignore = "statistics of 200 logs: .ci/release runs it"]
 fn a_gauss_markov_process_of_530_s_is_at_the_bound() {
     // σ 1.15e-6·√(530/2) rad/s beside N 9.97e-5 in 12 h: the bound of ln τ is 0.224 (Whittle)
     let (white, tau_s, bound) = (9.97e-5, 530.0, 0.224);
@@ -122,7 +122,7 @@ fn a_gauss_markov_process_of_530_s_is_at_the_bound() {
 const SHORT_LOGS: [(f64, [f64; 3]); 2] = [(1800.0, [1.2e-4, 1e-5, 1e-5]), (3600.0, [1.2e-4, 2e-5, 6e-6])];
 
 #[test]
-#[ignore = "statistics of 160 long logs"]
+#[ignore = "statistics of 160 long logs: .ci/release runs it"]
 fn the_recording_time_said_for_k_suffices() {
     let (mut said, mut reached) = (0, 0);
     for (seconds, levels) in SHORT_LOGS {
@@ -146,7 +146,7 @@ fn the_recording_time_said_for_k_suffices() {
 }
 
 #[test]
-#[ignore = "statistics of 200 logs"]
+#[ignore = "statistics of 200 logs: .ci/release runs it"]
 fn a_thermal_trend_leaves_k_within_its_interval() {
     let [white, flicker, walk] = MIXES[0];
     let n = (3600.0 * RATE_HZ) as usize;

@@ -89,11 +89,9 @@ impl Study {
         let axes = (0..self.model.axes.len()).map(|index| {
             if self.model.axes[index].column == column { model.clone() } else { self.model.only(index) }
         });
-        let mut axes = axes.collect::<Vec<_>>().into_iter();
-        if let Some(mut unit) = axes.next() {
-            axes.for_each(|axis| unit.absorb(axis));
-            unit.calibration = self.model.calibration.take();
-            self.model = unit;
+        if let Some(joined) = UnitModel::joined(axes) {
+            let calibration = self.model.calibration.take();
+            self.model = UnitModel { calibration, ..joined };
         }
     }
 }

@@ -58,9 +58,6 @@ impl Study {
 
 fn check_model(model: &UnitModel) -> Result<(), String> {
     let UnitModel { quantities, inputs, axes, .. } = model;
-    if let Some(calibration) = &model.device_calibration() {
-        calibration.check().map_err(|error| error.to_string())?;
-    }
     if axes.is_empty() {
         return Err("there is no axis".to_owned());
     }
@@ -101,7 +98,11 @@ fn check_model(model: &UnitModel) -> Result<(), String> {
         let alone = model.only(index).predictor::<f64>();
         alone.map_err(|error| format!("{}: {error}", axis.column))?;
     }
-    Ok(())
+    // last, because it needs ranges that were checked
+    match model.device_calibration() {
+        Some(calibration) => calibration.check().map_err(|error| error.to_string()),
+        None => Ok(()),
+    }
 }
 
 fn check_refinement(refinement: &Refinement) -> Result<(), String> {

@@ -61,7 +61,7 @@ pub(super) struct Coasting<'p, 'a, R: Real, const TERMS: usize, const HISTORY: u
     /// Integration of the residual over windows without aiding, one entry per axis; none for an axis that is neither
     /// gyro nor accelerometer.
     integrals: Vec<Option<Integral>>,
-    /// Places of the axes for a strapdown; none unless the model has all six.
+    /// Places of the axes for a strapdown; none without one.
     six: Option<SixAxes>,
     period_s: f64,
     /// Waiting coasts by length: each horizon, blocks, each length of windows without aiding.
@@ -154,14 +154,19 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Group<R, TERMS, HISTORY>
 }
 
 impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a, R, TERMS, HISTORY> {
-    pub(super) fn new(model: &UnitModel, playback: &'p Playback<'a>, origins: &Origins) -> Self {
+    pub(super) fn new(
+        model: &UnitModel,
+        playback: &'p Playback<'a>,
+        origins: &Origins,
+        six: Option<SixAxes>,
+    ) -> Self {
         Self {
             playback,
             feed: playback.feed(),
             ticks: origins.ticks,
             is_held: is_held(model),
             integrals: model.axes.iter().map(|axis| Integral::of(&axis.column)).collect(),
-            six: SixAxes::of(model),
+            six,
             period_s: model.period_s,
             waiting: [const { Waiting::new() }; LENGTHS],
             left: [const { Vec::new() }; 3],

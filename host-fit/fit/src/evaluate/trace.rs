@@ -6,7 +6,7 @@ use fos_core::{Correction, ModelError, Predictor, Real};
 
 use super::coasts::Coasting;
 use super::origins::Origins;
-use super::strapdown::StrapdownEnd;
+use super::strapdown::{SixAxes, StrapdownEnd};
 use super::unaided::UNAIDED_S;
 use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use crate::playback::{Feed, Playback};
@@ -23,8 +23,8 @@ pub struct Trace {
     pub stretches: Vec<Range<usize>>,
     /// One entry per axis of the model.
     pub axes: Vec<AxisTrace>,
-    /// Errors of a strapdown at the ends of windows without aiding, for each length of [`UNAIDED_S`]; none unless the
-    /// model has all six axes.
+    /// Errors of a strapdown at the ends of windows without aiding, for each length of [`UNAIDED_S`]; none unless it was
+    /// requested and the model has all six axes.
     pub strapdown: Option<[Vec<StrapdownEnd>; UNAIDED_S.len()]>,
 }
 
@@ -63,6 +63,19 @@ pub fn trace<R: Real>(
     run::<R>(model, playback, rows, Coasted::AllRows, progress)
 }
 
+/// Runs `model` like [`trace`], with a strapdown of its six axes.
+///
+/// # Errors
+///
+/// fos-core rejects the model.
+pub fn trace_with_strapdown<R: Real>(
+    model: &UnitModel,
+    playback: &Playback<'_>,
+    rows: Range<usize>,
+) -> Result<Trace, ModelError> {
+    run::<R>(model, playback, rows, Coasted::AllRowsAndStrapdown, |_| {})
+}
+
 /// Runs `model` like [`trace`], but keeps free runs at their horizons only: `coast` and `coast_whole` are empty.
 ///
 /// # Errors
@@ -82,6 +95,8 @@ enum Coasted {
     Horizons,
     /// Over all rows and windows as well.
     AllRows,
+    /// The same, and a strapdown over the windows.
+    AllRowsAndStrapdown,
 }
 
 fn run<R: Real>(
@@ -125,7 +140,8 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         }
         let axes = model.axes.iter().map(|_| AxisTrace::with_rows(rows.len(), coasted)).collect();
         let trace = Trace { rows, period_s: model.period_s, stretches, axes, strapdown: None };
-        let coasting = Coasting::new(model, playback, &origins);
+        let six = if coasted == Coasted::AllRowsAndStrapdown { SixAxes::of(model) } else { None };
+        let coasting = Coasting::new(model, playback, &origins, six);
         Self { playback, feed: playback.feed(), origins, coasting, predictor, coasted, trace }
     }
 
@@ -165,7 +181,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
             while let Some(window) = windows.next_if(|(window, _)| window.start == row) {
                 self.coasting.begin_window(&self.predictor, window);
             }
-            if self.coasted == Coasted::AllRows {
+            if self.coasted != Coasted::Horizons {
                 let corrections = whole.coast(&mut self.feed, self.playback, row);
                 if self.playback.is_still(row) {
                     self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
@@ -231,7 +247,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Whole<R, TERMS, HISTORY>
 impl AxisTrace {
     fn with_rows(n_rows: usize, coasted: Coasted) -> Self {
         let unknown = || vec![f64::NAN; n_rows];
-        let coasted = || if coasted == Coasted::AllRows { unknown() } else { Vec::new() };
+        let coasted = || if coasted != Coasted::Horizons { unknown() } else { Vec::new() };
         Self {
             measured: unknown(),
             one_step: unknown(),
