@@ -11,10 +11,10 @@ use embedded_hal_mock::eh1::i2c::Mock;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fos_core::align::{self, Aligner, Held, Interpolated, Joined};
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Channel, Correction, Drift, Evaluator, Factor, FittedOn, Fixed, Image,
-    ImageError, Info, InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate, Predictor, Quantity,
-    Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform, Transformer,
-    Validity, image,
+    Axis, AxisModel, AxisParameters, Calibration, Channel, Correction, Drift, Evaluator, Factor, FittedOn,
+    Fixed, Image, ImageError, Info, InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate,
+    Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform,
+    Transformer, TriadCalibration, Validity, image,
 };
 use fos_embedded::blocking::Blocking;
 use fos_embedded::c_api;
@@ -101,6 +101,8 @@ fn loggable() -> BTreeSet<String> {
         named::<align::Stream>("fos-core/align/mod.rs"),
         named::<Held<f32>>("fos-core/align/slow.rs"),
         named::<Correction<f32>>("fos-core/axis.rs"),
+        named::<Calibration>("fos-core/calibration.rs"),
+        named::<TriadCalibration>("fos-core/calibration.rs"),
         named::<Evaluator<f32, 6, 8, 64, 128>>("fos-core/evaluator/mod.rs"),
         named::<Sample<'_, f32>>("fos-core/evaluator/mod.rs"),
         named::<image::AxisImage<'_>>("fos-core/image/read.rs"),
