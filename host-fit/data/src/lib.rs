@@ -11,6 +11,7 @@ pub mod column;
 pub mod disturbance;
 pub mod file;
 pub mod interrupt;
+pub mod observed;
 pub mod pose;
 pub mod recording;
 pub mod schema;

@@ -3,13 +3,13 @@
 //! Without a reference the error of an accelerometer at rest is measured against a constant: gravity in one orientation.
 //! In two orientations the mean of both is the true value of neither, and the difference would be modelled as an error.
 
-use crate::column::{ACCELEROMETERS, Column};
+use crate::column::ACCELEROMETERS;
 use std::fmt;
 use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
 
-use crate::recording::{Boundary, Recording, Reference};
+use crate::recording::{Boundary, Recording};
 use crate::statistics::{MAD_TO_SD, finite_median, mean, median};
 
 /// Smallest difference of specific force between two orientations, m/s²: a tenth of gravity, a tilt of 6°. No bias moves
@@ -220,40 +220,11 @@ fn after_pause(recording: &Recording, before: &Range<usize>, after: &Range<usize
     (has_moved && is_conserved).then_some(change)
 }
 
-/// Returns true if the true level of a column is unknown: without a reference an accelerometer also measures gravity, a
-/// different component of it in each orientation.
-pub fn has_unknown_level(column: &str, reference: &Reference) -> bool {
-    *reference == Reference::Constant && Column::named(column).is_specific_force()
-}
-
 /// Ranges of one level each within `within`: from its begin to the first turn, from there to the next, and so on.
 pub fn levels_between(turns: &[usize], within: Range<usize>) -> Vec<Range<usize>> {
     let turns = || turns.iter().copied().filter(|turn| *turn > within.start && *turn < within.end);
     let starts = std::iter::once(within.start).chain(turns());
     starts.zip(turns().chain([within.end])).map(|(start, end)| start..end).collect()
-}
-
-/// `values` of an accelerometer with a shifted level in each orientation: the mean of `values` − `explained` at rest
-/// becomes the result of `wanted`. A constant within one orientation cannot be attributed to an error.
-pub fn with_levels(
-    values: &[f64],
-    explained: &[f64],
-    still: &[bool],
-    turns: &[usize],
-    mut wanted: impl FnMut(f64) -> f64,
-) -> Vec<f64> {
-    let mut moved = values.to_vec();
-    for rows in levels_between(turns, 0..values.len()) {
-        let left = rows.clone().filter(|row| still[*row]).map(|row| values[row] - explained[row]);
-        let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
-        if left.is_empty() {
-            continue;
-        }
-        let level = mean(&[&left]);
-        let shift = level - wanted(level);
-        moved[rows].iter_mut().for_each(|value| *value -= shift);
-    }
-    moved
 }
 
 /// Accelerometer levels in the two ranges of rows; `None` if one has no value.

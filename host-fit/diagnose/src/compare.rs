@@ -6,24 +6,22 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::cautions::cautions;
 use crate::dependence::{Dependence, DependenceError, Trained, dependence};
-use crate::physical::{PhysicalError, in_known_pose};
+use crate::physical::{InFittedPose, PhysicalError, in_fitted_pose};
 use crate::rms::{RmsTwins, WithRms};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{
-    ModelErrors, Rival, Stretch, Trace, UnaidedError, rival, strapdown_errors, trace, trace_with_strapdown,
-    worst_stretches,
+    MODEL, ModelErrors, Rival, Stretch, Trace, UnaidedError, before_and_after, rival, strapdown_errors,
+    trace, trace_with_strapdown, worst_stretches,
 };
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
-
-/// Name of the model among its rivals.
-pub const MODEL: &str = "model";
 
 /// Error of a comparison.
 #[derive(Debug, thiserror::Error)]
@@ -76,8 +74,8 @@ pub struct AxisComparison {
     pub rows: usize,
     /// Lowest mean square error of any causal predictor, in the square of the unit, with its 95 % interval.
     pub noise_floor: Option<(f64, (f64, f64))>,
-    /// Reasons to distrust the noise floor.
-    pub floor_cautions: Vec<String>,
+    /// Reasons to distrust these numbers.
+    pub cautions: Vec<String>,
     /// Errors of the rivals, then of the model.
     pub errors: Vec<ModelErrors>,
     /// Stretches with an outstanding slow error, worst first: at most five, possibly none.
@@ -170,26 +168,24 @@ pub fn compare(
     progress: impl FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
     let is_same = trained.is_some_and(|trained| std::ptr::eq(trained.recording, recording));
-    let known_pose = in_known_pose(model, recording, stillness)?;
-    let recording = known_pose.as_ref().unwrap_or(recording);
-    let other_pose = match trained.filter(|_| !is_same) {
-        Some(trained) => in_known_pose(model, trained.recording, trained.stillness)?,
-        None => None,
-    };
+    let InFittedPose { log: recording, turned } = in_fitted_pose(model, recording, stillness)?;
+    let other = trained.filter(|_| !is_same);
+    let other =
+        other.map(|trained| in_fitted_pose(model, trained.recording, trained.stillness)).transpose()?;
     let trained = trained.map(|trained| Trained {
-        recording: if is_same { recording } else { other_pose.as_ref().unwrap_or(trained.recording) },
+        recording: other.as_ref().map_or(&*recording, |other| &*other.log),
         ..trained.clone()
     });
     let Evaluated { floors, errors, strapdown, mut trace } =
-        evaluate(model, lag_1, recording, stillness, rows.clone(), true, progress)?;
+        evaluate(model, lag_1, &recording, stillness, rows.clone(), true, progress)?;
     for axis in &mut trace.axes {
         // its errors are in the comparison; no figure needs them row by row
         axis.coast_whole = Vec::new();
         axis.horizons = Default::default();
     }
-    let dependences = dependence(model, recording, stillness, rows.clone(), trained.as_ref())?;
+    let dependences = dependence(model, &recording, stillness, rows.clone(), trained.as_ref())?;
     let worst = in_parallel(0..model.axes.len(), |axis| {
-        worst_stretches(&trace, axis, &model.axes[axis].column, recording)
+        worst_stretches(&trace, axis, &model.axes[axis].column, &recording)
     });
     let axes = model
         .axes
@@ -203,10 +199,7 @@ pub fn compare(
             unit: Column::named(&fitted.column).unit().label().to_owned(),
             rows: left.measured.iter().filter(|value| value.is_finite()).count(),
             noise_floor: floor.as_ref().map(|floor| (floor.variance, floor.interval)),
-            floor_cautions: floor
-                .iter()
-                .flat_map(|floor| floor.cautions.iter().map(ToString::to_string))
-                .collect(),
+            cautions: cautions(floor.as_ref(), turned.contains(&fitted.column), dependence.as_ref(), &errors),
             errors,
             worst,
             dependence,
@@ -313,9 +306,8 @@ pub fn study_of(
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();
     let rows = trained_rows..recording.n_rows();
-    let known_pose = in_known_pose(&model, recording, stillness)?;
-    let posed = known_pose.as_ref().unwrap_or(recording);
-    let evaluation = evaluate(&model, &lag_1, posed, stillness, rows, false, progress)?;
+    let posed = in_fitted_pose(&model, recording, stillness)?.log;
+    let evaluation = evaluate(&model, &lag_1, &posed, stillness, rows, false, progress)?;
     let still = stillness.still.iter().filter(|still| **still).count();
     Ok(Study {
         schema: SCHEMA.to_owned(),
@@ -377,17 +369,14 @@ impl AxisComparison {
     /// Returns the RMS of the slow error in a free run, in the unit of the axis: of the constant mean, and of the
     /// model.
     pub fn slow_errors(&self) -> [Option<f64>; 2] {
-        self.before_and_after().map(|errors| errors.and_then(|errors| errors.slow_error_coast).map(f64::sqrt))
+        before_and_after(&self.errors)
+            .map(|errors| errors.and_then(|errors| errors.slow_error_coast).map(f64::sqrt))
     }
 
     /// Heading or position errors without aiding, by length of the windows: with the constant bias learnt in training
     /// alone, and with the model.
     pub fn unaided(&self) -> Vec<[UnaidedError; 2]> {
-        let [Some(before), Some(after)] = self.before_and_after() else { return Vec::new() };
+        let [Some(before), Some(after)] = before_and_after(&self.errors) else { return Vec::new() };
         before.unaided.iter().zip(&after.unaided).map(|(before, after)| [*before, *after]).collect()
-    }
-
-    fn before_and_after(&self) -> [Option<&ModelErrors>; 2] {
-        [Rival::Mean.name(), MODEL].map(|name| self.errors.iter().find(|errors| errors.model == name))
     }
 }

@@ -6,7 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::fit::{FitOptions, Train, fit_axis, rest};
 use fos_testkit::noise::white_noise;
 
-use crate::compare::{Comparison, compare_study, study_of};
+use crate::compare::{AxisComparison, Comparison, compare_study, study_of};
 
 const RATE_HZ: f64 = 10.0;
 const TAU_S: f64 = 120.0;
@@ -57,4 +57,35 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     assert!(continued_rms < 0.75 * alone_rms.min(later_rms));
     assert_eq!((continued.trace.rows, continued.comparison.evaluated_s), (0..6000, (900.0, 1499.9)));
     assert_eq!(continued.stillness.still.len(), 6000);
+}
+
+/// Such a log was not evaluated at all.
+#[test]
+fn log_in_another_orientation_is_evaluated_about_its_own_mean() {
+    let lying = |level: f64, seed: u64| {
+        let noise = white_noise(seed, 3000);
+        let columns = [
+            ("t_s", (0..3000).map(|row| f64::from(row) / RATE_HZ).collect()),
+            ("ax_mps2", noise.iter().map(|noise| level + 0.01 * noise).collect()),
+        ];
+        let columns = columns.map(|(name, values): (&str, Vec<f64>)| (name.to_owned(), values)).into();
+        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log")
+    };
+    let (fitted, turned) = (lying(0.1, 1), lying(9.8, 2));
+    let options = FitOptions { max_lag: 2, ..FitOptions::default() };
+    let stillness = rest(&fitted, options.train);
+    let fit = fit_axis(&fitted, &stillness, "ax", &options).expect("a fit");
+    let study = study_of(&fitted, &stillness, vec![fit], options, LoadOptions::default(), |_| {});
+    let study = study.expect("a study");
+    let evaluated = |log: &Recording| {
+        let evaluation = compare_study(&study, &["ax_mps2".to_owned()], log, Some(&fitted), |_| {});
+        evaluation.expect("a comparison").comparison.axes.remove(0)
+    };
+    let [same, other] = [&lying(0.1, 3), &turned].map(evaluated);
+    let is_told =
+        |axis: &AxisComparison| axis.cautions.iter().any(|text| text.contains("another orientation"));
+    assert_eq!((other.rows, is_told(&same), is_told(&other)), (3000, false, true));
+    let [same, other] = [same, other].map(|axis| axis.slow_errors()[0].expect("an error"));
+    // means of 10 samples of noise, of two seeds
+    assert!((same / other - 1.0).abs() < 0.2, "{same:e} {other:e}");
 }

@@ -6,6 +6,7 @@
 
 pub mod batch;
 pub mod case;
+pub mod cautions;
 pub mod compare;
 #[cfg(test)]
 mod compare_tests;

@@ -1,8 +1,9 @@
 //! Output of the physical part of a model over a log, and the log converted to the orientation of the fit.
 
-use fos_core::{Axis, OTHER_POSE};
-use fos_data::column::Column;
-use fos_data::pose;
+use std::borrow::Cow;
+
+use fos_core::OTHER_POSE;
+use fos_data::observed::ObservedAxis;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use fos_fit::model::UnitModel;
@@ -20,15 +21,13 @@ pub enum PhysicalError {
 
 /// Returns the output of the physical part of each axis without its offset, in the unit of the axis, one value per row
 /// of `log`.
-pub(crate) fn physical(
-    model: &UnitModel,
-    log: &Recording,
-    known: &[bool],
-) -> Result<Vec<Vec<f64>>, PhysicalError> {
+pub(crate) fn physical(model: &UnitModel, log: &Recording) -> Result<Vec<Vec<f64>>, PhysicalError> {
     if model.axes.iter().all(|axis| axis.physical.is_empty()) {
         return Ok(vec![vec![0.0; log.n_rows()]; model.axes.len()]);
     }
-    let playback = Playback::new(log, model, known)?;
+    // no row is tracked: the physical part does not depend on the measured error
+    let tracked = vec![false; log.n_rows()];
+    let playback = Playback::new(log, model, &tracked)?;
     let mut alone = model.clone();
     for axis in &mut alone.axes {
         axis.stochastic.clear();
@@ -47,34 +46,42 @@ pub(crate) fn physical(
     Ok(predicted)
 }
 
+/// A log as if the device had lain in the orientation of the fit throughout.
+pub(crate) struct InFittedPose<'a> {
+    pub(crate) log: Cow<'a, Recording>,
+    /// Axes that lay in another orientation for some of the time.
+    pub(crate) turned: Vec<String>,
+}
+
 /// Returns the log as if the device had lain in the orientation of the fit in all dwells. In another orientation an
-/// accelerometer without a reference has another constant, and only changes of its error are modelled. `None` if
-/// gravity never turned.
-pub(crate) fn in_known_pose(
+/// accelerometer without a reference has another constant, and only changes of its error are modelled.
+pub(crate) fn in_fitted_pose<'a>(
     model: &UnitModel,
-    log: &Recording,
+    log: &'a Recording,
     stillness: &Stillness,
-) -> Result<Option<Recording>, PhysicalError> {
-    let has_reference = |column: &str| log.channel(&Column::named(column).reference()).is_ok();
-    let is_accelerometer = |axis: Axis| matches!(axis, Axis::Ax | Axis::Ay | Axis::Az);
-    let places: Vec<usize> = (0..model.axes.len())
-        .filter(|place| {
-            is_accelerometer(model.axes[*place].parameters.axis) && !has_reference(&model.axes[*place].column)
-        })
-        .collect();
-    if stillness.turns.is_empty() || places.is_empty() {
-        return Ok(None);
+) -> Result<InFittedPose<'a>, PhysicalError> {
+    let has_level = |place: &usize| !log.is_bias_known(&model.axes[*place].column);
+    let places: Vec<usize> = (0..model.axes.len()).filter(has_level).collect();
+    let mut posed = InFittedPose { log: Cow::Borrowed(log), turned: Vec::new() };
+    if places.is_empty() {
+        return Ok(posed);
     }
-    let explained = physical(model, log, &stillness.still)?;
-    let mut other = log.clone();
+    let explained = physical(model, log)?;
     for place in places {
         let axis = &model.axes[place];
         let (reference, scale) = (axis.parameters.reference + axis.parameters.offset, axis.parameters.scale);
-        let is_fitted_orientation = |level: f64| (level - reference).abs() <= OTHER_POSE * scale;
-        let wanted = |level| if is_fitted_orientation(level) { level } else { reference };
-        let values = &log.channel(&axis.column)?.values;
-        let moved = pose::with_levels(values, &explained[place], &stillness.still, &stillness.turns, wanted);
-        other = other.with_values(&axis.column, moved);
+        let mut has_turned = false;
+        let wanted = |level: f64| {
+            let is_other = (level - reference).abs() > OTHER_POSE * scale;
+            has_turned |= is_other;
+            if is_other { reference } else { level }
+        };
+        let observed = ObservedAxis::at_rest(log, stillness, &axis.column)?;
+        let moved = observed.with_levels(&explained[place], wanted);
+        if has_turned {
+            posed.log = Cow::Owned(posed.log.with_values(&axis.column, moved));
+            posed.turned.push(axis.column.clone());
+        }
     }
-    Ok(Some(other))
+    Ok(posed)
 }

@@ -58,7 +58,7 @@ pub fn left_by_temperature(
     corrections: &[Correction<'_>],
 ) -> Result<Vec<LeftByTemperature>, LeftError> {
     let temperature = temperature_of(recording)?;
-    let explained = physical(model, recording, &stillness.still)?;
+    let explained = physical(model, recording)?;
     let left = |column: &str, correction: &dyn Fn(usize) -> f64| -> Result<f64, LeftError> {
         let left = left_by(recording, stillness, rows, column, correction).map_err(ThermalError::from)?;
         left.ok_or_else(|| LeftError::NothingLeft { log: recording.paths() })

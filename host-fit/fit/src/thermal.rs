@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use fos_data::column::AXES;
-use fos_data::pose;
+use fos_data::observed::ObservedAxis;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use serde::Serialize;
@@ -124,15 +124,13 @@ impl ThermalTable {
         known: &[bool],
     ) -> Result<[f64; 4], ThermalError> {
         let (cleaned, _) = recording.without_outliers(column, 0..recording.n_rows(), known);
-        let series = cleaned.error_series(column)?;
-        let known = known.iter().zip(series.values.iter()).map(|(known, value)| *known && value.is_finite());
-        let is_unknown = pose::has_unknown_level(column, &series.reference);
-        let turns = if is_unknown { &stillness.turns[..] } else { &[] };
-        let blocks = Blocks::with_levels(recording, length_s, known.collect(), turns);
+        let observed = ObservedAxis::at_rest(&cleaned, stillness, column)?;
+        let known = known.iter().zip(&observed.known).map(|(known, observed)| *known && *observed);
+        let blocks = Blocks::with_levels(recording, length_s, known.collect(), &observed.turns);
         if blocks.beyond_levels() < FEWEST_BLOCKS {
             return Err(ThermalError::TooShort { log: recording.paths(), blocks: blocks.beyond_levels() });
         }
-        let y = blocks.means(&series.values);
+        let y = blocks.means(&observed.error.values);
         let mean = y.iter().sum::<f64>() / y.len() as f64;
         let y: Vec<f64> = y.iter().map(|value| value - mean).collect();
         let half = 0.5 * (self.high_c - self.low_c);
@@ -147,7 +145,7 @@ impl ThermalTable {
         let prior = LevelPrior::of_log(&blocks, &y);
         let regression = Regression { blocks: &blocks, y: &y, regressors: &regressors, prior: &prior };
         let fitted = regression.fit(NoiseLevels::from_logs(&prior.mean)).gls.coefficients();
-        let constant = if is_unknown { 0.0 } else { mean + fitted[0] };
+        let constant = if observed.error.is_bias_known() { mean + fitted[0] } else { 0.0 };
         Ok([constant, fitted[1] / half, fitted[2] / (half * half), fitted[3] / half.powi(3)])
     }
 
@@ -191,15 +189,13 @@ pub fn left_by(
     correction: impl Fn(usize) -> f64,
 ) -> Result<Option<f64>, RecordingError> {
     let (cleaned, _) = recording.without_outliers(column, rows.clone(), &stillness.still);
-    let series = cleaned.error_series(column)?;
-    let left: Vec<f64> = rows.clone().map(|row| series.values[row] - correction(row)).collect();
-    let is_known =
-        |row: usize| rows.contains(&row) && stillness.still[row] && left[row - rows.start].is_finite();
+    let observed = ObservedAxis::at_rest(&cleaned, stillness, column)?.within(rows);
+    let left: Vec<f64> = rows.clone().map(|row| observed.error.values[row] - correction(row)).collect();
+    let is_known = |row: usize| observed.known[row] && left[row - rows.start].is_finite();
     let stretches = recording.stretches_where(is_known);
-    let turns = if pose::has_unknown_level(column, &series.reference) { &stillness.turns[..] } else { &[] };
     let per_block = ((SLOW_BLOCK_S / recording.rate.period_s).round() as usize).max(1);
     let (mut squares, mut count) = (0.0, 0);
-    for level in pose::levels_between(turns, rows.clone()) {
+    for level in observed.levels(rows.clone()) {
         let within = stretches.iter().map(|s| s.start.max(level.start)..s.end.min(level.end));
         let within: Vec<&[f64]> = within
             .filter(|stretch| !stretch.is_empty())

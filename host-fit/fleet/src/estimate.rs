@@ -1,9 +1,9 @@
 //! Joint estimate of the coefficients of an axis of a unit, with their covariance.
 
 use fos_data::column::Column;
+use fos_data::disturbance;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::unit::Unit;
-use fos_data::{disturbance, pose};
 use fos_diagnose::detect::ErrorInBlocks;
 use fos_diagnose::effects::{Inputs, Regressor};
 use fos_fit::noise::{LevelPrior, NoiseLevels, Regression};
@@ -198,7 +198,7 @@ pub fn estimate(
         let (seconds, needed) = (blocks.beyond_levels() as f64 * block_s, FEWEST_BLOCKS as f64 * block_s);
         return Err(EstimateError::TooShort { column, seconds, block_s, needed });
     }
-    let has_bias = !pose::has_unknown_level(column, &log.error_series(column)?.reference);
+    let has_bias = log.is_bias_known(column);
     let inputs = Inputs::new(&log);
     let mut columns = vec![vec![1.0; blocks.len()]];
     for regressor in &check_regressors(regressors)? {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, describe};
-use super::comparison_summary::{LEGEND, summary, worse_than_mean};
+use super::comparison_summary::{LEGEND, summary};
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, grouped, print_hint, print_json, print_line, print_warning, progress, table};
 use super::refinement::columns_of;
@@ -199,19 +199,11 @@ fn unit_of(axis: &AxisComparison, printed: Printed) -> ErrorUnit {
 }
 
 /// Reason why an axis was not evaluated on any row.
-const NOT_EVALUATED: &str = "not evaluated: the device rests only in other orientations than in the fit, where the true value of an accelerometer is \
-                             unknown; fit a log in this orientation, or log the true values as ref_ columns";
+const NOT_EVALUATED: &str = "not evaluated: no row at rest in the orientation of the fit, where the true value of an accelerometer is known; fit a log \
+                             in this orientation, or log the true values as ref_ columns";
 
 fn cautions(axis: &AxisComparison) -> Vec<String> {
-    if axis.rows == 0 {
-        return vec![NOT_EVALUATED.to_owned()];
-    }
-    let own_noise = axis.dependence.as_ref().is_some_and(|dependence| !dependence.learnt);
-    let own_noise = own_noise.then(|| {
-        "the noise was estimated from these rows, as the log that was fitted is not at hand".to_owned()
-    });
-    let worse = worse_than_mean(&axis.errors.iter().collect::<Vec<_>>());
-    axis.floor_cautions.iter().cloned().chain(own_noise).chain(worse).collect()
+    if axis.rows == 0 { vec![NOT_EVALUATED.to_owned()] } else { axis.cautions.clone() }
 }
 
 fn print_axis(axis: &AxisComparison, printed: Printed) {

@@ -6,13 +6,13 @@ use super::error_table::error_unit;
 use super::output::table;
 use super::units::{Units, percent};
 use fos_diagnose::compare::{AxisComparison, Comparison};
-use fos_fit::evaluate::{ModelErrors, Rival};
+use fos_fit::evaluate::{ModelErrors, before_and_after};
 
 /// The quantities of [`table_of`].
 pub(super) const LEGEND: &str =
     "  slow error: RMS of 1-s means in a free run of at most 60 s; before: constant mean, after: model";
 
-/// An axis with the errors of its rivals and, last, of its model.
+/// An axis with the errors of its rivals and its model.
 pub(super) struct Row<'a> {
     pub(super) column: &'a str,
     pub(super) errors: Vec<&'a ModelErrors>,
@@ -28,7 +28,8 @@ pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
     }
     for Row { column, errors, remark } in axes {
         let unit = error_unit(column, errors, units);
-        let [before, after] = slow_errors(errors);
+        let [before, after] = before_and_after(errors.iter().copied())
+            .map(|errors| errors.and_then(|errors| errors.slow_error_coast));
         let reduction = before
             .zip(after)
             .filter(|(before, _)| *before > 0.0)
@@ -43,25 +44,6 @@ pub(super) fn table_of(axes: &[Row<'_>], remark: &str, units: Units) -> Table {
         ]);
     }
     rows
-}
-
-/// Mean squares of the slow error: of the constant mean, and of the model.
-fn slow_errors(errors: &[&ModelErrors]) -> [Option<f64>; 2] {
-    let mean = errors.iter().find(|errors| errors.model == Rival::Mean.name());
-    [mean, errors.last()].map(|errors| errors.and_then(|errors| errors.slow_error_coast))
-}
-
-/// Increase of the mean square of the slow error from which on a model counts as worse: 5 % of the RMS. Differences below
-/// it are within the scatter of logs of some minutes.
-const WORSE: f64 = 1.1;
-
-/// A caution for an axis whose model is worse in a free run than the constant mean.
-pub(super) fn worse_than_mean(errors: &[&ModelErrors]) -> Option<String> {
-    let [Some(before), Some(after)] = slow_errors(errors) else { return None };
-    (after > WORSE * before).then(|| {
-        "in a free run the model is worse than a constant mean: fit a log that is longer at rest and varies as the evaluated one does, or use fewer terms"
-            .to_owned()
-    })
 }
 
 /// Axes of a comparison, with the dependences of their residual.

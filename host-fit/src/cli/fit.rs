@@ -6,7 +6,7 @@ use clap::Args;
 use fos_core::GRAVITY_MPS2;
 
 use super::arguments::{OutputFile, Reading, axes, describe, read_all, usable};
-use super::comparison_summary::{LEGEND, Row, table_of, worse_than_mean};
+use super::comparison_summary::{LEGEND, Row, table_of};
 use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, grouped, number, print_hint, print_json, print_line, progress, table};
@@ -14,6 +14,7 @@ use super::units::{Printed, three};
 use crate::physical_terms::physical_terms;
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::text::counted;
+use fos_diagnose::cautions::worse_than_mean;
 use fos_diagnose::compare::study_of;
 use fos_diagnose::study::Study;
 use fos_fit::candidates::MAX_LAG;
@@ -189,7 +190,7 @@ fn print_study(study: &Study, printed: Printed) {
         }
     }
     let cautions = study.axes.iter().zip(&rows).flat_map(|(report, row)| {
-        let all = cautions(report).into_iter().chain(worse_than_mean(&row.errors));
+        let all = cautions(report).into_iter().chain(worse_than_mean(row.errors.iter().copied()));
         all.map(|caution| (report.column.as_str(), caution))
     });
     for caution in grouped(cautions, study.axes.len()) {

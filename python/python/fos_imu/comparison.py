@@ -181,7 +181,7 @@ class AxisComparison:
         unit: Its unit.
         rows: Rows at rest that were evaluated.
         noise_floor: Lower limit for any linear predictor, unit², and its 95 % interval.
-        floor_cautions: Why the floor should not be trusted.
+        cautions: Reasons to distrust these numbers.
         errors: The rivals, then the model.
         worst: The stretches where the model fails worst.
         dependence: Residual against every logged channel; None if the log is too short.
@@ -195,7 +195,7 @@ class AxisComparison:
     unit: str
     rows: int
     noise_floor: tuple[float, Interval] | None
-    floor_cautions: tuple[str, ...]
+    cautions: tuple[str, ...]
     errors: tuple[ModelErrors, ...]
     worst: tuple[Stretch, ...]
     dependence: Dependence | None

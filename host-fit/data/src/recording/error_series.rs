@@ -8,7 +8,7 @@ use super::Recording;
 use super::channel::Channel;
 use super::error::RecordingError;
 use crate::closest::closest;
-use crate::column::AXES;
+use crate::column::{AXES, Column};
 use crate::unit::Unit;
 
 /// Measured error of one axis, before the offset is subtracted: y_raw(n) = measured(n) − reference(n).
@@ -20,6 +20,14 @@ pub struct ErrorSeries<'a> {
     /// One value per row, in `unit`; NaN where the measurement or the reference is missing.
     pub values: Cow<'a, [f64]>,
     pub reference: Reference,
+}
+
+impl ErrorSeries<'_> {
+    /// Returns true if the values show the bias itself rather than only its changes; see
+    /// [`Recording::is_bias_known`].
+    pub fn is_bias_known(&self) -> bool {
+        self.reference != Reference::Constant || !Column::named(&self.channel).is_specific_force()
+    }
 }
 
 /// True value that the measurement is compared with.
@@ -55,6 +63,12 @@ impl Recording {
             }
             error => error,
         })
+    }
+
+    /// Returns true if the log shows the bias of an axis itself rather than only its changes. An accelerometer at rest
+    /// without a reference shows a component of gravity too, which depends on the orientation.
+    pub fn is_bias_known(&self, column: &str) -> bool {
+        !Column::named(column).is_specific_force() || self.channel(&Column::named(column).reference()).is_ok()
     }
 
     /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel

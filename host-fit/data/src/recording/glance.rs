@@ -207,7 +207,7 @@ impl Recording {
             Some(LogWarning::CoarseSteps { column: channel.name.clone(), step })
         }));
         found.extend(self.not_gravity(still));
-        if wanted.iter().any(|axis| has_unknown_level(self, axis)) {
+        if wanted.iter().any(|axis| self.channel(axis).is_ok() && !self.is_bias_known(axis)) {
             found.extend(pose::after_pauses(self, still).map(LogWarning::LevelAfterPause));
         }
         found.extend(self.rates_differ(&self.power_ons()));
@@ -382,11 +382,6 @@ impl Recording {
         let differs = (other / first - 1.0).abs() > RATE_DIFFERS;
         differs.then_some(LogWarning::RatesDiffer { rates_hz: [*first, *other] })
     }
-}
-
-/// Returns true if an axis is an accelerometer of the log without a reference.
-fn has_unknown_level(recording: &Recording, axis: &str) -> bool {
-    recording.error_series(axis).is_ok_and(|series| pose::has_unknown_level(axis, &series.reference))
 }
 
 /// Median of `values` if it is unusual. If fewer than half of them are, it cannot be, and the sort is skipped.

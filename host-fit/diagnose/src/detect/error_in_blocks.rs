@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::faults::Fault;
-use super::question::is_bias_known;
-use fos_data::recording::{Recording, RecordingError, Reference};
+use fos_data::observed::ObservedAxis;
+use fos_data::recording::{Recording, RecordingError};
 use fos_data::statistics::median;
 use fos_fit::evaluate::SLOW_BLOCK_S;
 use fos_fit::noise::{Blocks, length_for, length_with_levels_for};
@@ -13,10 +13,6 @@ use fos_fit::signal;
 /// Rows within this many standard deviations of a clipping limit are excluded: noise that is clipped on one side has a
 /// different mean.
 const STOP_MARGIN: f64 = 4.0;
-
-/// Share of rows at rest from which on a log counts as recorded at rest. Motion in it is then excluded even if a
-/// reference column covers it.
-const AT_REST: f64 = 0.5;
 
 #[derive(Debug, Clone)]
 pub struct ErrorInBlocks {
@@ -91,36 +87,30 @@ impl ErrorInBlocks {
         length_s: f64,
         counts: impl Fn(usize) -> bool,
     ) -> Result<Self, RecordingError> {
-        let series = recording.error_series(column)?;
+        let observed = ObservedAxis::stated(recording, column)?;
         let measured = &recording.channel(column)?.values;
         let limits = faults.iter().find_map(|fault| match fault {
             Fault::Saturation { limits, .. } => Some(*limits),
             _ => None,
         });
-        let margin = if limits.is_some() { STOP_MARGIN * fast_deviation(&series.values) } else { 0.0 };
+        let margin =
+            if limits.is_some() { STOP_MARGIN * fast_deviation(&observed.error.values) } else { 0.0 };
         let inside = |value: f64| match limits {
             None => true,
             Some((low, high)) => {
                 low.is_none_or(|low| value > low + margin) && high.is_none_or(|high| value < high - margin)
             }
         };
-        let at_rest = |row: usize| recording.still.as_ref().is_none_or(|still| still[row]);
-        let is_candidate = |row: usize, vouched: bool| {
-            series.values[row].is_finite() && counts(row) && (vouched || at_rest(row))
-        };
-        let rest_share =
-            (0..recording.n_rows()).filter(|row| at_rest(*row)).count() as f64 / recording.n_rows() as f64;
-        // a reference covers motion too; but in a log that is mostly at rest, motion is handling
-        let vouched = matches!(series.reference, Reference::Channel(_)) && rest_share < AT_REST;
+        let all: Vec<bool> =
+            observed.known.iter().enumerate().map(|(row, known)| *known && counts(row)).collect();
         let known: Vec<bool> =
-            (0..recording.n_rows()).map(|row| is_candidate(row, vouched) && inside(measured[row])).collect();
+            all.iter().zip(measured.iter()).map(|(known, value)| *known && inside(*value)).collect();
         let unclipped = known.iter().filter(|known| **known).count();
-        let all: Vec<bool> = (0..recording.n_rows()).map(|row| is_candidate(row, vouched)).collect();
         let clipped_through = 2 * unclipped < all.iter().filter(|known| **known).count();
         let counts = if clipped_through { all } else { known };
-        let blocks = Blocks::with_levels(recording, length_s, counts, turns(recording, column));
-        let means = blocks.means(&series.values);
-        Ok(Self { error: series.values.into_owned(), blocks, means, clipped_through })
+        let blocks = Blocks::with_levels(recording, length_s, counts, &observed.turns);
+        let means = blocks.means(&observed.error.values);
+        Ok(Self { error: observed.error.values.into_owned(), blocks, means, clipped_through })
     }
 
     /// Weights each block by the noise of the shaking in it.
@@ -169,16 +159,11 @@ impl ErrorInBlocks {
     }
 }
 
-/// Returns the rows at which the level of an axis may change; none for a gyro, whose bias is continuous.
-fn turns<'r>(recording: &'r Recording, column: &str) -> &'r [usize] {
-    if is_bias_known(recording, column) { &[] } else { &recording.turns }
-}
-
 /// Returns the block length that suits a column of a recording, s.
 fn length_s(recording: &Recording, column: &str) -> f64 {
-    match turns(recording, column) {
-        [] => length_for(recording),
-        _ => length_with_levels_for(recording),
+    match recording.turns.is_empty() || recording.is_bias_known(column) {
+        true => length_for(recording),
+        false => length_with_levels_for(recording),
     }
 }
 

@@ -9,7 +9,7 @@ use super::diagnose::diagnose;
 use super::error_in_blocks::ErrorInBlocks;
 use super::findings::{is_confirmed, sentence, verdict};
 use super::open::{Lead, LeadKind};
-use super::question::{DiagnoseError, Question, is_bias_known, keeps_bias};
+use super::question::{DiagnoseError, Question, keeps_bias};
 use crate::effects::Band;
 use crate::rms::rms_reduction;
 use fos_data::disturbance;
@@ -79,7 +79,7 @@ pub fn with_measured_reduction(
             accepted.push(finding);
             continue;
         }
-        if is_step(&finding) && !continues && !is_bias_known(evaluation, &diagnosis.target) {
+        if is_step(&finding) && !continues && !evaluation.is_bias_known(&diagnosis.target) {
             accepted.push(finding);
             continue;
         }

@@ -63,7 +63,7 @@ pub use error_in_blocks::ErrorInBlocks;
 pub(crate) use findings::not_identifiable;
 pub use measured_reduction::{diagnose_and_measure, with_measured_reduction};
 pub use open::Lead;
+pub(crate) use question::keeps_bias;
 pub use question::{DiagnoseError, Given, MIN_BLOCKS, Question};
-pub(crate) use question::{is_bias_known, keeps_bias};
 pub use shared_signal::with_shared_signal;
 pub use visibility::{Course, Visibility, visibility};

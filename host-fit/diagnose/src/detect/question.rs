@@ -1,7 +1,6 @@
 //! Input of a diagnosis, and its errors.
 
 use fos_data::case::DataSheet;
-use fos_data::column::Column;
 use fos_data::recording::{Recording, RecordingError};
 
 use crate::effects::Library;
@@ -113,16 +112,10 @@ pub enum DiagnoseError {
     },
 }
 
-/// Returns true if a log shows the bias of an axis itself rather than only its changes. An accelerometer at rest shows
-/// a component of gravity that depends on the orientation.
-pub(crate) fn is_bias_known(log: &Recording, column: &str) -> bool {
-    log.channel(&Column::named(column).reference()).is_ok() || !Column::named(column).is_specific_force()
-}
-
 /// Returns true if an axis has the bias of the rows before `from` in the rows of `log` from there on: the device ran on,
 /// and no orientation changed. The error there counts about that bias, which a later log may not have.
 pub(crate) fn keeps_bias(log: &Recording, column: &str, from: usize) -> bool {
-    from > 0 && (is_bias_known(log, column) || log.turns.is_empty())
+    from > 0 && (log.is_bias_known(column) || log.turns.is_empty())
 }
 
 /// Least number of blocks for slow effects: below 60 the search over twenty effects has no power.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::error::RefineError;
 use super::identifiable::SAME_RMS;
 use super::refiner::Refiner;
-use crate::detect::{ErrorInBlocks, Finding, is_bias_known};
+use crate::detect::{ErrorInBlocks, Finding};
 use crate::effects::{Band, Effect};
 use fos_data::column::Column;
 use fos_data::text::rounded;
@@ -81,7 +81,7 @@ impl Refiner<'_> {
             signal::variance(&[&means.filter(|mean| mean.is_finite()).collect::<Vec<f64>>()])
         };
         // the RMS of a log that continues contains it
-        let has_mean = is_bias_known(self.log(), column) && !self.continues(column);
+        let has_mean = self.log().is_bias_known(column) && !self.continues(column);
         Ok(Errors {
             mean: left.bias.filter(|_| has_mean),
             rms: if band == Band::Wide { left.wide.sqrt() } else { left.slow.sqrt() },

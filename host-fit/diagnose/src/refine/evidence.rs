@@ -141,7 +141,7 @@ impl Refiner<'_> {
         let mut others: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
         others.extend(findings.iter().filter(|other| *other != finding).cloned());
         let without = self.without_base(refinement, &others)?;
-        Ok(Some(Evidence::of(&self.log, &without, &refinement.column, finding)?))
+        Ok(Some(Evidence::of(&self.log.whole, &without, &refinement.column, finding)?))
     }
 
     /// Returns the additional cost of `finding` on the device.
@@ -154,7 +154,7 @@ impl Refiner<'_> {
             return Ok(None);
         };
         let mut grown = last.model.clone();
-        terms::add(&mut grown, std::slice::from_ref(finding), &self.log)?;
+        terms::add(&mut grown, std::slice::from_ref(finding), &self.log.whole)?;
         Ok(Some(Cost::of(&grown).beyond(&last.cost)))
     }
 }

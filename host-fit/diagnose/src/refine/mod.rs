@@ -6,6 +6,7 @@ mod error;
 mod evidence;
 mod identifiable;
 mod logs;
+mod observed_log;
 mod refiner;
 mod terms;
 #[cfg(test)]

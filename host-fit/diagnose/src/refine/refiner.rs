@@ -5,22 +5,21 @@ use std::ops::Range;
 
 use fos_data::column::Column;
 use fos_data::recording::Recording;
-use fos_data::stillness::{self, KnownBy};
-use fos_data::{disturbance, pose};
+use fos_data::stillness;
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::fit::physical_range::{Part, physical_range};
 use fos_fit::fit::regressors::Regressors;
 use fos_fit::model::{FittedAxis, Plain, UnitModel};
 use fos_fit::playback::Playback;
-use fos_fit::signal;
 
 use super::error::RefineError;
 use super::identifiable;
+use super::observed_log::{Levelled, ObservedLog};
 use super::terms;
 use crate::detect::{
     DiagnoseError, Diagnosis, ErrorInBlocks, Finding, Given, Question, Verdict, as_after_steps, correction,
-    diagnose, estimate, is_bias_known, is_step, keeps_bias, with_measured_reduction,
+    diagnose, estimate, is_step, keeps_bias, with_measured_reduction,
 };
 use crate::effects::{Band, Detector, Effect, Library};
 use crate::physical::physical;
@@ -36,15 +35,12 @@ const MAX_AUTO_EFFECTS: usize = 6;
 #[derive(Debug)]
 pub struct Refiner<'a> {
     /// Rows from which effects are estimated.
-    pub(super) log: Cow<'a, Recording>,
+    pub(super) log: ObservedLog<'a>,
     reference: Option<&'a Recording>,
     /// Evaluation log, and the rows of it that were not fitted.
-    evaluation: Cow<'a, Recording>,
+    evaluation: ObservedLog<'a>,
     evaluation_rows: Range<usize>,
     library: &'a Library,
-    /// Both logs without detected motion; `None` if there is none.
-    log_at_rest: Option<Recording>,
-    evaluation_at_rest: Option<Recording>,
 }
 
 impl<'a> Refiner<'a> {
@@ -65,13 +61,13 @@ impl<'a> Refiner<'a> {
             }
             None => (Cow::Owned(log.first_rows(cut)), Cow::Borrowed(log), cut..log.n_rows()),
         };
-        let (log_at_rest, evaluation_at_rest) = (at_rest(&log), at_rest(&evaluation));
-        Self { log, reference, evaluation, evaluation_rows, library, log_at_rest, evaluation_at_rest }
+        let (log, evaluation) = (ObservedLog::new(log), ObservedLog::new(evaluation));
+        Self { log, reference, evaluation, evaluation_rows, library }
     }
 
     /// Returns the number of rows from which effects are estimated.
     pub fn fitted_rows(&self) -> usize {
-        self.log.n_rows()
+        self.log.whole.n_rows()
     }
 
     /// Returns the state before any effect is added: the fitted axis of the study with the bias of the log to explain.
@@ -99,10 +95,10 @@ impl<'a> Refiner<'a> {
 
     fn refuse_other_sensor(&self, study: &Study, column: &str) -> Result<(), RefineError> {
         let Some((triad, _)) = Column::named(column).place() else { return Ok(()) };
-        match study.contradiction(&self.log, triad) {
+        match study.contradiction(&self.log.whole, triad) {
             None => Ok(()),
             Some([study, found]) => {
-                let (log, column) = (self.log.paths(), column.to_owned());
+                let (log, column) = (self.log.whole.paths(), column.to_owned());
                 Err(RefineError::OtherSensor { log, column, study, found })
             }
         }
@@ -131,7 +127,7 @@ impl<'a> Refiner<'a> {
     ///
     /// The alternative to adding the effect.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
-        if effect.search == Detector::Step && !is_bias_known(&self.log, column) {
+        if effect.search == Detector::Step && !self.log.whole.is_bias_known(column) {
             let help = "at rest an accelerometer shows gravity beside its bias, and in a later log a step of one is indistinguishable from a step of the other; log the true values (`ref_…`)";
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), help));
         }
@@ -170,7 +166,7 @@ impl<'a> Refiner<'a> {
         let library = self.library_with(refinement);
         let question = Question { given: &given, ..self.question(&log, &refinement.column, &library) };
         let added: Vec<Finding> = refinement.added().map(|added| added.finding.clone()).collect();
-        let evaluation = self.without(refinement, &added, &self.evaluation)?;
+        let evaluation = self.without(refinement, &added, &self.evaluation.whole)?;
         let field_residual = self.without_base(refinement, &added)?;
         let mut diagnosis = with_measured_reduction(
             diagnose(&question)?,
@@ -235,10 +231,10 @@ impl<'a> Refiner<'a> {
         self.check_errors(&first.model, &findings, in_question, effect)?;
         findings.truncate(in_model);
         let mut model = first.model.clone();
-        let effects = terms::add(&mut model, &findings, &self.log)?;
+        let effects = terms::add(&mut model, &findings, &self.log.whole)?;
         let log = self.measured(&refinement.column);
-        let model =
-            self.recalibrated(model, &effects, &as_after_steps(&findings, &refinement.column, &log)?)?;
+        let log = as_after_steps(&findings, &refinement.column, &log)?;
+        let model = self.recalibrated(model, &effects, &log)?;
         let Some(finding) = findings.last().cloned() else {
             return Err(RefineError::NothingToTakeOff(effect.id.clone(), "the log does not show it"));
         };
@@ -325,7 +321,7 @@ impl<'a> Refiner<'a> {
     }
 
     fn question<'q>(&'q self, log: &'q Recording, column: &'q str, library: &'q Library) -> Question<'q> {
-        let (evaluation, evaluation_from) = (Some(&*self.evaluation), self.evaluation_rows.start);
+        let (evaluation, evaluation_from) = (Some(&*self.evaluation.whole), self.evaluation_rows.start);
         Question {
             reference: self.reference,
             evaluation,
@@ -340,7 +336,7 @@ impl<'a> Refiner<'a> {
         refinement: &Refinement,
         found: &[Finding],
     ) -> Result<Cow<'_, Recording>, RefineError> {
-        self.without(refinement, found, &self.log)
+        self.without(refinement, found, &self.log.whole)
     }
 
     /// Returns `log` after the physical part of the initial model and `found` are subtracted.
@@ -356,26 +352,17 @@ impl<'a> Refiner<'a> {
         }
         let mut values = log.channel(&refinement.column)?.values.to_vec();
         if let Some(first) = refinement.steps.first() {
-            let base = self.physical(&first.model, log)?;
+            let base = physical(&first.model, log)?.swap_remove(0);
             values.iter_mut().zip(&base).for_each(|(value, base)| *value -= base);
         }
-        let taken = correction(found, &self.log, log)?;
+        let taken = correction(found, &self.log.whole, log)?;
         values.iter_mut().zip(&taken).for_each(|(value, taken)| *value -= taken);
         Ok(Cow::Owned(log.with_values(&refinement.column, values)))
     }
 
-    /// Returns the physical part of an axis, in its unit, one value per row of `log`.
-    fn physical(&self, model: &UnitModel, log: &Recording) -> Result<Vec<f64>, RefineError> {
-        if model.axes[0].physical.is_empty() {
-            return Ok(vec![0.0; log.n_rows()]);
-        }
-        let known = known_rows(log, &model.axes[0].column);
-        Ok(physical(model, log, &known)?.swap_remove(0))
-    }
-
-    /// Recalibrates a model on `log`: the bias is the mean of the residual of the physical part, and the ranges cover
-    /// both. `log` is the log to explain with the steps in it removed, as in later logs; `effects` holds the positions
-    /// of the added terms, effect by effect.
+    /// Recalibrates a model: the bias is the mean of the residual of the physical part, and the ranges cover both. `log`
+    /// is the log to explain with the steps in it removed, as in later logs; `effects` holds the positions of the added
+    /// terms, effect by effect.
     fn recalibrated(
         &self,
         mut model: UnitModel,
@@ -385,15 +372,14 @@ impl<'a> Refiner<'a> {
         let column = model.axes[0].column.clone();
         let before = model.axes[0].parameters.physical_limits();
         model.axes[0].parameters.physical_range = fos_core::Range::unlimited();
-        let (level, is_bias_known) = self.level(&model, log, 0..log.n_rows())?;
+        let is_bias_known = log.is_bias_known(&column);
+        let Levelled { log, known, level } = self.log.levelled(&model, log, 0..log.n_rows())?;
         let parameters = &mut model.axes[0].parameters;
         match is_bias_known {
             true => parameters.offset = level,
             false => (parameters.reference, parameters.offset) = (level, 0.0),
         }
-        let known = known_rows(log, &column);
-        let in_one_pose = self.in_one_pose(&model, log, self.log_at_rest.as_ref(), level)?;
-        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(log), &model, &known)?;
+        let playback = Playback::new(&log, &model, &known)?;
         let mut alone = model.clone();
         alone.axes[0].stochastic.clear();
         let regressors = Regressors::of(&alone, &playback, log.n_rows())?;
@@ -414,33 +400,14 @@ impl<'a> Refiner<'a> {
         Ok(model)
     }
 
-    /// Returns `log` with one level in all orientations, for an axis whose bias is unknown; `None` if the level is
-    /// constant already.
-    fn in_one_pose(
-        &self,
-        model: &UnitModel,
-        log: &Recording,
-        at_rest: Option<&Recording>,
-        level: f64,
-    ) -> Result<Option<Recording>, RefineError> {
-        let column = &model.axes[0].column;
-        let turns = at_rest.map_or(&[][..], |at_rest| &at_rest.turns);
-        if turns.is_empty() || is_bias_known(log, column) {
-            return Ok(None);
-        }
-        let (values, explained) = (&log.channel(column)?.values, self.physical(model, log)?);
-        let moved = pose::with_levels(values, &explained, &known_rows(log, column), turns, |_| level);
-        Ok(Some(log.with_values(column, moved)))
-    }
-
     /// Returns the log to explain without detected motion.
     pub(super) fn log(&self) -> &Recording {
-        self.log_at_rest.as_ref().unwrap_or(&self.log)
+        self.log.at_rest()
     }
 
     /// Returns the evaluation log without detected motion.
     pub(super) fn evaluation(&self) -> &Recording {
-        self.evaluation_at_rest.as_ref().unwrap_or(&self.evaluation)
+        self.evaluation.at_rest()
     }
 
     /// Returns the rows of the evaluation log that were not fitted.
@@ -458,40 +425,26 @@ impl<'a> Refiner<'a> {
     ) -> Result<(ErrorInBlocks, Vec<f64>), RefineError> {
         let reduced = ErrorInBlocks::in_slow_blocks(log, &base.axes[0].column)?;
         let mut left = reduced.error.clone();
-        let base = self.physical(base, log)?;
+        let base = physical(base, log)?.swap_remove(0);
         left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
-        let taken = correction(findings, &self.log, log)?;
+        let taken = correction(findings, &self.log.whole, log)?;
         left.iter_mut().zip(&taken).for_each(|(left, taken)| *left -= taken);
         Ok((reduced, left))
     }
 
     /// Returns the log to explain without outliers of an axis.
     fn measured(&self, column: &str) -> Cow<'_, Recording> {
-        self.log.without_outliers(column, 0..self.log.n_rows(), &stillness::find(&self.log).still).0
+        let log = &self.log.whole;
+        log.without_outliers(column, 0..log.n_rows(), &stillness::find(log).still).0
     }
 
     /// Returns the data for the simpler rivals, from the log to explain as read.
     fn plain(&self, column: &str) -> Result<Plain, RefineError> {
-        let (error, known) = (self.log.error_series(column)?, known_rows(&self.log, column));
-        let rows = self.log.stretches_where(|row| known[row] && error.values[row].is_finite());
+        let log = &*self.log.whole;
+        let (error, known) = (log.error_series(column)?, self.log.known_rows(column)?);
+        let rows = log.stretches_where(|row| known[row] && error.values[row].is_finite());
         let stretches: Vec<&[f64]> = rows.into_iter().map(|rows| &error.values[rows]).collect();
         Ok(Plain::of(&stretches.concat(), &stretches))
-    }
-
-    /// Returns the mean of measured − reference − p over the known rows among `rows`, and whether it is the bias.
-    fn level(
-        &self,
-        model: &UnitModel,
-        log: &Recording,
-        rows: Range<usize>,
-    ) -> Result<(f64, bool), RefineError> {
-        let axis = &model.axes[0];
-        let error = log.error_series(&axis.column)?;
-        let physical = self.physical(model, log)?;
-        let known = known_rows(log, &axis.column);
-        let left = rows.filter(|row| known[*row]).map(|row| error.values[row] - physical[row]);
-        let left: Vec<f64> = left.filter(|value| value.is_finite()).collect();
-        Ok((signal::mean(&[&left]), is_bias_known(log, &axis.column)))
     }
 
     /// Returns the errors on the evaluation rows after the physical part of `base` and `findings` are subtracted.
@@ -509,14 +462,14 @@ impl<'a> Refiner<'a> {
         (reduced, left): &(ErrorInBlocks, Vec<f64>),
     ) -> Left {
         let rows = &self.evaluation_rows;
-        let bias = log.slow_mean(left_of_log, &(0..self.log.n_rows()));
+        let bias = log.slow_mean(left_of_log, &(0..self.log.whole.n_rows()));
         Left {
             slow: match self.continues(column) {
                 true => reduced.slow_mean_square(left, rows, bias),
                 false => reduced.slow_variance(left, rows),
             },
             wide: reduced.wide_variance(left, rows),
-            bias: is_bias_known(&self.evaluation, column).then(|| reduced.slow_mean(left, rows) - bias),
+            bias: self.evaluation.whole.is_bias_known(column).then(|| reduced.slow_mean(left, rows) - bias),
         }
     }
 
@@ -531,47 +484,23 @@ impl<'a> Refiner<'a> {
         added: Option<Added>,
         left: Left,
     ) -> Result<RefinementStep, RefineError> {
-        let column = model.axes[0].column.clone();
-        let known = known_rows(&self.evaluation, &column);
+        let (rows, column) = (self.evaluation_rows.clone(), &model.axes[0].column);
+        let Levelled { log, known, level } =
+            self.evaluation.levelled(&model, &self.evaluation.whole, rows.clone())?;
         let mut evaluated = model.clone();
-        let (level, is_bias_known) = self.level(&model, &self.evaluation, self.evaluation_rows.clone())?;
-        if !is_bias_known {
+        if !log.is_bias_known(column) {
             // another orientation has another constant
             (evaluated.axes[0].parameters.reference, evaluated.axes[0].parameters.offset) = (level, 0.0);
         }
-        let in_one_pose =
-            self.in_one_pose(&model, &self.evaluation, self.evaluation_at_rest.as_ref(), level)?;
-        let playback = Playback::new(in_one_pose.as_ref().unwrap_or(&self.evaluation), &evaluated, &known)?;
-        let trace = trace::<f64>(&evaluated, &playback, self.evaluation_rows.clone(), |_| {})?;
+        let playback = Playback::new(&log, &evaluated, &known)?;
+        let trace = trace::<f64>(&evaluated, &playback, rows, |_| {})?;
         let name = match &added {
             None => "before".to_owned(),
             Some(added) => format!("+ {}", added.effect.id),
         };
-        let errors = ModelErrors::of(&trace, 0, &name, &column, None);
+        let errors = ModelErrors::of(&trace, 0, &name, column, None);
         let cost = Cost::of(&model);
         Ok(RefinementStep { added, model, errors, left, cost })
-    }
-}
-
-/// Returns the log without rows of detected motion; `None` if there is none.
-fn at_rest(log: &Recording) -> Option<Recording> {
-    match disturbance::marked(log).0 {
-        Cow::Borrowed(_) => None,
-        Cow::Owned(marked) => Some(marked),
-    }
-}
-
-/// Returns the rows in which the error is known: with a reference, or at rest. On a shaker nothing is at rest and all
-/// rows count, as in a diagnosis.
-fn known_rows(log: &Recording, column: &str) -> Vec<bool> {
-    if let Ok(reference) = log.channel(&Column::named(column).reference()) {
-        return reference.values.iter().map(|value| value.is_finite()).collect();
-    }
-    let stillness = stillness::find(log);
-    let at_rest = stillness.still.iter().filter(|still| **still).count();
-    match stillness.known_by {
-        KnownBy::Detector if at_rest < log.n_rows() / 2 => vec![true; log.n_rows()],
-        _ => stillness.still,
     }
 }
 

@@ -13,7 +13,7 @@ mod unaided;
 
 pub use errors::{AllanValue, CoastError, ModelErrors, SLOW_BLOCK_S};
 pub use origins::HORIZONS_S;
-pub use rivals::{Rival, rival};
+pub use rivals::{MODEL, Rival, before_and_after, rival};
 pub use strapdown::StrapdownEnd;
 pub use strapdown_errors::strapdown_errors;
 pub use stretches::{Stretch, worst_stretches};

@@ -2,6 +2,7 @@
 
 use fos_core::{Range, y};
 
+use super::errors::ModelErrors;
 use crate::model::{FittedTerm, UnitModel};
 
 /// A plain way of predicting.
@@ -13,6 +14,16 @@ pub enum Rival {
     GaussMarkov,
     /// The last value, held.
     LastValue,
+}
+
+/// Name of the model among its rivals.
+pub const MODEL: &str = "model";
+
+/// Returns the errors of the constant mean and of the model.
+pub fn before_and_after<'e>(
+    errors: impl IntoIterator<Item = &'e ModelErrors> + Clone,
+) -> [Option<&'e ModelErrors>; 2] {
+    [Rival::Mean.name(), MODEL].map(|name| errors.clone().into_iter().find(|errors| errors.model == name))
 }
 
 /// Coast limit of a rival, s: never reached, as its prediction is part of its definition.

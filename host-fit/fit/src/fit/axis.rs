@@ -94,9 +94,8 @@ pub fn fit_axis(
         return Err(AxisError::Constant { column, value });
     }
     let (cleaned, spikes) = recording.without_outliers(&column, training.clone(), &stillness.still);
-    let reference = cleaned.error_series(&column)?.reference;
-    let poses = Poses::of(&cleaned, stillness, (&column, &reference), &training)?;
-    let in_first_pose = poses.in_first(&cleaned, |_| 0.0);
+    let poses = Poses::of(&cleaned, stillness, &column, &training)?;
+    let in_first_pose = poses.in_first(&cleaned, &vec![0.0; cleaned.n_rows()]);
     let recording = in_first_pose.as_ref().unwrap_or(&cleaned);
     let series = recording.error_series(&column)?;
     let known: Vec<f64> = training
@@ -125,7 +124,7 @@ pub fn fit_axis(
     let mut recording = recording;
     if !options.physical.is_empty() {
         let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
-        let levels = poses.columns();
+        let levels = poses.columns(recording)?;
         let most = physical::most_levels(&regressors);
         if levels.len() > most {
             return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
@@ -135,11 +134,9 @@ pub fn fit_axis(
         left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
         let scale = model.axes[0].parameters.scale;
-        let explained = |row: usize| {
-            let left = regressors.remainder.get(row).map_or(f64::NAN, |left| scale * left);
-            series.values[row] - left
-        };
-        if let Some(in_first_pose) = poses.in_first(recording, explained) {
+        let left = regressors.remainder.iter().map(|left| scale * left).chain(std::iter::repeat(f64::NAN));
+        let explained: Vec<f64> = series.values.iter().zip(left).map(|(error, left)| error - left).collect();
+        if let Some(in_first_pose) = poses.in_first(recording, &explained) {
             levelled = in_first_pose;
             recording = &levelled;
             let playback = Playback::new(recording, &model, &stillness.still)?;

@@ -6,8 +6,9 @@
 
 use std::ops::Range;
 
+use fos_data::observed::ObservedAxis;
 use fos_data::pose::{self, Pose};
-use fos_data::recording::{Recording, Reference};
+use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use serde::{Deserialize, Serialize};
 
@@ -25,43 +26,48 @@ pub struct FittedPose {
 /// Orientations of the training part; a single one for an axis on which gravity does not act.
 pub(super) struct Poses<'a> {
     column: &'a str,
-    /// Rows that are fitted.
-    used: Vec<bool>,
-    turns: Vec<usize>,
+    stillness: &'a Stillness,
+    training: Range<usize>,
     fitted: Vec<FittedPose>,
 }
 
 impl<'a> Poses<'a> {
     /// # Errors
     ///
-    /// Gravity changes its direction in rows that are marked as rest.
+    /// The column is missing, or gravity changes its direction in rows that are marked as rest.
     pub(super) fn of(
         recording: &Recording,
-        stillness: &Stillness,
-        (column, reference): (&'a str, &Reference),
+        stillness: &'a Stillness,
+        column: &'a str,
         training: &Range<usize>,
     ) -> Result<Self, AxisError> {
-        let mut used = stillness.still.clone();
-        used[training.end..].fill(false);
-        let mut poses = Self { column, used, turns: Vec::new(), fitted: Vec::new() };
-        if !pose::has_unknown_level(column, reference) {
+        let mut poses = Self { column, stillness, training: training.clone(), fitted: Vec::new() };
+        let observed = poses.observed(recording)?;
+        if observed.error.is_bias_known() {
             return Ok(poses);
         }
-        poses.turns = stillness.turns.iter().copied().filter(|turn| training.contains(turn)).collect();
         let columns = pose::columns_of(recording, column);
-        for rows in pose::levels_between(&poses.turns, 0..training.end) {
+        for rows in observed.levels(training.clone()) {
             let mut in_level = vec![false; recording.n_rows()];
-            in_level[rows.clone()].copy_from_slice(&poses.used[rows]);
+            in_level[rows.clone()].copy_from_slice(&stillness.still[rows]);
             match &pose::first_two(recording, &columns, &in_level)[..] {
                 [] => {}
                 [only] => poses.fitted.push(fitted_pose(recording, only)),
                 [first, second, ..] => return Err(poses.two(recording, first, second)),
             }
         }
-        if poses.turns.is_empty() {
+        if observed.turns.is_empty() {
             poses.fitted.clear();
         }
         Ok(poses)
+    }
+
+    /// Returns the axis in the rows that are fitted.
+    fn observed<'r>(&self, recording: &'r Recording) -> Result<ObservedAxis<'r>, RecordingError>
+    where
+        'a: 'r,
+    {
+        Ok(ObservedAxis::at_rest(recording, self.stillness, self.column)?.within(&self.training))
     }
 
     fn two(&self, recording: &Recording, first: &Pose, second: &Pose) -> AxisError {
@@ -75,34 +81,26 @@ impl<'a> Poses<'a> {
         }
     }
 
-    /// Returns the recording converted to the first orientation throughout, from the residual of `explained` in each
-    /// row; `None` if there is only one.
-    pub(super) fn in_first(
-        &self,
-        recording: &Recording,
-        explained: impl Fn(usize) -> f64,
-    ) -> Option<Recording> {
-        if self.turns.is_empty() {
-            return None;
-        }
-        let values = &recording.channel(self.column).ok()?.values;
-        let explained: Vec<f64> = (0..values.len()).map(explained).collect();
+    /// Returns the recording converted to the first orientation throughout, from the residual of `explained`, one value
+    /// per row; `None` if there is only one.
+    pub(super) fn in_first(&self, recording: &Recording, explained: &[f64]) -> Option<Recording> {
+        let observed = self.observed(recording).ok().filter(|observed| !observed.turns.is_empty())?;
         let mut first = None;
-        let as_first = |level| *first.get_or_insert(level);
-        let moved = pose::with_levels(values, &explained, &self.used, &self.turns, as_first);
+        let moved = observed.with_levels(explained, |level| *first.get_or_insert(level));
         Some(recording.with_values(self.column, moved))
     }
 
     /// Returns an indicator column for each orientation except the first.
-    pub(super) fn columns(&self) -> Vec<Vec<f64>> {
-        let levels = pose::levels_between(&self.turns, 0..self.used.len());
-        let column = |rows: &Range<usize>| {
-            let mut column = vec![0.0; self.used.len()];
-            column[rows.clone()].fill(1.0);
+    pub(super) fn columns(&self, recording: &Recording) -> Result<Vec<Vec<f64>>, RecordingError> {
+        let observed = self.observed(recording)?;
+        let n_rows = recording.n_rows();
+        let column = |rows: Range<usize>| {
+            let mut column = vec![0.0; n_rows];
+            column[rows].fill(1.0);
             column
         };
-        let is_fitted = |rows: &&Range<usize>| self.used[(*rows).clone()].contains(&true);
-        levels.iter().filter(is_fitted).skip(1).map(column).collect()
+        let is_fitted = |rows: &Range<usize>| observed.known[rows.clone()].contains(&true);
+        Ok(observed.levels(0..n_rows).into_iter().filter(is_fitted).skip(1).map(column).collect())
     }
 
     /// Converts to the form stored in a study: empty if there is only one.

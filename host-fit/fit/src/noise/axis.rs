@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use fos_data::pose;
+use fos_data::observed::ObservedAxis;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use serde::Serialize;
@@ -100,14 +100,12 @@ pub fn axis_noise(
     if let Some((value, _)) = recording.stuck_axis(&column, &stillness.still) {
         return Err(AxisNoiseError::Constant { column, value });
     }
-    let (cleaned, left_out) = recording.without_outliers(&column, rows.clone(), &stillness.still);
-    let series = cleaned.error_series(&column)?;
-    let known: Vec<bool> = rows.map(|row| stillness.still[row] && series.values[row].is_finite()).collect();
-    let in_poses = pose::has_unknown_level(&column, &series.reference);
-    let turns = if in_poses { &stillness.turns[..] } else { &[] };
+    let (cleaned, left_out) = recording.without_outliers(&column, rows, &stillness.still);
+    let observed = ObservedAxis::at_rest(&cleaned, stillness, &column)?;
+    let series = &observed.error;
 
     let length_s = (length_for(recording) / FINER).max(SHORTEST_S);
-    let blocks = Blocks::with_levels(recording, length_s, known, turns);
+    let blocks = Blocks::with_levels(recording, length_s, observed.known.clone(), &observed.turns);
     let period_s = recording.rate.period_s;
     let seconds = blocks.known().iter().filter(|known| **known).count() as f64 * period_s;
     if blocks.beyond_levels() < FEWEST_BLOCKS {
@@ -138,7 +136,7 @@ pub fn axis_noise(
     let stretches: Vec<Range<usize>> = recording
         .stretches_where(|row| blocks.known()[row])
         .into_iter()
-        .flat_map(|stretch| pose::levels_between(turns, stretch))
+        .flat_map(|stretch| observed.levels(stretch))
         .collect();
     let measured = parts(&series.values, &stretches);
     let (levels, step) = match estimated {

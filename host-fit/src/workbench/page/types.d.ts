@@ -36,8 +36,8 @@ unit: string,
 rows: number,
 /** Lowest mean square error of any causal predictor, in the square of the unit, with its 95 % interval. */
 noise_floor: [number, [number, number]] | null,
-/** Reasons to distrust the noise floor. */
-floor_cautions: Array<string>,
+/** Reasons to distrust these numbers. */
+cautions: Array<string>,
 /** Errors of the rivals, then of the model. */
 errors: Array<ModelErrors>,
 /** Stretches with an outstanding slow error, worst first: at most five, possibly none. */

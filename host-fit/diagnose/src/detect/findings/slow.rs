@@ -13,7 +13,7 @@ use crate::detect::hypothesis::Hypothesis;
 use crate::detect::leverage;
 use crate::detect::limits;
 use crate::detect::predicted_reduction::{PredictedReduction, PredictedReductions, SlowEffect, Truth};
-use crate::detect::question::{DiagnoseError, is_bias_known, keeps_bias};
+use crate::detect::question::{DiagnoseError, keeps_bias};
 use crate::detect::slow::{Estimate, Found};
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
@@ -249,7 +249,7 @@ impl Assembly<'_> {
                 found_so.columns.push(column.clone());
                 corrected.push(column);
             }
-            let is_step = effect.search == Detector::Step && is_bias_known(log, self.column);
+            let is_step = effect.search == Detector::Step && log.is_bias_known(self.column);
             let mut alternatives = Vec::new();
             for other in &found.alternatives {
                 if !other.hypothesis.regressors.iter().all(|regressor| is_logged(inputs, regressor)) {

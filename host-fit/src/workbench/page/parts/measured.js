@@ -4,6 +4,7 @@
 import { el, radioGroup, replace, uniqueId } from "../dom.js";
 import { isNumber, seconds } from "../format.js";
 import { KEY_ZOOM } from "../gestures.js";
+import { onPage } from "../notices.js";
 import { Overview } from "../overview.js";
 import { TimeChart } from "../timechart.js";
 import { chosen as unitOf, inUnit } from "../units.js";
@@ -57,6 +58,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
   const button = (/** @type {string} */ text, /** @type {string} */ name, /** @type {() => void} */ act) =>
     el("button", { type: "button", class: "small", "aria-label": name, title: name, onclick: act }, text);
   const late = el("p", { class: "note late", hidden: true });
+  const cautions = el("div");
   const fit = el("p", { class: "goodness" });
   const controls = el(
     "div",
@@ -74,7 +76,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
     "Measured against predicted",
     "Does the model follow the sensor?",
     fit,
-    el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls, late),
+    el("div", { class: "card" }, el("div", { class: "card-head" }, views, means, says), empty, chart.element, beside.map((one) => one.element), overview.element, controls, late, cautions),
   );
 
   /** @type {ViewName} */
@@ -123,6 +125,7 @@ export function measuredPart({ time, source, choose, setView, setMean }) {
       const field = scene.state.logs?.log;
       late.hidden = begin === undefined || !field || begin - field.from_s < LATE * (field.to_s - field.from_s);
       if (begin !== undefined) late.textContent = `Predictions begin at ${seconds(begin)}: the model was fitted to the rows before.`;
+      replace(cautions, (scene.axis?.comparison?.cautions ?? []).map((caution) => el("p", { class: "note" }, `Caution: ${onPage(caution)}.`)));
       chart.setShades(shadesOf(scene));
       chart.setMoved(movedOf(scene));
       overview.setMoved(movedOf(scene));
