@@ -7,7 +7,6 @@ use fos_data::file::write_atomically;
 use fos_data::recording::load;
 use fos_fleet::{Asked, FleetError, Gathered, PROGRAM, Unit, UnitRow, check_regressors, row_of};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::library;
@@ -93,7 +92,7 @@ pub(crate) fn recording_row(
     })
 }
 
-/// Gathers rows in a compact form, with only the data for populations.
+/// Gathers the data of rows for populations.
 #[pyclass(frozen, module = "fos_imu._engine")]
 pub(crate) struct Rows(Mutex<Gathered>);
 
@@ -113,22 +112,10 @@ impl Rows {
                     let start: String = text.chars().take(60).collect();
                     format!("{start:?} … is not the row of a device: {error}\nhelp: pass results of `unit_row`, or their `to_json()`")
                 })?;
-                gathered.add(&row).map_err(|error| error.to_string())
+                gathered.add(row).map_err(|error| error.to_string())
             })
         })?;
         taken.map_err(|error: String| py_error(py, "FleetError", &error))
-    }
-
-    /// Adds rows gathered elsewhere.
-    fn merge(&self, py: Python<'_>, gathered: &[u8]) -> PyResult<()> {
-        let merged =
-            work::run(py, || Gathered::from_bytes(gathered).and_then(|other| self.held().merge(other)))?;
-        merged.map_err(|error| py_error(py, "FleetError", &error.to_string()))
-    }
-
-    /// Bytes for `merge` in another process.
-    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &work::run(py, || self.held().to_bytes())?))
     }
 
     /// Computes the populations.

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut gathered = Gathered::default();
     let before = resident_mb("VmRSS:");
     for unit in 0..units {
-        gathered.add(&drawn::row(unit))?;
+        gathered.add(drawn::row(unit))?;
     }
     let held = resident_mb("VmRSS:") - before;
     let begun = Instant::now();

@@ -11,15 +11,16 @@ use fos_data::file::{self, FileError, write_atomically};
 use fos_data::statistics::median_of;
 use fos_data::text::hexadecimal;
 use fos_diagnose::effects::Library;
+use fos_fit::noise::NoiseLevels;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::estimate::{BIAS, check_regressors};
-use crate::gathered::{Gathered, GatheredError, GatheredUnit};
+use crate::gathered::{Gathered, GatheredError, GatheredUnit, sorted};
 use crate::odd::{Distance, assess, devices_needed, discoveries};
 use crate::population::{Member, Population};
-use crate::row::{Asked, Unit, UnitRow, unit_row};
+use crate::row::{Asked, AxisDiagnosis, FoundEffect, Unit, UnitRow, unit_row};
 
 /// Schema of a population file.
 pub const SCHEMA: &str = "fos-population/1";
@@ -361,7 +362,7 @@ impl Fleet {
                 }
             }
         }
-        if digest_of(&Gathered::of(&rows).sorted()) != fleet.rows_sha256 {
+        if digest_of(&sorted(&gathered(&rows))) != fleet.rows_sha256 {
             return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: fleet.units });
         }
         Ok((fleet, rows))
@@ -384,11 +385,11 @@ impl Fleet {
                 reason: reason.to_string(),
             };
             let row: UnitRow = serde_json::from_str(row).map_err(|error| wrong(&error))?;
-            gathered.add(&row).map_err(|error| wrong(&error))?;
+            gathered.add(row.clone()).map_err(|error| wrong(&error))?;
             // No unit has this key, so a later run computes the row again.
             lines.extend(line_of(&StoredRow { key: String::new(), row }));
         }
-        if digest_of(&gathered.sorted()) != self.rows_sha256 {
+        if digest_of(&gathered.in_order()) != self.rows_sha256 {
             return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: self.units });
         }
         write_atomically(&rows_path, &lines)?;
@@ -405,7 +406,7 @@ impl Fleet {
     /// Computes the populations of `rows`, all with the settings `asked`. Sums run in the order of part and unit, so the result has the
     /// same bits for any order of `rows`.
     pub fn of(rows: &[UnitRow], asked: &Asked, library: &Library, program: &str) -> Self {
-        Self::of_units(&Gathered::of(rows).sorted(), asked, library, program)
+        Self::of_units(&sorted(&gathered(rows)), asked, library, program)
     }
 
     /// Computes the populations of gathered rows, with the same bits as [`of`](Self::of).
@@ -414,16 +415,15 @@ impl Fleet {
     ///
     /// There are no rows, a unit occurs twice, or the regressors are refused by [`check_regressors`].
     pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
-        let (asked, units) = (gathered.asked()?, gathered.sorted());
+        let asked = gathered.asked()?;
         check_regressors(&asked.regressors)?;
-        Gathered::check_once(&units)?;
-        Ok(Self::of_units(&units, asked, library, program))
+        Ok(Self::of_units(&gathered.each_once()?, asked, library, program))
     }
 
-    fn of_units(units: &[GatheredUnit<'_>], asked: &Asked, library: &Library, program: &str) -> Self {
-        let failed = units.iter().filter(|unit| !unit.failed().is_empty());
+    fn of_units(units: &[&GatheredUnit], asked: &Asked, library: &Library, program: &str) -> Self {
+        let failed = units.iter().filter(|unit| !unit.failed.is_empty());
         let (mut parts, mut compared, mut duplicates) = (Vec::new(), Vec::new(), Vec::new());
-        for units in units.chunk_by(|a, b| a.part() == b.part()) {
+        for units in units.chunk_by(|a, b| a.part == b.part) {
             let (units, of_part) = without_duplicates(units);
             duplicates.extend(of_part);
             let (summary, of_part) = part_summary(&units, asked, library);
@@ -439,7 +439,7 @@ impl Fleet {
             rows_sha256: digest_of(units),
             parts,
             failed: failed
-                .map(|unit| FailedUnit { unit: unit.name().to_owned(), reasons: unit.failed().to_vec() })
+                .map(|unit| FailedUnit { unit: unit.unit.clone(), reasons: unit.failed.clone() })
                 .collect(),
             duplicates,
         }
@@ -447,14 +447,16 @@ impl Fleet {
 }
 
 /// Separates the units of a part into those with a log of their own and duplicates of an earlier unit.
-fn without_duplicates<'a>(units: &[GatheredUnit<'a>]) -> (Vec<GatheredUnit<'a>>, Vec<DuplicateUnit>) {
+fn without_duplicates<'a>(units: &[&'a GatheredUnit]) -> (Vec<&'a GatheredUnit>, Vec<DuplicateUnit>) {
     let (mut first, mut duplicates) = (HashMap::new(), Vec::new());
-    let is_new = |unit: &&GatheredUnit<'a>| {
-        let Some(log) = unit.log() else { return true };
-        let same_as = *first.entry(log).or_insert(unit.name());
-        let is_new = same_as == unit.name();
+    let is_new = |unit: &&&'a GatheredUnit| {
+        if unit.log_sha256.is_empty() {
+            return true;
+        }
+        let same_as: &str = first.entry(unit.log_sha256.as_str()).or_insert(&unit.unit);
+        let is_new = same_as == unit.unit;
         if !is_new {
-            let [part, unit, same_as] = [unit.part(), unit.name(), same_as].map(str::to_owned);
+            let [part, unit, same_as] = [&unit.part, &unit.unit, same_as].map(str::to_owned);
             duplicates.push(DuplicateUnit { part, unit, same_as });
         }
         is_new
@@ -462,15 +464,19 @@ fn without_duplicates<'a>(units: &[GatheredUnit<'a>]) -> (Vec<GatheredUnit<'a>>,
     (units.iter().filter(is_new).copied().collect(), duplicates)
 }
 
-fn digest_of(units: &[GatheredUnit<'_>]) -> String {
+fn gathered(rows: &[UnitRow]) -> Vec<GatheredUnit> {
+    rows.iter().cloned().map(GatheredUnit::of).collect()
+}
+
+fn digest_of(units: &[&GatheredUnit]) -> String {
     let mut digest = Sha256::new();
-    units.iter().for_each(|unit| digest.update(unit.digest()));
+    units.iter().for_each(|unit| digest.update(unit.digest));
     hexadecimal(&digest.finalize())
 }
 
 /// A compared unit: its least probable axis, and the p-values of all axes.
 struct Compared<'a> {
-    unit: GatheredUnit<'a>,
+    unit: &'a GatheredUnit,
     axes: usize,
     column: &'a str,
     distance: Distance,
@@ -495,11 +501,12 @@ struct OfPart<'a> {
 
 /// Summarises a part; odd units are added by [`add_odd_units`].
 fn part_summary<'a>(
-    units: &[GatheredUnit<'a>],
+    units: &[&'a GatheredUnit],
     asked: &Asked,
     library: &Library,
 ) -> (PartSummary, OfPart<'a>) {
-    let columns: BTreeSet<&str> = units.iter().flat_map(|unit| unit.columns()).collect();
+    let axes = units.iter().flat_map(|unit| &unit.axes);
+    let columns: BTreeSet<&str> = axes.map(|axis| axis.estimate.column.as_str()).collect();
     let columns: Vec<&str> = columns.into_iter().collect();
     let axes: Vec<_> =
         columns.into_par_iter().map(|column| assessed_axis(column, units, asked, library)).collect();
@@ -523,7 +530,7 @@ fn part_summary<'a>(
         }
         summaries.push(summary);
     }
-    let part = units.first().map_or_else(String::new, |unit| unit.part().to_owned());
+    let part = units.first().map_or_else(String::new, |unit| unit.part.clone());
     let mut compared: Vec<Compared<'_>> = compared.into_iter().flatten().collect();
     for unit in &mut compared {
         let axes = unit.axes as f64;
@@ -536,19 +543,22 @@ fn part_summary<'a>(
 
 fn assessed_axis<'a>(
     column: &'a str,
-    units: &[GatheredUnit<'_>],
+    units: &[&GatheredUnit],
     asked: &Asked,
     library: &Library,
 ) -> AssessedAxis<'a> {
     let of_units = units.iter().enumerate().filter_map(|(index, unit)| Some((index, unit.axis(column)?)));
     // Axes with a non-finite number are excluded.
-    let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_finite()).collect();
+    let of_units = of_units.map(|(index, axis)| (index, &axis.estimate));
+    let of_units: Vec<_> = of_units.filter(|(_, axis)| axis.is_complete()).collect();
     let members: Vec<Member<'_>> = of_units
         .iter()
-        .map(|(index, axis)| Member { lot: units[*index].lot(), estimate: &axis.estimate })
+        .map(|(index, axis)| Member { lot: units[*index].lot.as_deref(), estimate: &axis.coefficients })
         .collect();
     let assessment = assess(&members, &names_of(&members, asked));
-    let noise = |level: usize| median_of(of_units.iter().map(|(_, axis)| axis.noise[level])).unwrap_or(0.0);
+    let noise = |level: fn(&NoiseLevels) -> f64| {
+        median_of(of_units.iter().map(|(_, axis)| level(&axis.noise))).unwrap_or(0.0)
+    };
     let without = assessment.as_ref().err().map(ToString::to_string);
     let (population, distances) = assessment.map_or((None, Vec::new()), |assessment| {
         let distances: Vec<_> = assessment.distances.into_iter().zip(assessment.p_values_if_far).collect();
@@ -560,8 +570,11 @@ fn assessed_axis<'a>(
             column: column.to_owned(),
             without,
             population,
-            median_noise: [0, 1, 2].map(noise),
-            effects: effects_of(units.iter().filter_map(|unit| unit.effects(column)), library),
+            median_noise: [noise(|of| of.white), noise(|of| of.flicker), noise(|of| of.walk)],
+            effects: effects_of(
+                units.iter().filter_map(|unit| unit.axis(column)?.diagnosis.as_ref()),
+                library,
+            ),
         },
         distances: of_units
             .iter()
@@ -598,8 +611,8 @@ fn add_odd_units(parts: &mut [PartSummary], of_parts: Vec<OfPart<'_>>) {
         let odd = compared.into_iter().filter(|_| found.next().unwrap_or(false));
         part.odd = odd
             .map(|Compared { unit, column, distance, p_value, .. }| OddUnit {
-                unit: unit.name().to_owned(),
-                lot: unit.lot().map(str::to_owned),
+                unit: unit.unit.clone(),
+                lot: unit.lot.clone(),
                 column: column.to_owned(),
                 distance,
                 p_value,
@@ -610,17 +623,16 @@ fn add_odd_units(parts: &mut [PartSummary], of_parts: Vec<OfPart<'_>>) {
 }
 
 /// Effects found on the diagnosed units, the largest mean reduction first.
-fn effects_of<'a, Found: Iterator<Item = (&'a str, f64)>>(
-    diagnoses: impl Iterator<Item = Found>,
-    library: &Library,
-) -> Vec<EffectShare> {
-    let diagnoses: Vec<Vec<(&str, f64)>> = diagnoses.map(Iterator::collect).collect();
+fn effects_of<'a>(diagnoses: impl Iterator<Item = &'a AxisDiagnosis>, library: &Library) -> Vec<EffectShare> {
+    let diagnoses: Vec<&AxisDiagnosis> = diagnoses.collect();
     let mut shares: Vec<EffectShare> = Vec::new();
-    for (found, predicted_reduction) in diagnoses.iter().flatten() {
-        let place = shares.iter().position(|share| share.effect == *found).unwrap_or_else(|| {
-            let device = library.get(found).map_or_else(|_| String::new(), |effect| effect.device.clone());
+    for FoundEffect { effect, predicted_reduction } in
+        diagnoses.iter().flat_map(|diagnosis| &diagnosis.effects)
+    {
+        let place = shares.iter().position(|share| share.effect == *effect).unwrap_or_else(|| {
+            let device = library.get(effect).map_or_else(|_| String::new(), |effect| effect.device.clone());
             let units = [0, diagnoses.len()];
-            shares.push(EffectShare { effect: (*found).to_owned(), units, mean_reduction: 0.0, device });
+            shares.push(EffectShare { effect: effect.clone(), units, mean_reduction: 0.0, device });
             shares.len() - 1
         });
         shares[place].units[0] += 1;

@@ -1,23 +1,10 @@
-//! The part of the rows that populations need: a fifth of their memory, merged from processes and machines in any order.
+//! Rows of a fleet: what populations need of them, in one order whatever order they came in.
 
-use std::ops::Range;
-
-use indexmap::IndexSet;
-use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::to_vec;
 use sha2::{Digest, Sha256};
 
-use crate::estimate::{Estimate, EstimateError};
+use crate::estimate::EstimateError;
 use crate::row::{Asked, AxisRow, UnitRow};
-
-/// Schema of [`Gathered::to_bytes`].
-const SCHEMA: &str = "fos-gathered/2";
-
-/// Bytes of the digest of a log: enough that no two logs share one by chance.
-const LOG_DIGEST: usize = 16;
-
-/// Noise levels per axis: white noise, flicker and random walk.
-const LEVELS: usize = 3;
 
 /// Rows that do not form a fleet.
 #[derive(Debug, thiserror::Error)]
@@ -49,93 +36,34 @@ pub enum GatheredError {
     /// The regressors of the rows are invalid.
     #[error(transparent)]
     Regressors(#[from] EstimateError),
-    /// Bytes that are not gathered rows.
-    #[error("not gathered rows: {0}\nhelp: gather the rows again with this version")]
-    NotGathered(String),
 }
 
 fn suffix_of_part(part: &str) -> String {
     if part.is_empty() { String::new() } else { format!(" of {part:?}") }
 }
 
-/// Data of rows for [`Fleet`](crate::Fleet). The result has the same bits for any order of rows and merges: nothing is summed before all
-/// rows are present, and then in the order of part and unit.
+/// Data of rows for [`Fleet`](crate::Fleet). The result has the same bits for any order of rows: nothing is summed before
+/// all rows are present, and then in the order of part and unit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Gathered {
     /// Settings of all rows; none without rows.
     asked: Option<Asked>,
-    /// Distinct names (columns, coefficients, effects, parts, lots).
-    texts: IndexSet<String>,
-    /// Distinct sets of axes and coefficients.
-    shapes: IndexSet<Shape>,
-    units: Vec<StoredUnit>,
+    units: Vec<GatheredUnit>,
 }
 
-/// Axes of a unit, in the order of their numbers.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-struct Shape(Vec<AxisShape>);
-
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-struct AxisShape {
-    column: u32,
-    names: Vec<u32>,
-    diagnosed: bool,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct StoredUnit {
-    unit: Box<str>,
-    part: u32,
-    lot: Option<u32>,
-    /// Index of the shape.
-    shape: u32,
+/// What populations need of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct GatheredUnit {
+    pub(crate) unit: String,
+    pub(crate) part: String,
+    pub(crate) lot: Option<String>,
+    /// SHA-256 of the log, hexadecimal, for the detection of duplicates; empty if no log could be read.
+    pub(crate) log_sha256: String,
+    pub(crate) axes: Vec<AxisRow>,
+    /// Reasons for missing results.
+    pub(crate) failed: Vec<String>,
     /// SHA-256 of the row's JSON.
-    digest: [u8; 32],
-    /// First bytes of the SHA-256 of the row's `sha256`; none if no log could be read.
-    log: Option<[u8; LOG_DIGEST]>,
-    /// For each axis the coefficients, the lower triangle of their covariance by rows, and the noise levels.
-    numbers: Box<[f64]>,
-    /// Effects found on the axes.
-    found: Box<[FoundOnAxis]>,
-    failed: Box<[String]>,
-}
-
-/// An effect that was found on an axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct FoundOnAxis {
-    /// Index of the axis.
-    axis: u16,
-    effect: u32,
-    predicted_reduction: f64,
-}
-
-/// Serialised form. The settings are JSON so that fields can be added.
-#[derive(Serialize, Deserialize)]
-struct Written<'a> {
-    schema: &'a str,
-    asked: Option<String>,
-    texts: Vec<String>,
-    shapes: Vec<Shape>,
-    units: Vec<StoredUnit>,
-}
-
-/// View of one gathered unit.
-#[derive(Clone, Copy)]
-pub(crate) struct GatheredUnit<'a> {
-    of: &'a Gathered,
-    stored: &'a StoredUnit,
-}
-
-pub(crate) struct GatheredAxis {
-    pub(crate) estimate: Estimate,
-    /// White noise, flicker and random walk.
-    pub(crate) noise: [f64; LEVELS],
-}
-
-impl GatheredAxis {
-    pub(crate) fn is_finite(&self) -> bool {
-        self.estimate.is_complete() && self.noise.iter().all(|level| level.is_finite())
-    }
+    pub(crate) digest: [u8; 32],
 }
 
 impl Gathered {
@@ -152,144 +80,23 @@ impl Gathered {
     /// # Errors
     ///
     /// The row has other settings or lacks numbers; it is then not added.
-    pub fn add(&mut self, row: &UnitRow) -> Result<(), GatheredError> {
+    pub fn add(&mut self, row: UnitRow) -> Result<(), GatheredError> {
         // Rows from a file do not record the strictness of the read.
         let mut asked = row.asked.clone();
         asked.read.strict = false;
-        self.check_asked(&asked, &row.unit)?;
+        if let (Some(of_first), Some(first)) = (&self.asked, self.units.first())
+            && asked != *of_first
+        {
+            let (first, what) = (first.unit.clone(), difference(of_first, &asked));
+            return Err(GatheredError::Asked { first, other: row.unit, what });
+        }
         if let Some(axis) = row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
-            let (unit, column) = (row.unit.clone(), axis.estimate.column.clone());
-            return Err(GatheredError::NotWhole { unit, column });
+            let column = axis.estimate.column.clone();
+            return Err(GatheredError::NotWhole { unit: row.unit, column });
         }
         self.asked.get_or_insert(asked);
-        self.take(row);
+        self.units.push(GatheredUnit::of(row));
         Ok(())
-    }
-
-    /// Adds a row that is already checked.
-    fn take(&mut self, row: &UnitRow) {
-        let shape = row.axes.iter().map(|axis| AxisShape {
-            column: self.text(&axis.estimate.column),
-            names: axis.estimate.coefficients.names.iter().map(|name| self.text(name)).collect(),
-            diagnosed: axis.diagnosis.is_some(),
-        });
-        let shape = Shape(shape.collect());
-        let numbers = row.axes.iter().flat_map(numbers_of).collect();
-        let mut found = Vec::new();
-        for (place, axis) in row.axes.iter().enumerate() {
-            for effect in axis.diagnosis.iter().flat_map(|diagnosis| &diagnosis.effects) {
-                found.push(FoundOnAxis {
-                    axis: place as u16,
-                    effect: self.text(&effect.effect),
-                    predicted_reduction: effect.predicted_reduction,
-                });
-            }
-        }
-        let stored = StoredUnit {
-            unit: row.unit.as_str().into(),
-            part: self.text(&row.part),
-            lot: row.lot.as_deref().map(|lot| self.text(lot)),
-            shape: self.shapes.insert_full(shape).0 as u32,
-            digest: Sha256::digest(serde_json::to_vec(row).expect("rows have only string keys")).into(),
-            log: log_digest(&row.sha256),
-            numbers,
-            found: found.into(),
-            failed: row.failed.clone().into(),
-        };
-        self.units.push(stored);
-    }
-
-    /// Adds rows gathered elsewhere.
-    ///
-    /// # Errors
-    ///
-    /// They have other settings; nothing is then added.
-    pub fn merge(&mut self, other: Self) -> Result<(), GatheredError> {
-        let (Some(asked), Some(first)) = (other.asked, other.units.first()) else { return Ok(()) };
-        self.check_asked(&asked, &first.unit)?;
-        self.asked.get_or_insert(asked);
-        let texts: Vec<u32> = other.texts.iter().map(|text| self.text(text)).collect();
-        let text = |index: u32| texts[index as usize];
-        let shapes: Vec<u32> = other
-            .shapes
-            .iter()
-            .map(|Shape(axes)| {
-                let axes = axes.iter().map(|axis| AxisShape {
-                    column: text(axis.column),
-                    names: axis.names.iter().map(|name| text(*name)).collect(),
-                    diagnosed: axis.diagnosed,
-                });
-                self.shapes.insert_full(Shape(axes.collect())).0 as u32
-            })
-            .collect();
-        self.units.extend(other.units.into_iter().map(|mut stored| {
-            stored.part = text(stored.part);
-            stored.lot = stored.lot.map(text);
-            stored.shape = shapes[stored.shape as usize];
-            stored.found.iter_mut().for_each(|found| found.effect = text(found.effect));
-            stored
-        }));
-        Ok(())
-    }
-
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let written = Written {
-            schema: SCHEMA,
-            asked: self.asked.as_ref().map(|asked| json!(asked).to_string()),
-            texts: self.texts.iter().cloned().collect(),
-            shapes: self.shapes.iter().cloned().collect(),
-            units: self.units.clone(),
-        };
-        postcard::to_extend(&written, Vec::new()).expect("memory has room for it")
-    }
-
-    /// Reads the bytes of [`to_bytes`](Self::to_bytes).
-    ///
-    /// # Errors
-    ///
-    /// The bytes are damaged, or of another version.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, GatheredError> {
-        let not = |reason: &dyn ToString| GatheredError::NotGathered(reason.to_string());
-        let (schema, _) = postcard::take_from_bytes::<&str>(bytes).map_err(|error| not(&error))?;
-        if schema != SCHEMA {
-            return Err(not(&"of another version"));
-        }
-        let (written, rest) = postcard::take_from_bytes::<Written<'_>>(bytes).map_err(|error| not(&error))?;
-        let asked = written.asked.map(|asked| serde_json::from_str(&asked)).transpose();
-        let asked = asked.map_err(|error| not(&error))?;
-        let gathered = Self {
-            asked,
-            texts: written.texts.into_iter().collect(),
-            shapes: written.shapes.into_iter().collect(),
-            units: written.units,
-        };
-        if rest.is_empty() && gathered.is_complete() { Ok(gathered) } else { Err(not(&"it is damaged")) }
-    }
-
-    /// All indices are in range, and all numbers are present.
-    fn is_complete(&self) -> bool {
-        let text = |index: &u32| (*index as usize) < self.texts.len();
-        let shapes = self.shapes.iter().flat_map(|shape| &shape.0);
-        shapes.into_iter().all(|axis| text(&axis.column) && axis.names.iter().all(text))
-            && self.units.iter().all(|unit| {
-                text(&unit.part)
-                    && unit.lot.iter().all(text)
-                    && self.shapes.get_index(unit.shape as usize).is_some_and(|Shape(axes)| {
-                        let numbers = axes.iter().map(|axis| axis.numbers()).sum::<usize>();
-                        unit.numbers.len() == numbers
-                            && unit
-                                .found
-                                .iter()
-                                .all(|found| text(&found.effect) && usize::from(found.axis) < axes.len())
-                    })
-            })
-    }
-
-    /// Gathers rows with the same settings, without a check for duplicates.
-    pub(crate) fn of(rows: &[UnitRow]) -> Self {
-        let mut gathered = Self::default();
-        rows.iter().for_each(|row| gathered.take(row));
-        gathered
     }
 
     /// Settings of all rows.
@@ -302,148 +109,50 @@ impl Gathered {
     }
 
     /// Units by part and name.
-    pub(crate) fn sorted(&self) -> Vec<GatheredUnit<'_>> {
-        let mut units: Vec<_> = self.units.iter().map(|stored| GatheredUnit { of: self, stored }).collect();
-        // The digest orders units of the same name, where duplicates are allowed.
-        units.sort_by_key(|unit| (unit.part(), unit.name(), unit.stored.digest));
-        units
+    pub(crate) fn in_order(&self) -> Vec<&GatheredUnit> {
+        sorted(&self.units)
     }
 
-    /// Checks that every unit occurs once.
+    /// Units by part and name, each once.
     ///
     /// # Errors
     ///
     /// A unit occurs twice.
-    pub(crate) fn check_once(units: &[GatheredUnit<'_>]) -> Result<(), GatheredError> {
-        let twice = units
-            .windows(2)
-            .find(|pair| (pair[0].part(), pair[0].name()) == (pair[1].part(), pair[1].name()));
+    pub(crate) fn each_once(&self) -> Result<Vec<&GatheredUnit>, GatheredError> {
+        let units = self.in_order();
+        let twice =
+            units.windows(2).find(|pair| (&pair[0].part, &pair[0].unit) == (&pair[1].part, &pair[1].unit));
         match twice {
             Some(pair) => {
-                Err(GatheredError::Twice { unit: pair[0].name().to_owned(), part: pair[0].part().to_owned() })
+                Err(GatheredError::Twice { unit: pair[0].unit.clone(), part: pair[0].part.clone() })
             }
-            None => Ok(()),
-        }
-    }
-
-    fn check_asked(&self, asked: &Asked, of: &str) -> Result<(), GatheredError> {
-        match (&self.asked, self.units.first()) {
-            (Some(of_first), Some(first)) if asked != of_first => Err(GatheredError::Asked {
-                first: first.unit.to_string(),
-                other: of.to_owned(),
-                what: difference(of_first, asked),
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    fn text(&mut self, text: &str) -> u32 {
-        match self.texts.get_index_of(text) {
-            Some(index) => index as u32,
-            None => self.texts.insert_full(text.to_owned()).0 as u32,
+            None => Ok(units),
         }
     }
 }
 
-impl AxisShape {
-    /// Number of values per unit: coefficients, lower triangle of the covariance, noise levels.
-    fn numbers(&self) -> usize {
-        let n = self.names.len();
-        n + n * (n + 1) / 2 + LEVELS
-    }
+/// Returns units by part and name. The digest orders units of the same name, where duplicates are allowed.
+pub(crate) fn sorted(units: &[GatheredUnit]) -> Vec<&GatheredUnit> {
+    let mut sorted: Vec<&GatheredUnit> = units.iter().collect();
+    sorted.sort_by(|a, b| (&a.part, &a.unit, a.digest).cmp(&(&b.part, &b.unit, b.digest)));
+    sorted
 }
 
-impl<'a> GatheredUnit<'a> {
-    pub(crate) fn name(self) -> &'a str {
-        &self.stored.unit
-    }
-
-    pub(crate) fn part(self) -> &'a str {
-        &self.of.texts[self.stored.part as usize]
-    }
-
-    pub(crate) fn lot(self) -> Option<&'a str> {
-        self.stored.lot.map(|lot| self.of.texts[lot as usize].as_str())
-    }
-
-    /// SHA-256 of the row.
-    pub(crate) fn digest(self) -> &'a [u8; 32] {
-        &self.stored.digest
-    }
-
-    /// Digest of the log, for the detection of duplicates.
-    pub(crate) fn log(self) -> Option<[u8; LOG_DIGEST]> {
-        self.stored.log
+impl GatheredUnit {
+    pub(crate) fn of(row: UnitRow) -> Self {
+        let digest = Sha256::digest(to_vec(&row).expect("rows have only string keys")).into();
+        let UnitRow { unit, part, lot, sha256, axes, failed, .. } = row;
+        Self { unit, part, lot, log_sha256: sha256, axes, failed, digest }
     }
 
     /// Number of identified coefficients over all axes.
-    pub(crate) fn coefficients(self) -> usize {
-        self.shape().iter().map(|axis| axis.names.len()).sum()
+    pub(crate) fn coefficients(&self) -> usize {
+        self.axes.iter().map(|axis| axis.estimate.coefficients.names.len()).sum()
     }
 
-    /// Reasons for missing results.
-    pub(crate) fn failed(self) -> &'a [String] {
-        &self.stored.failed
+    pub(crate) fn axis(&self, column: &str) -> Option<&AxisRow> {
+        self.axes.iter().find(|axis| axis.estimate.column == column)
     }
-
-    /// Columns of the estimated axes.
-    pub(crate) fn columns(self) -> impl Iterator<Item = &'a str> {
-        self.shape().iter().map(move |axis| self.of.texts[axis.column as usize].as_str())
-    }
-
-    pub(crate) fn axis(self, column: &str) -> Option<GatheredAxis> {
-        let (place, numbers) = self.place(column)?;
-        let shape = &self.shape()[place];
-        let n = shape.names.len();
-        let (values, rest) = self.stored.numbers[numbers].split_at(n);
-        let (covariance, noise) = rest.split_at(n * (n + 1) / 2);
-        let at = |row: usize, column: usize| {
-            let (row, column) = (row.max(column), row.min(column));
-            covariance[row * (row + 1) / 2 + column]
-        };
-        let names = shape.names.iter().map(|name| self.of.texts[*name as usize].clone()).collect();
-        let covariance = (0..n).map(|row| (0..n).map(|column| at(row, column)).collect()).collect();
-        let estimate = Estimate { names, values: values.to_vec(), covariance };
-        Some(GatheredAxis { estimate, noise: noise.try_into().ok()? })
-    }
-
-    /// Effects found on an axis, with their predicted reductions; none if the axis was not diagnosed.
-    pub(crate) fn effects(self, column: &str) -> Option<impl Iterator<Item = (&'a str, f64)>> {
-        let (place, _) = self.place(column)?;
-        let found = self.stored.found.iter().filter(move |found| usize::from(found.axis) == place);
-        let named = found
-            .map(move |found| (self.of.texts[found.effect as usize].as_str(), found.predicted_reduction));
-        self.shape()[place].diagnosed.then_some(named)
-    }
-
-    fn shape(self) -> &'a [AxisShape] {
-        &self.of.shapes[self.stored.shape as usize].0
-    }
-
-    /// Index of an axis, and the range of its numbers.
-    fn place(self, column: &str) -> Option<(usize, Range<usize>)> {
-        let mut start = 0;
-        for (place, (axis, name)) in self.shape().iter().zip(self.columns()).enumerate() {
-            let end = start + axis.numbers();
-            if name == column {
-                return Some((place, start..end));
-            }
-            start = end;
-        }
-        None
-    }
-}
-
-fn log_digest(sha256: &str) -> Option<[u8; LOG_DIGEST]> {
-    let digest = Sha256::digest(sha256);
-    (!sha256.is_empty()).then(|| std::array::from_fn(|place| digest[place]))
-}
-
-fn numbers_of(axis: &AxisRow) -> impl Iterator<Item = f64> {
-    let estimate = &axis.estimate.coefficients;
-    let covariance = estimate.covariance.iter().enumerate().flat_map(|(row, values)| &values[..=row]);
-    let noise = &axis.estimate.noise;
-    estimate.values.iter().chain(covariance).copied().chain([noise.white, noise.flicker, noise.walk])
 }
 
 fn difference(first: &Asked, other: &Asked) -> String {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -526,24 +527,10 @@ def population(rows: Rows, *, effects: Sequence[Path] = ()) -> Fleet:
     Raises:
         FleetError: No rows, a unit twice, or units that were asked different things.
     """
-    return population_of(gathered(_texts(rows)), effects)
-
-
-def gathered(texts: Iterable[str]) -> _engine.Rows:
-    """What populations need of rows, JSON each; no more than some are held as text."""
     held = _engine.Rows()
-    some: list[str] = []
-    for text in texts:
-        some.append(text)
-        if len(some) == 1000:
-            held.extend(some)
-            some.clear()
-    held.extend(some)
-    return held
-
-
-def population_of(held: _engine.Rows, effects: Sequence[Path]) -> Fleet:
-    """The populations behind what was gathered."""
+    texts = _texts(rows)
+    while some := list(itertools.islice(texts, 1000)):
+        held.extend(some)
     found = held.population([os.fspath(path) for path in effects])
     return build(Fleet, {**json.loads(found.json()), "_found": found})
 

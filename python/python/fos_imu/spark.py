@@ -15,7 +15,7 @@ from urllib.parse import unquote, urlparse
 
 import pyarrow
 from pyspark import StorageLevel
-from pyspark.sql.types import ArrayType, BinaryType, LongType, StringType, StructField, StructType
+from pyspark.sql.types import ArrayType, StringType, StructField, StructType
 
 from . import fleet
 from .errors import FleetError
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pyspark.sql import DataFrame
 
 AT_ONCE = 100_000
-"""Units whose numbers come to the driver at once: 50 MB of six axes."""
+"""Units whose rows come to the driver at once: 250 MB of six axes."""
 
 SCHEMA = StructType(
     [
@@ -47,24 +47,6 @@ _ARROW = pyarrow.schema(
         ("sha256", pyarrow.string()),
         ("failed", pyarrow.list_(pyarrow.string())),
         ("row", pyarrow.string()),
-    ]
-)
-
-_GATHERED = StructType(
-    [
-        StructField("units", LongType(), nullable=False),
-        StructField("numbers", BinaryType(), nullable=False),
-        StructField("message", StringType()),
-        StructField("remedy", StringType()),
-    ]
-)
-
-_ARROW_GATHERED = pyarrow.schema(
-    [
-        ("units", pyarrow.int64()),
-        ("numbers", pyarrow.binary()),
-        ("message", pyarrow.string()),
-        ("remedy", pyarrow.string()),
     ]
 )
 
@@ -108,8 +90,7 @@ def unit_rows(
 
 
 def population(rows: DataFrame, *, effects: Sequence[str] = ()) -> Fleet:
-    """The populations behind rows of `unit_rows`, however they were kept. Executors take of every row the numbers that
-    populations need, a fifth of it; the driver merges these, in whatever order they come.
+    """The populations behind rows of `unit_rows`, however they were kept. The driver gathers them in whatever order they come.
 
     Args:
         rows: With a column `row`.
@@ -118,39 +99,15 @@ def population(rows: DataFrame, *, effects: Sequence[str] = ()) -> Fleet:
     Raises:
         FleetError: As of `fos_imu.population`.
     """
-    # an iterator asks for one partition after the other: all are made before, at once, and asked for in few
-    made = rows.select("row").mapInArrow(_gathered, _GATHERED).persist(StorageLevel.DISK_ONLY)
+    # Spark computes a frame again on each use, and an iterator asks for one partition after the other: all are made
+    # before, at once
+    made = rows.select("row").persist(StorageLevel.DISK_ONLY)
     try:
-        units = sum(part[0] for part in made.select("units").collect())
-        wrong = made.where("message is not null").select("message", "remedy").first()
-        if wrong is not None:
-            raise FleetError(wrong[0], remedy=wrong[1])
-        held = fleet.gathered(())
-        for part in made.select("numbers").coalesce(max(1, -(-units // AT_ONCE))).toLocalIterator():
-            held.merge(bytes(part[0]))
-        return fleet.population_of(held, effects)
+        partitions = max(1, -(-made.count() // AT_ONCE))
+        texts = (row[0] for row in made.coalesce(partitions).toLocalIterator())
+        return fleet.population(texts, effects=effects)
     finally:
         made.unpersist()
-
-
-def _gathered(batches: Iterator[Any]) -> Iterator[Any]:
-    """Batches of rows in, one row out for all of them: how many, and what populations need of them, or what is wrong."""
-    units = 0
-
-    def texts() -> Iterator[str]:
-        nonlocal units
-        for batch in batches:
-            units += batch.num_rows
-            yield from batch.column(0).to_pylist()
-
-    numbers, message, remedy = b"", None, None
-    try:
-        numbers = fleet.gathered(texts()).to_bytes()
-    except FleetError as error:
-        # raised here, Spark would try four times and tell it as a trace of the executor
-        message, remedy = error.message, error.remedy
-    cells = {"units": [units], "numbers": [numbers], "message": [message], "remedy": [remedy]}
-    yield pyarrow.RecordBatch.from_pydict(cells, schema=_ARROW_GATHERED)
 
 
 def _rows(batches: Iterator[Any], asked: Mapping[str, Any]) -> Iterator[Any]:

@@ -268,7 +268,7 @@ fn rejects_regressors_with_the_same_coefficient() {
     // Rows of an earlier version may have the regressor twice.
     let rows = rows(5, |_, row| row.asked.regressors.push("temp_c".to_owned()));
     let mut gathered = Gathered::default();
-    rows.iter().for_each(|row| gathered.add(row).expect("a row"));
+    rows.iter().for_each(|row| gathered.add(row.clone()).expect("a row"));
     let refused = Fleet::of_gathered(&gathered, &Library::built_in(), "a test");
     assert!(refused.is_err_and(|error| error.to_string().contains("\"temp_c\" is given twice")));
 }
