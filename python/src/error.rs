@@ -10,7 +10,7 @@ use fos_diagnose::compare::CompareError;
 use fos_diagnose::detect::DiagnoseError;
 use fos_diagnose::effects::EffectError;
 use fos_diagnose::refine::RefineError;
-use fos_diagnose::study::{LogAgainError, StudyError};
+use fos_diagnose::study::{LogAgainError, StudyAxisError, StudyError};
 use fos_fit::fit::AxisError;
 use fos_fit::noise::AxisNoiseError;
 use pyo3::prelude::*;
@@ -257,6 +257,7 @@ impl EngineError for RefineError {
             Self::Recording(error) => error.class(),
             Self::Diagnose(error) => error.class(),
             Self::Effect(error) => error.class(),
+            Self::Study(StudyAxisError::NoAxis { .. } | StudyAxisError::SeveralAxes(_)) => "StudyError",
             _ => "RefineError",
         }
     }

@@ -8,7 +8,7 @@ use fos_data::recording::{self as data, LoadOptions};
 use fos_diagnose::compare::{Evaluation, compare_study, lags_off, study_of};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError, Refiner};
-use fos_diagnose::study::{Refinement, Study as StudyFile, load_again};
+use fos_diagnose::study::{Refinement, Study as StudyFile, StudyAxisError, load_again};
 use fos_fit::cost::Cost;
 use fos_fit::export::image;
 use fos_fit::fit::{fit_axes, rest};
@@ -70,6 +70,12 @@ enum Refused {
 impl From<RefineError> for Refused {
     fn from(error: RefineError) -> Self {
         Self::Refine(error)
+    }
+}
+
+impl From<StudyAxisError> for Refused {
+    fn from(error: StudyAxisError) -> Self {
+        Self::Refine(error.into())
     }
 }
 
@@ -172,24 +178,6 @@ impl Study {
 }
 
 impl State {
-    /// Column of `axis`, or the only one.
-    fn column(&self, axis: Option<&str>) -> Result<String, Refused> {
-        let columns: Vec<&str> = self.study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
-        let is_meant = |column: &&str| axis.is_none_or(|axis| *column == axis || is_short(axis, column));
-        let meant: Vec<&str> = columns.iter().copied().filter(is_meant).collect();
-        match (&meant[..], axis) {
-            ([column], _) => Ok((*column).to_owned()),
-            (_, Some(axis)) => Err(Refused::Said(format!(
-                "the study has no axis {axis}; it has {}\nhelp: name one of them (axis)",
-                columns.join(", ")
-            ))),
-            (_, None) => Err(Refused::Said(format!(
-                "the study has several axes: {}\nhelp: name one (axis)",
-                columns.join(", ")
-            ))),
-        }
-    }
-
     /// Log of the fit: from memory, or read again from its path in the study.
     fn own(&self) -> Result<Option<Arc<data::Recording>>, Refused> {
         let (Some(file), None) = (&self.file, &self.own) else { return Ok(self.own.clone()) };
@@ -258,11 +246,6 @@ impl State {
     }
 }
 
-/// `axis` is the short form of `column`: `gx` of `gx_rads`.
-fn is_short(axis: &str, column: &str) -> bool {
-    column.split('_').next() == Some(axis)
-}
-
 /// Rows of a comparison of one axis: column, measured values, innovations, residual while coasting.
 type AxisRows<'py> =
     (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
@@ -278,7 +261,7 @@ impl Study {
 
     /// Columns of the axes.
     fn columns(&self) -> Vec<String> {
-        self.lock().study.model.axes.iter().map(|axis| axis.column.clone()).collect()
+        self.lock().study.columns()
     }
 
     /// Cost of the whole model on the device, as JSON.
@@ -310,9 +293,8 @@ impl Study {
             let Some(log) = given.or_else(|| own.clone()) else {
                 return Err(Refused::Said("the log is not at hand\nhelp: give it in the call".to_owned()));
             };
-            let axes = state.study.model.axes.iter();
-            let columns: Vec<String> = axes.map(|axis| axis.column.clone()).collect();
-            let evaluation = compare_study(&state.study, &columns, &log, own.as_deref(), |_| {});
+            let evaluation =
+                compare_study(&state.study, &state.study.columns(), &log, own.as_deref(), |_| {});
             Ok((evaluation, log))
         })?;
         let (evaluation, log) = evaluation.map_err(|refused| refused.raised(py))?;
@@ -342,7 +324,7 @@ impl Study {
         let given = GivenLogs::of(log, reference, evaluation);
         let state = self.snapshot();
         work::run(py, || -> Result<_, Refused> {
-            let column = state.column(axis)?;
+            let column = state.study.column(axis)?;
             let logs = state.logs(&column, given)?;
             let refiner = logs.refiner(&library);
             let refinement = state.refinement(&refiner, &logs, &column)?;
@@ -377,7 +359,7 @@ impl Study {
         let library: Library = library(py, &effects)?;
         let given = GivenLogs::of(log, reference, evaluation);
         self.change(py, |state| {
-            let column = state.column(axis.as_deref())?;
+            let column = state.study.column(axis.as_deref())?;
             let logs = state.logs(&column, given)?;
             let refiner = logs.refiner(&library);
             let named = logs.named(refiner.fitted_rows());
@@ -405,7 +387,7 @@ impl Study {
             let grown: Vec<&str> = grown.map(|refined| refined.column.as_str()).collect();
             let column = match (&axis, &grown[..]) {
                 (None, [only]) => (*only).to_owned(),
-                _ => state.column(axis.as_deref())?,
+                _ => state.study.column(axis.as_deref())?,
             };
             Ok(state.study.undo(&column).map_err(RefineError::Study)?)
         })

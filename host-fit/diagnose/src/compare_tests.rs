@@ -44,7 +44,7 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let study =
         study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), |_| {}).expect("a study");
     let error = |comparison: &Comparison| comparison.axes[0].slow_errors()[1].expect("an error");
-    let columns: Vec<String> = study.model.axes.iter().map(|axis| axis.column.clone()).collect();
+    let columns = study.columns();
     let evaluated =
         |log: &Recording, own| compare_study(&study, &columns, log, own, |_| {}).expect("a comparison");
     let follows = part(9000..15000, 0.0);

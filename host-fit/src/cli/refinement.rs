@@ -9,7 +9,6 @@ use super::error_table::{error_table, error_unit};
 use super::output::{Failure, percent, print_line, sparkline, table};
 use super::units::{ErrorUnit, Printed, three};
 use fos_calibrate::MG_MPS2;
-use fos_data::closest::closest;
 use fos_data::recording::{Recording, Source};
 use fos_data::text::counted;
 use fos_diagnose::refine::Logs;
@@ -80,33 +79,13 @@ pub(super) fn read_logs(
 
 /// Column of `--axis` in a study, or its only one.
 pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Failure> {
-    let columns: Vec<&str> = study.model.axes.iter().map(|axis| axis.column.as_str()).collect();
-    match (axis, &columns[..]) {
-        (Some(axis), _) => columns
-            .iter()
-            .find(|column| **column == axis || column.split('_').next() == Some(axis))
-            .map(|column| (*column).to_owned())
-            .ok_or_else(|| {
-                let meant =
-                    closest(axis, columns.iter().map(|column| column.split('_').next().unwrap_or(column)));
-                let meant = columns.iter().find(|column| meant == column.split('_').next());
-                let meant = meant.map_or_else(String::new, |meant| format!(" (did you mean {meant}?)"));
-                let axes = columns.join(", ");
-                format!("the study has no axis {axis}{meant}; it has {axes}\nhelp: --axis names one of them")
-                    .into()
-            }),
-        (None, [only]) => Ok((*only).to_owned()),
-        (None, _) => {
-            Err(format!("the study has several axes: {}\nhelp: name one with --axis", columns.join(", "))
-                .into())
-        }
-    }
+    study.column(axis).map_err(|error| format!("{error} with --axis").into())
 }
 
 /// Columns of `--axis` in a study, several with commas; all without one.
 pub(super) fn columns_of(study: &Study, axes: Option<&str>) -> Result<Vec<String>, Failure> {
     match axes {
-        None | Some("all") => Ok(study.model.axes.iter().map(|axis| axis.column.clone()).collect()),
+        None | Some("all") => Ok(study.columns()),
         Some(axes) => axes.split(',').map(|axis| column_of(study, Some(axis.trim()))).collect(),
     }
 }

@@ -1,5 +1,6 @@
 //! Axes of a study that effects were added to, and undo.
 
+use fos_data::closest::closest;
 use fos_fit::model::UnitModel;
 
 use super::refinement::Refinement;
@@ -8,13 +9,50 @@ use super::{Study, StudyStep};
 /// Error of a request for an axis of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyAxisError {
-    #[error("the study has no axis {column}; it has {}\nhelp: name one of them", .axes.join(", "))]
-    NoAxis { column: String, axes: Vec<String> },
+    #[error(
+        "the study has no axis {axis}{}; it has {}\nhelp: name one of them", did_you_mean(axis, axes), axes.join(", ")
+    )]
+    NoAxis { axis: String, axes: Vec<String> },
+    #[error("the study has several axes: {}\nhelp: name one of them", .0.join(", "))]
+    SeveralAxes(Vec<String>),
     #[error("nothing was added to {0}\nhelp: add an effect first")]
     NothingAdded(String),
 }
 
+/// Short name of the axis of a column: `gx` of `gx_rads`.
+fn short(column: &str) -> &str {
+    column.split('_').next().unwrap_or(column)
+}
+
+fn did_you_mean(axis: &str, columns: &[String]) -> String {
+    let meant = closest(short(axis), columns.iter().map(|column| short(column)));
+    meant.map_or_else(String::new, |meant| format!(" (did you mean {meant}?)"))
+}
+
 impl Study {
+    /// Returns the columns of all axes.
+    pub fn columns(&self) -> Vec<String> {
+        self.model.axes.iter().map(|axis| axis.column.clone()).collect()
+    }
+
+    /// Returns the column of an axis, by its full name (`gx_rads`) or its short one (`gx`); without a name that of the only
+    /// axis.
+    ///
+    /// # Errors
+    ///
+    /// There is no such axis, or no name and several axes.
+    pub fn column(&self, axis: Option<&str>) -> Result<String, StudyAxisError> {
+        let axes = self.columns();
+        match (axis, &axes[..]) {
+            (None, [only]) => Ok(only.clone()),
+            (None, _) => Err(StudyAxisError::SeveralAxes(axes)),
+            (Some(axis), _) => match axes.iter().find(|column| *column == axis || short(column) == axis) {
+                Some(column) => Ok(column.clone()),
+                None => Err(StudyAxisError::NoAxis { axis: axis.to_owned(), axes }),
+            },
+        }
+    }
+
     /// Returns the refinement of an axis, if any.
     pub fn refinement_of(&self, column: &str) -> Option<&Refinement> {
         self.refinements.iter().find(|refinement| refinement.column == column)
@@ -27,10 +65,9 @@ impl Study {
     /// There is no such axis.
     pub fn axis_alone(&self, column: &str) -> Result<UnitModel, StudyAxisError> {
         let index = self.model.axes.iter().position(|axis| axis.column == column);
-        index.map(|index| self.model.only(index)).ok_or_else(|| StudyAxisError::NoAxis {
-            column: column.to_owned(),
-            axes: self.model.axes.iter().map(|axis| axis.column.clone()).collect(),
-        })
+        index
+            .map(|index| self.model.only(index))
+            .ok_or_else(|| StudyAxisError::NoAxis { axis: column.to_owned(), axes: self.columns() })
     }
 
     /// The part of the study that is of one axis without its refinement: the inverse of [`Study::joined`].
