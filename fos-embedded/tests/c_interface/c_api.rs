@@ -117,7 +117,7 @@ fn loading_returns_the_fault_of_the_model() {
         (good[..good.len() - 1].to_vec(), fos_status::Truncated),
         (changed(0, b'G'), fos_status::NotAnImage),
         (changed(4, good[4] + 1), fos_status::OtherVersion),
-        (changed(6, 1), fos_status::OtherVersion),
+        (changed(6, 2), fos_status::OtherVersion),
         (changed(30, 0x55), fos_status::Damaged),
         (more, fos_status::TrailingBytes),
         (image(&[Axis::Gx], &[unbounded], &[], &[]), fos_status::Unusable),

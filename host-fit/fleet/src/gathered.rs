@@ -51,7 +51,7 @@ pub struct Gathered {
     units: Vec<GatheredUnit>,
 }
 
-/// What populations need of a row.
+/// Data of a row for populations.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GatheredUnit {
     pub(crate) unit: String,

@@ -3,8 +3,9 @@
 use fos_core::{Image, Predictor, u, y};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
-use fos_diagnose::compare::{MODEL, study_of};
+use fos_diagnose::compare::study_of;
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
+use fos_fit::evaluate::MODEL;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
 use fos_simulate::{Simulation, simulate};
