@@ -314,7 +314,13 @@ fn sizes(finding: &Finding, printed: Printed, with_interval: bool) -> String {
             value
         }
     };
-    finding.sizes.iter().map(size).collect::<Vec<_>>().join(", ")
+    let sizes = finding.sizes.iter().map(size).collect::<Vec<_>>().join(", ");
+    match &finding.sizes[..] {
+        [first, second, ..] if second.of == format!("({})²", first.of) => {
+            format!("{sizes} (powers of {})", first.of)
+        }
+        _ => sizes,
+    }
 }
 
 /// An effect with its size.

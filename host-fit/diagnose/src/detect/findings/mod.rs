@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `assembly` | all parts of a diagnosis; the findings of faults and of noise |
 //! | `lines`, `slow` | lines and slow effects as findings |
+//! | `powers` | coefficients of a polynomial about the mean of its input |
 //! | `verdict` | the findings that remain beside an unexplained residual; the outcome in a sentence |
 //! | `diagnosis` | composition of findings and leads |
 
@@ -12,6 +13,7 @@ mod assembly;
 mod diagnosis;
 mod doubt;
 mod lines;
+mod powers;
 mod rejected;
 mod slow;
 mod verdict;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
 use super::doubt::{beyond_fitted_range, shows_at_motion};
+use super::powers;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::{mean_at_fit, step_share};
 use crate::detect::hypothesis::Hypothesis;
@@ -17,7 +18,9 @@ use crate::detect::question::{DiagnoseError, keeps_bias};
 use crate::detect::slow::{Estimate, Found};
 use crate::effects::{Detector, Effect, Inputs, Regressor};
 use fos_data::recording::{Recording, RecordingError};
+use fos_data::text::rounded;
 use fos_fit::noise::{Regression, combination};
+use nalgebra::DMatrix;
 
 impl Assembly<'_> {
     /// Returns the slow effects ordered by what they reduce: each next one reduces the variance of the block means most
@@ -59,6 +62,27 @@ impl Assembly<'_> {
         regressors
     }
 
+    /// Returns the names, coefficients and standard errors of an effect that consists of powers of one input, about its
+    /// mean in the log; empty for any other effect.
+    fn about_mean(
+        &self,
+        inputs: &Inputs<'_>,
+        found: &Found,
+    ) -> Result<Vec<(String, f64, f64)>, DiagnoseError> {
+        let gls = &self.slow.fitted.gls;
+        let Some(input) = powers::input_of(&found.hypothesis.regressors) else { return Ok(Vec::new()) };
+        let at: Option<Vec<usize>> =
+            found.place.clone().map(|place| gls.kept.iter().position(|index| *index == place)).collect();
+        let Some(at) = at else { return Ok(Vec::new()) };
+        let mean = rounded(mean_at_fit(inputs, input)?, 3);
+        let value: f64 = mean.parse().unwrap_or(0.0);
+        let all = gls.covariance();
+        let covariance = DMatrix::from_fn(at.len(), at.len(), |row, column| all[(at[row], at[column])]);
+        let moved = powers::about(value, &gls.coefficients()[found.place.clone()], &covariance);
+        let named = moved.into_iter().enumerate();
+        Ok(named.map(|(k, (value, error))| (powers::name(input, &mean, k + 1), value, error)).collect())
+    }
+
     /// Returns the slow effects in this order, each with the reduction predicted with those before it in the model.
     pub(crate) fn slow_findings(&self, order: &[&Found]) -> Result<Vec<Finding>, DiagnoseError> {
         let slow = self.slow;
@@ -83,6 +107,7 @@ impl Assembly<'_> {
             let value = found.hypothesis.value;
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
+            let centred = self.about_mean(&inputs, found)?;
             for ((column, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone())
             {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
@@ -92,11 +117,13 @@ impl Assembly<'_> {
                     _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
                 if let Some(unit) = effect.unit(term, self.column) {
+                    let own = || (product.clone(), coefficient, error);
+                    let (of, value, error) = centred.get(column).cloned().unwrap_or_else(own);
                     let half = TWO_SIDED_95 * error;
                     sizes.push(Size {
-                        of: product.clone(),
-                        value: coefficient / unit.si,
-                        interval: [(coefficient - half) / unit.si, (coefficient + half) / unit.si],
+                        of,
+                        value: value / unit.si,
+                        interval: [(value - half) / unit.si, (value + half) / unit.si],
                         unit: unit.to_string(),
                     });
                 }
