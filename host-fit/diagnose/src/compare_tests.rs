@@ -62,16 +62,16 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
 /// Such a log was not evaluated at all.
 #[test]
 fn log_in_another_orientation_is_evaluated_about_its_own_mean() {
-    let lying = |level: f64, seed: u64| {
+    let lying = |name: &str, level: f64, seed: u64| {
         let noise = white_noise(seed, 3000);
         let columns = [
             ("t_s", (0..3000).map(|row| f64::from(row) / RATE_HZ).collect()),
             ("ax_mps2", noise.iter().map(|noise| level + 0.01 * noise).collect()),
         ];
         let columns = columns.map(|(name, values): (&str, Vec<f64>)| (name.to_owned(), values)).into();
-        Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).expect("a log")
+        Recording::from_columns(Source::made_by(name), columns, &LoadOptions::default()).expect("a log")
     };
-    let (fitted, turned) = (lying(0.1, 1), lying(9.8, 2));
+    let fitted = lying("fitted", 0.1, 1);
     let options = FitOptions { max_lag: 2, ..FitOptions::default() };
     let stillness = rest(&fitted, options.train);
     let fit = fit_axis(&fitted, &stillness, "ax", &options).expect("a fit");
@@ -81,7 +81,7 @@ fn log_in_another_orientation_is_evaluated_about_its_own_mean() {
         let evaluation = compare_study(&study, &["ax_mps2".to_owned()], log, Some(&fitted), |_| {});
         evaluation.expect("a comparison").comparison.axes.remove(0)
     };
-    let [same, other] = [&lying(0.1, 3), &turned].map(evaluated);
+    let [same, other] = [&lying("same", 0.1, 3), &lying("turned", 9.8, 2)].map(evaluated);
     let is_told =
         |axis: &AxisComparison| axis.cautions.iter().any(|text| text.contains("another orientation"));
     assert_eq!((other.rows, is_told(&same), is_told(&other)), (3000, false, true));
