@@ -131,24 +131,30 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let slot = newest.map_or(0, |held| 1 - held.slot);
         let record = Record { number: number.to_le_bytes(), image };
         // a worn page may lose the image: repeat until the page is full and the next one is used
-        for _ in 0..F::ERASE_SIZE / length + 2 {
+        let repeats = F::ERASE_SIZE / length + 2;
+        for repeat in 0..=repeats {
             let (mut map, buffer) = self.map(slot)?;
-            match map.store_item(buffer, &KEY, &record).await {
-                Ok(()) => {}
+            if repeat == repeats {
+                // foreign contents that hide what is written; the slot is not in use
+                map.erase_all().await?;
+            }
+            let read_back: Result<Option<Record<'_>>, _> = match map.store_item(buffer, &KEY, &record).await {
+                Ok(()) => map.fetch_item(buffer, &KEY).await,
+                Err(error) => Err(error),
+            };
+            match read_back {
+                Ok(read_back) if read_back == Some(record) => {
+                    info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
+                    return Ok(());
+                }
+                Ok(_) => warn!("slot {=usize}: an image did not read back", slot),
                 Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
-                // foreign contents; the slot is not in use
+                // foreign contents
                 Err(_) => {
                     warn!("slot {=usize}: erased, beyond repair", slot);
                     map.erase_all().await?;
-                    map.store_item(buffer, &KEY, &record).await?;
                 }
             }
-            let read_back: Option<Record<'_>> = map.fetch_item(buffer, &KEY).await?;
-            if read_back == Some(record) {
-                info!("slot {=usize}: image {=u32} of {=usize} bytes stored", slot, number, image.len());
-                return Ok(());
-            }
-            warn!("slot {=usize}: an image did not read back", slot);
         }
         Err(StoreError::VerifyFailed)
     }
