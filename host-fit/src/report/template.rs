@@ -54,8 +54,29 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     environment.add_filter("hundredths", |shares: Vec<f64>| {
         shares.iter().map(|share| format!("{:.0}", 100.0 * share)).collect::<Vec<_>>().join(" : ")
     });
+    environment.add_filter("parameter", parameter);
     environment.add_filter("seconds", |value: f64| format!("{value:.1} s"));
     Ok(environment)
+}
+
+/// Name of an effect's parameter in words, with its unit: `time constant, s` for `tau_s`.
+fn parameter(name: &str) -> String {
+    let (name, unit) = match name.rsplit_once('_') {
+        Some((name, "s")) => (name, ", s"),
+        Some((name, "k")) => (name, ", K"),
+        Some((name, "hz")) => (name, ", Hz"),
+        Some((name, "v")) => (name, ", V"),
+        _ => (name, ""),
+    };
+    let words = match name {
+        "tau" => "time constant",
+        "freq" => "frequency",
+        "dwell" => "mean dwell time",
+        "mult" => "step, multiple of the usual one",
+        "frac" => "share of the samples",
+        name => name,
+    };
+    format!("{}{unit}", words.replace('_', " "))
 }
 
 fn percent(share: Option<f64>) -> String {
@@ -64,4 +85,17 @@ fn percent(share: Option<f64>) -> String {
 
 fn shown(value: f64) -> String {
     three(value).replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parameter;
+
+    #[test]
+    fn names_of_parameters_are_words_with_their_unit() {
+        let names = ["tau_s", "half_width_k", "onset_s", "freq_hz", "frac"].map(parameter);
+        let expected =
+            ["time constant, s", "half width, K", "onset, s", "frequency, Hz", "share of the samples"];
+        assert_eq!(names, expected);
+    }
 }
