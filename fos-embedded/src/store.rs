@@ -132,11 +132,13 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
         let record = Record { number: number.to_le_bytes(), image };
         // a worn page may lose the image: repeat until the page is full and the next one is used
         let repeats = F::ERASE_SIZE / length + 2;
+        let mut is_erased = false;
         for repeat in 0..=repeats {
             let (mut map, buffer) = self.map(slot)?;
-            if repeat == repeats {
+            if repeat == repeats && !is_erased {
                 // foreign contents that hide what is written; the slot is not in use
                 map.erase_all().await?;
+                is_erased = true;
             }
             let read_back: Result<Option<Record<'_>>, _> = match map.store_item(buffer, &KEY, &record).await {
                 Ok(()) => map.fetch_item(buffer, &KEY).await,
@@ -149,10 +151,13 @@ impl<F: NorFlash, const BYTES: usize> ModelStore<F, BYTES> {
                 }
                 Ok(_) => warn!("slot {=usize}: an image did not read back", slot),
                 Err(error @ sequential_storage::Error::Storage { .. }) => return Err(error.into()),
+                // not of the contents: a further erase would only wear the flash
+                Err(error) if is_erased => return Err(error.into()),
                 // foreign contents
                 Err(_) => {
                     warn!("slot {=usize}: erased, beyond repair", slot);
                     map.erase_all().await?;
+                    is_erased = true;
                 }
             }
         }
