@@ -5,7 +5,7 @@
 use fos_embedded::telemetry::{Frame, decode};
 use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
 use fos_fuzz::sealed_frame;
-use host_fit::record::{RecordError, record};
+use fos_device_io::record::{RecordError, record};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

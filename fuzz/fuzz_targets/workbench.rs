@@ -14,7 +14,7 @@ use fos_fuzz::log;
 use fos_diagnose::effects::Library;
 use fos_data::recording::write_columns;
 use fos_simulate::{Simulation, simulate};
-use host_fit::workbench::{Folders, Server};
+use fos_workbench::{Folders, Server};
 use libfuzzer_sys::fuzz_target;
 use serde_json::{Value, json};
 use tempfile::TempDir;

@@ -11,10 +11,10 @@
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::statistics::median_of;
+use fos_figures::{Axis, Figure, Ink, Panel, Series, Shape, write_svg};
 use fos_fit::noise::NoiseLevels;
 use fos_fleet::{AxisEstimate, BIAS, Estimate, Member, Population, estimate};
 use fos_simulate::{Simulation, simulate};
-use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, write_svg};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -4,15 +4,15 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
-import { count, firstSentence, number, percent, quantity, raised } from "../../host-fit/src/workbench/page/format.js";
-import { addressOf, addressedStudy, placeOf } from "../../host-fit/src/workbench/page/address.js";
-import { csvOf } from "../../host-fit/src/workbench/page/downloads.js";
-import { meanFor } from "../../host-fit/src/workbench/page/seriessource.js";
-import { figureIn } from "../../host-fit/src/workbench/page/units.js";
-import { linearTicks, logTicks, spaced as thinned } from "../../host-fit/src/workbench/page/ticks.js";
-import { parameterName, parameterValue, withParameters } from "../../host-fit/src/workbench/page/parameters.js";
-import { onPage as inPageTerms } from "../../host-fit/src/workbench/page/notices.js";
-import { TimeWindow } from "../../host-fit/src/workbench/page/timewindow.js";
+import { count, firstSentence, number, percent, quantity, raised } from "../../host-fit/workbench/page/format.js";
+import { addressOf, addressedStudy, placeOf } from "../../host-fit/workbench/page/address.js";
+import { csvOf } from "../../host-fit/workbench/page/downloads.js";
+import { meanFor } from "../../host-fit/workbench/page/seriessource.js";
+import { figureIn } from "../../host-fit/workbench/page/units.js";
+import { linearTicks, logTicks, spaced as thinned } from "../../host-fit/workbench/page/ticks.js";
+import { parameterName, parameterValue, withParameters } from "../../host-fit/workbench/page/parameters.js";
+import { onPage as inPageTerms } from "../../host-fit/workbench/page/notices.js";
+import { TimeWindow } from "../../host-fit/workbench/page/timewindow.js";
 
 const spaced = (/** @type {string} */ text) => text.replaceAll("\u202f", " ");
 
@@ -35,7 +35,7 @@ test("quantities have their unit", () => {
 
 test("a figure in field units keeps its values and states their unit", () => {
   const axis = (/** @type {string} */ label) => ({ label, scale: /** @type {const} */ ("Linear"), names: [] });
-  /** @type {import("../../host-fit/src/workbench/page/types.js").Figure} */
+  /** @type {import("../../host-fit/workbench/page/types.js").Figure} */
   const figure = {
     title: "",
     panels: [
@@ -91,7 +91,7 @@ function onPage(label, scale) {
 }
 
 test("an axis has the marks that a picture of the program has", async () => {
-  const table = new URL("../../host-fit/src/figures/ticks.json", import.meta.url);
+  const table = new URL("../../host-fit/figures/src/ticks.json", import.meta.url);
   /** @type {{scale: string, low: number, high: number, count: number, values: number[], labels: string[]}[]} */
   const cases = JSON.parse(await readFile(table, "utf8"));
   for (const { scale, low, high, count, values, labels } of cases) {

@@ -151,7 +151,7 @@ export async function add(page, effect) {
 export async function stateOf(page, server) {
   const id = /#\/study\/(\d+)/.exec(page.url())?.[1];
   const response = await fetch(`${server.url}api/studies/${id}`);
-  return /** @type {import("../../host-fit/src/workbench/page/types.js").Page} */ (await response.json());
+  return /** @type {import("../../host-fit/workbench/page/types.js").Page} */ (await response.json());
 }
 
 /** Numbers of a text, as a reader would read them: real minus, powers of ten. @param {string} text */

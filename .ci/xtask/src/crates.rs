@@ -1,8 +1,8 @@
 //! Allowed dependencies between crates.
 //!
 //! ```text
-//! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ host-fit      fos-data ◄ fos-simulate ◄ host-fit
-//! fos-data ◄ fos-calibrate ◄ host-fit
+//! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ fos-report ◄ fos-workbench ◄ host-fit
+//! fos-data ◄ fos-simulate, fos-calibrate      fos-fit ◄ fos-export, fos-device-io      fos-diagnose ◄ fos-figures ◄ fos-report
 //! ```
 //!
 //! Only dependencies compiled for users of a crate count: tests may depend on all.
@@ -23,6 +23,28 @@ const MAY: &[(&str, &[&str])] = &[
     ("fos-diagnose", &["fos-core", "fos-data", "fos-fit"]),
     ("fos-fleet", &["fos-core", "fos-data", "fos-fit", "fos-diagnose"]),
     ("fos-simulate", &["fos-core", "fos-data"]),
+    ("fos-export", &["fos-core", "fos-embedded", "fos-data", "fos-fit"]),
+    ("fos-device-io", &["fos-core", "fos-embedded", "fos-data", "fos-fit"]),
+    ("fos-figures", &["fos-data", "fos-fit", "fos-diagnose"]),
+    (
+        "fos-report",
+        &["fos-core", "fos-data", "fos-fit", "fos-calibrate", "fos-diagnose", "fos-fleet", "fos-figures"],
+    ),
+    (
+        "fos-workbench",
+        &[
+            "fos-core",
+            "fos-data",
+            "fos-fit",
+            "fos-diagnose",
+            "fos-fleet",
+            "fos-simulate",
+            "fos-export",
+            "fos-device-io",
+            "fos-figures",
+            "fos-report",
+        ],
+    ),
     (
         "host-fit",
         &[
@@ -34,10 +56,18 @@ const MAY: &[(&str, &[&str])] = &[
             "fos-diagnose",
             "fos-fleet",
             "fos-simulate",
+            "fos-export",
+            "fos-device-io",
+            "fos-figures",
+            "fos-report",
+            "fos-workbench",
         ],
     ),
     ("xtask", &[]),
 ];
+
+/// Crates of the program; the others are the engine, which a user may link without them.
+const PROGRAM: [&str; 5] = ["fos-device-io", "fos-figures", "fos-report", "fos-workbench", "host-fit"];
 
 /// Libraries for the program only: servers, figures, command lines.
 const OF_THE_PROGRAM: [&str; 4] = ["axum", "clap", "plotters", "tokio"];
@@ -63,11 +93,11 @@ pub(crate) fn refused(packages: &[Package], root: &Path) -> Vec<String> {
     found
 }
 
-/// Crates, other than host-fit and those of the tests, that depend on a library for the program only, a line for each.
+/// Crates of the engine that depend on a library for the program only, a line for each.
 pub(crate) fn heavy(packages: &[Package], root: &Path) -> Result<Vec<String>, Box<dyn Error>> {
     let mut found = Vec::new();
     for package in packages {
-        if package.name == "host-fit" || package.folder.starts_with(root.join("tests")) {
+        if PROGRAM.contains(&package.name.as_str()) || package.folder.starts_with(root.join("tests")) {
             continue;
         }
         let tree = [

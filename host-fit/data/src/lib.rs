@@ -9,6 +9,7 @@ pub mod catch_panic;
 pub mod closest;
 pub mod column;
 pub mod disturbance;
+pub mod escaping;
 pub mod file;
 pub mod interrupt;
 pub mod observed;

@@ -48,3 +48,8 @@ pub fn rounded(value: f64, digits: usize) -> String {
         format!("{value:.decimals$e}")
     }
 }
+/// Text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

@@ -9,9 +9,9 @@ use super::diagnose::print_diagnosis;
 use super::output::{Failure, print_hint, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
 use super::units::Printed;
-use crate::plots;
 use fos_diagnose::refine::RefineError;
 use fos_diagnose::study::Study;
+use fos_figures::plots;
 
 /// Add a missing effect to a model, and show by how much the error falls
 #[derive(Debug, Args)]

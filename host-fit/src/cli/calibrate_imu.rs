@@ -12,7 +12,6 @@ use super::output::{
     Failure, Written, print_json, print_line, print_warning, print_written, spinner, warning_in_words,
 };
 use super::units::Printed;
-use crate::certificate::{Certificate, Outcome, Stated, of_form};
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
 use fos_calibrate::{
     Calibration, Gravity, Imu, MG_MPS2, Options, STANDARD_GRAVITY_MPS2, Scale, calibrate,
@@ -24,6 +23,7 @@ use fos_data::file::{check_output, folder_of, name_of, write_atomically};
 use fos_data::recording::{LogWarning, Recording, SensorProvenance, Source};
 use fos_diagnose::study::Study;
 use fos_fit::calibration::UnitCalibration;
+use fos_report::certificate::{Certificate, Outcome, Stated, of_form};
 
 /// Calibrate bias, sensitivity and cross-axis from hand-turned orientations
 ///

@@ -6,8 +6,8 @@ use fos_calibrate::{
 
 use super::output::{first, print_hint, print_line, table};
 use super::units::{Printed, Units, three};
-use crate::certificate::{Shown, exclusion, gravity, shown};
 use fos_data::text::counted;
+use fos_report::certificate::{Shown, exclusion, gravity, shown};
 
 /// Largest residual of a device at rest, m/s² (3 mg).
 const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;

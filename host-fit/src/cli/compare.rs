@@ -14,12 +14,12 @@ use fos_diagnose::compare::{AxisComparison, Comparison, Evaluation, compare_stud
 use fos_diagnose::dependence::Dependence;
 use fos_fit::evaluate::{ModelErrors, Stretch};
 
-use crate::curves::curves;
-use crate::figures::moved;
-use crate::plots;
-use crate::unaided::{LEGEND as LEGEND_UNAIDED, LEGEND_STRAPDOWN, UnaidedRow};
 use fos_data::recording::{LoadOptions, Recording};
 use fos_diagnose::study::{Study, load_again};
+use fos_figures::curves::curves;
+use fos_figures::moved;
+use fos_figures::plots;
+use fos_report::unaided::{LEGEND as LEGEND_UNAIDED, LEGEND_STRAPDOWN, UnaidedRow};
 
 /// Compare a model with a log and with simple rivals, and show where it fails
 #[derive(Debug, Args)]

@@ -10,11 +10,11 @@ use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_json, print_line, print_warning, print_written};
 use super::temperature_tables::TableArguments;
 use super::units::three;
-use crate::export::{Refusal, c_source, image, rust_source};
 use fos_data::file::write_atomically;
 use fos_data::recording::Source;
 use fos_data::text::counted;
 use fos_diagnose::study::Study;
+use fos_export::{Refusal, c_source, image, rust_source};
 use fos_fit::model::UnitModel;
 
 /// Export a model as an image, Rust, C, or PX4 and ArduPilot parameters

@@ -11,7 +11,6 @@ use super::error_table::{error_table, error_unit};
 use super::numbers::{IN_UNIT, count, within};
 use super::output::{Failure, grouped, number, print_hint, print_json, print_line, progress, table};
 use super::units::{Printed, three};
-use crate::physical_terms::physical_terms;
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::text::counted;
 use fos_diagnose::cautions::worse_than_mean;
@@ -22,6 +21,7 @@ use fos_fit::fit::{
     AxisReport, FitMethod, FitOptions, InputSpec, LeftOut, Search, Stop, Train, fit_axes, rest,
 };
 use fos_fit::signal::wavelet::Denoising;
+use fos_report::physical_terms::physical_terms;
 
 /// Fit a model of the error of one or more axes
 #[derive(Debug, Args)]
@@ -271,7 +271,7 @@ mod tests {
     use clap::{Args as _, Command, FromArgMatches as _};
 
     use super::*;
-    use crate::command_lines::fit_options;
+    use fos_report::command_lines::fit_options;
 
     /// The command of a report dropped them, and fitted another model.
     #[test]

@@ -8,8 +8,8 @@ use super::arguments::OutputFolder;
 use super::output::{Failure, print_hint, print_json, print_line};
 use super::refinement::{calibration_in_words, print_refinement};
 use super::units::Printed;
-use crate::plots;
 use fos_diagnose::study::Study;
+use fos_figures::plots;
 
 /// Show the added effects, and the error after each
 #[derive(Debug, Args)]

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use super::arguments::is_study;
 use super::output::{Failure, print_json, print_line, print_text};
-use crate::export::description;
 use fos_data::file;
+use fos_export::description;
 
 /// Show what is in a model image
 #[derive(Debug, Args)]

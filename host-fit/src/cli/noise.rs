@@ -9,13 +9,13 @@ use serde_json::json;
 use super::arguments::{OutputFile, Reading, axes, describe, only_ends_in, usable};
 use super::output::{Failure, print_json, print_line, spinner, table};
 use super::units::{Printed, UnitsOption, three};
-use crate::export::{NoiseModel, allan_csv, imu_yaml, orb_slam3, vins};
-use crate::figures::noise::allan_of_noise;
-use crate::figures::write_svg;
-use crate::units::{ShownUnit, Units};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::Recording;
 use fos_data::stillness;
+use fos_export::{NoiseModel, allan_csv, imu_yaml, orb_slam3, vins};
+use fos_figures::noise::allan_of_noise;
+use fos_figures::units::{ShownUnit, Units};
+use fos_figures::write_svg;
 use fos_fit::noise::{AxisNoise, Level, axis_noise};
 
 /// Estimate noise density, bias instability and random walk; write imu.yaml

@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use super::units::{self, Printed};
-use crate::escaping::{quoted, visible_json};
+use fos_data::escaping::{quoted, visible_json};
 use fos_data::recording::{LogWarning, RecordingError};
 pub(super) use fos_data::text::number;
 use fos_data::visible::{visible, visible_lines};

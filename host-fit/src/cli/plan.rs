@@ -9,11 +9,11 @@ use super::arguments::{Reading, axes, library};
 use super::numbers::within;
 use super::output::{Failure, print_json, print_line, spinner, table};
 use super::units::{UnitsOption, three};
-use crate::units::{ShownUnit, Units};
 use fos_data::file::name_of;
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Course, Visibility, visibility};
 use fos_diagnose::effects::Library;
+use fos_figures::units::{ShownUnit, Units};
 
 /// Plan a recording: the smallest effects that a temperature course shows
 ///

@@ -10,11 +10,11 @@ use clap::Args;
 
 use super::arguments::OutputFile;
 use super::output::{Failure, print_json, print_line, print_warning};
-use crate::record::arriving::{Arriving, Notice};
-use crate::record::kept::Kept;
-use crate::record::{Report, record};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{check_log_path, write_columns};
+use fos_device_io::record::arriving::{Arriving, Notice};
+use fos_device_io::record::kept::Kept;
+use fos_device_io::record::{Report, record};
 
 /// Record the telemetry of a device as a log
 ///

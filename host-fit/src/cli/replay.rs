@@ -10,12 +10,12 @@ use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;
 use super::output::{Failure, print_json, print_line, spinner, table};
 use super::units::{ErrorUnit, UnitsOption, percent, three};
-use crate::hub_log::hub_log;
-use crate::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_data::file;
 use fos_data::recording::write_columns;
 use fos_data::stillness;
 use fos_data::text::counted;
+use fos_device_io::hub_log::hub_log;
+use fos_device_io::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
 use fos_fit::export::model_of;
 
 /// Run an image over a log as on the device, and write the corrected log

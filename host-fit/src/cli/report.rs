@@ -7,9 +7,9 @@ use clap::{Args, ValueEnum};
 use super::arguments::{OutputFile, Reading, library, only_ends_in};
 use super::output::{Failure, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, read_logs};
-use crate::report::{Report as Content, html, markdown};
 use fos_data::file::write_atomically;
 use fos_diagnose::study::Study;
+use fos_report::{Report as Content, html, markdown};
 
 /// Write a study as one HTML or Markdown file
 #[derive(Debug, Args)]

@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::arguments::{OutputFolder, Reading, library};
 use super::output::{Failure, print_line, print_note, print_warning};
-use crate::workbench::{Folders, Server};
 use fos_data::recording::LoadOptions;
+use fos_workbench::{Folders, Server};
 
 /// Open the workbench in the browser, offline
 ///

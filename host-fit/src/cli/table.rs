@@ -10,9 +10,9 @@ use super::numbers::{count, within};
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use super::units::{ErrorUnit, Printed, Units, UnitsOption, three};
 use crate::paper::{Cell, Comparison, Curves, Entry, PaperError, Settings, compare, figures};
-use crate::plots;
 use fos_data::stillness;
 use fos_data::text::counted;
+use fos_figures::plots;
 use fos_fit::fit::Search;
 use fos_fit::signal::wavelet::Denoising;
 

@@ -8,12 +8,12 @@ use serde::Serialize;
 use super::arguments::OutputFile;
 use super::output::{Failure, Written, print_line, print_warning, table};
 use super::units::{ErrorUnit, Units, UnitsOption};
-use crate::export::{ArduPilot, Autopilot, Px4, StatedSensor, TableSensor};
 use fos_data::file::{name_of, write_atomically};
 use fos_data::recording::{Recording, load};
 use fos_data::stillness::{self, Stillness};
 use fos_diagnose::study::{Study, load_again};
 use fos_diagnose::thermal::{Correction, LeftByTemperature, left_by_temperature};
+use fos_export::{ArduPilot, Autopilot, Px4, StatedSensor, TableSensor};
 use fos_fit::thermal::ThermalTable;
 
 /// Tables by temperature.

@@ -1,16 +1,23 @@
 //! Numbers and units for people, and the options of the printed text.
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use crate::units::ShownUnit;
-pub(super) use crate::units::{ErrorUnit, Units, three};
+use fos_figures::units::ShownUnit;
+pub(super) use fos_figures::units::{ErrorUnit, Units, three};
 
 /// Option for the units of a printed text of fixed extent.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct UnitsOption {
     /// Units of the printed text; JSON and files are always in SI
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = unit_systems(), default_value = "field")]
     pub(super) units: Units,
+}
+
+fn unit_systems() -> impl TypedValueParser<Value = Units> {
+    let field = PossibleValue::new("field").help("°/s, °/h and mg");
+    let si = PossibleValue::new("si").help("rad/s and m/s²");
+    PossibleValuesParser::new([field, si]).map(|name| if name == "si" { Units::Si } else { Units::Field })
 }
 
 /// Extent and units of the printed text.
@@ -20,7 +27,7 @@ pub(super) struct Printed {
     #[arg(long)]
     pub(super) details: bool,
     /// Units of the printed text; JSON and files are always in SI
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = unit_systems(), default_value = "field")]
     pub(super) units: Units,
 }
 
@@ -34,18 +41,6 @@ impl Printed {
     pub(super) fn coefficient(self, value: f64, unit: &str) -> (String, String) {
         let shown = ShownUnit::of_size(unit, self.units);
         (three(value / shown.divisor), shown.label)
-    }
-}
-
-impl ErrorUnit {
-    /// A value in SI, without the unit.
-    pub(crate) fn show(self, value: f64) -> String {
-        three(value / self.si)
-    }
-
-    /// Root of a variance in SI, without the unit; a dash for none.
-    pub(super) fn root(self, variance: Option<f64>) -> String {
-        variance.map_or_else(|| "–".to_owned(), |variance| self.show(variance.max(0.0).sqrt()))
     }
 }
 

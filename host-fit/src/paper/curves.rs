@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::result::Comparison;
 use super::split::Split;
-use crate::curves::outline;
 use fos_data::recording::Recording;
+use fos_figures::curves::outline;
 use fos_fit::signal::autocorrelation::{Autocorrelation, autocorrelation};
 use fos_fit::signal::blocks::Envelope;
 

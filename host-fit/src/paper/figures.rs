@@ -2,9 +2,9 @@
 
 use super::curves::Curves;
 use super::result::{Cell, Comparison, Entry, Evaluated};
-use crate::figures::compare::capitalised;
-use crate::figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use fos_data::column::Column;
+use fos_data::text::capitalised;
+use fos_figures::{Axis, Figure, Ink, Panel, Series, Shape};
 use fos_fit::fit::autoregression::Method;
 
 /// Figures with their names; without the autocorrelation if the log is too short.

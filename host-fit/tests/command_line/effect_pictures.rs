@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::effects::{Detector, Effect, Inputs, Regressor};
+use fos_figures::{Axis, Figure, Ink, Panel, Series, Shape, svg};
 use fos_testkit::noise::white_noise;
-use host_fit::figures::{Axis, Figure, Ink, Panel, Series, Shape, svg};
 
 const RATE_HZ: f64 = 20.0;
 const DURATION_S: f64 = 1200.0;

@@ -7,6 +7,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
+use fos_export::image;
 use fos_fit::evaluate::trace;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, fit_axis, rest};
@@ -14,7 +15,6 @@ use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use fos_testkit::is_thorough;
-use host_fit::export::image;
 use rayon::prelude::*;
 
 use std::collections::BTreeSet;

@@ -11,13 +11,12 @@ use fos_core::{Image, Validity};
 use fos_data::pose::{columns_of, first_two};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness::{self, Stillness};
+use fos_device_io::replay::{Gravity, replay};
 use fos_embedded::hub::{Hub, Motion, Output};
 use fos_embedded::raw::{RawSample, Scales};
 use fos_fit::fit::{AxisError, AxisFit, FitOptions, Train, fit_axis, rest as rest_in};
 use fos_fit::model::UnitModel;
 use fos_simulate::{CasePlan, Durations, Setup, Simulation, simulate, simulate_case, suite};
-use host_fit::export;
-use host_fit::replay::{Gravity, replay};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -100,7 +99,7 @@ fn of_two_poses(columns: &Columns) -> UnitModel {
 
 /// Gravity check of a replay, and the smallest share of valid rows of an accelerometer.
 fn replayed(model: &UnitModel, recording: &Recording) -> (Gravity, f64) {
-    let bytes = export::image(model, "test", "test").unwrap();
+    let bytes = fos_export::image(model, "test", "test").unwrap();
     let summary =
         replay(&Image::parse(&bytes).unwrap(), recording, &stillness::find(recording), &[]).unwrap().summary;
     let valid = summary.axes[..3].iter().map(|axis| axis.valid_share).fold(1.0, f64::min);
@@ -118,7 +117,7 @@ fn on_a_hub(model: &UnitModel, columns: &Columns) -> Vec<Output> {
         values: model.fitted_on,
     };
     let mut hub: Hub<4, 64, 64> = Hub::new(scales);
-    hub.load(&export::image(model, "test", "test").unwrap()).unwrap();
+    hub.load(&fos_export::image(model, "test", "test").unwrap()).unwrap();
     let still = &columns[7].1;
     let mut lasts = Vec::new();
     for row in 0..still.len() {

@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::exported_model::model;
 use fos_embedded::hub::Hub;
 use fos_embedded::test_vector::{Expected, TestVector};
-use host_fit::export::{ExportError, c_source, image, test_vector};
+use fos_export::{ExportError, c_source, image, test_vector};
 
 /// The part of fos.h that an exported header uses.
 const FOS_H: &str = "

@@ -3,14 +3,14 @@
 use fos_core::{Image, Predictor, u, y};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
+use fos_device_io::replay::{device_log, replay};
 use fos_diagnose::compare::study_of;
 use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
+use fos_export::image;
 use fos_fit::evaluate::MODEL;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
 use fos_simulate::{Simulation, simulate};
-use host_fit::export::image;
-use host_fit::replay::{device_log, replay};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -4,8 +4,8 @@ use crate::exported_model::model;
 use fos_core::{Axis, Model};
 use fos_embedded::hub::{CHub, HubError};
 use fos_embedded::raw::Scales;
+use fos_export::{ExportError, Refusal, Room, c_source, image};
 use fos_fit::model::UnitModel;
-use host_fit::export::{ExportError, Refusal, Room, c_source, image};
 
 /// Response of the hub of the C interface to the image, for the sensor that the model was fitted to.
 fn c_hub_takes(model: &UnitModel) -> Result<(), HubError> {

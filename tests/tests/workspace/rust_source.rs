@@ -7,7 +7,7 @@ use crate::exported_model::model;
 use fos_core::{Axis, Image, Model, Predictor, Sample};
 use fos_embedded::hub::HubError;
 use fos_embedded::test_vector::{CheckError, TestVector};
-use host_fit::export::{image, rust_source};
+use fos_export::{image, rust_source};
 
 #[allow(unreachable_pub, reason = "exported to be used from anywhere in a firmware")]
 mod exported {

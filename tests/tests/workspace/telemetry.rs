@@ -7,13 +7,13 @@ use embedded_io::{ErrorKind, ErrorType, Write};
 use fos_core::{Image, Predictor, Sample, Validity};
 use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_data::stillness;
+use fos_device_io::record::record;
 use fos_diagnose::detect::{Question, Verdict, diagnose};
 use fos_diagnose::effects::Library;
 use fos_embedded::telemetry::{Recorder, SampleFrame, StartFrame, TelemetryError, VERSION};
+use fos_export::image;
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, simulate_case};
-use host_fit::export::image;
-use host_fit::record::record;
 
 /// A cable that occasionally loses a byte.
 struct Cable {

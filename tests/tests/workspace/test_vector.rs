@@ -3,8 +3,8 @@
 use crate::exported_model::model;
 use fos_core::{Axis, Transform, Validity};
 use fos_embedded::hub::{HubError, Motion};
+use fos_export::test_vector;
 use fos_fit::model::UnitModel;
-use host_fit::export::test_vector;
 
 /// A change of a model, with its name.
 type Change = (String, Box<dyn Fn(&mut UnitModel)>);
@@ -133,6 +133,6 @@ fn a_model_of_another_series_has_none() {
     let mut model = model();
     model.axes[1].parameters.axis = Axis::Other;
     assert_eq!(test_vector(&model).err(), Some(HubError::Axis(1)));
-    let source = host_fit::export::rust_source(&model, "");
+    let source = fos_export::rust_source(&model, "");
     assert!(source.contains("pub static MODEL") && source.contains("There is no test vector"), "{source}");
 }

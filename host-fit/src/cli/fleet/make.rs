@@ -8,15 +8,15 @@ use crate::cli::arguments::{OutputFile, Reading, library};
 use crate::cli::output::{Failure, print_json, print_line, print_warning, progress, table};
 use crate::cli::units::{Units, UnitsOption, percent, three};
 use crate::program::this_build;
-use crate::report::fleet::unit_in_words;
-use crate::units::three_beside;
 use fos_data::column::Column;
 use fos_data::file::write_atomically;
 use fos_data::text::counted;
 use fos_diagnose::effects::SizeUnit;
+use fos_figures::units::three_beside;
 use fos_fleet::{
     Asked, AxisSummary, FALSE_ODD, PROGRAM, PartSummary, check_regressors, rows, rows_beside, units_in,
 };
+use fos_report::fleet::unit_in_words;
 
 /// The devices, and the files to write.
 #[derive(Debug, Args)]

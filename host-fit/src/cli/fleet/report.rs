@@ -6,9 +6,9 @@ use clap::Args;
 
 use crate::cli::arguments::{OutputFile, only_ends_in};
 use crate::cli::output::{Failure, print_json, print_line};
-use crate::report::fleet::{FleetReport, html};
 use fos_data::file::write_atomically;
 use fos_fleet::Fleet;
+use fos_report::fleet::{FleetReport, html};
 
 /// Write a population as one page: scatter of devices and lots, odd devices, what to ship
 #[derive(Debug, Args)]

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use fos_core::Image;
 use fos_data::case::{self, CaseMeta};
+use fos_device_io::record::record;
 use fos_diagnose::study::{self, Study};
 use fos_embedded::hub::{Hub, HubError};
 use fos_embedded::telemetry;
@@ -14,7 +15,6 @@ use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
 };
 use fos_fit::evaluate::ModelErrors;
-use host_fit::record::record;
 
 use super::digest::Digest;
 use super::flash::{Flash, images, store};

@@ -103,7 +103,7 @@ pub(crate) fn replay_log() -> Vec<u8> {
 /// Model of the study.
 pub(crate) fn image() -> Vec<u8> {
     let model = written_study().model;
-    host_fit::export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
+    fos_export::image(&model, "simulated", "tests/tests/compatibility").expect("an image")
 }
 
 fn stored_image() -> Vec<u8> {

@@ -1,0 +1,127 @@
+//! Figure of the dependence of the residual on the logged columns.
+
+use super::compare::Subject;
+use super::{Axis, Figure, Ink, Panel, Series, Shape, with_unit};
+use fos_data::text::capitalised;
+use fos_diagnose::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
+
+/// Maximum number of channels: those with a dependence and all temperatures, at least the most probable one.
+const DRAWN: usize = 4;
+
+/// Position of a delay of 0, which a logarithmic axis lacks, s.
+const NO_DELAY_AT: f64 = 0.3;
+
+/// 95 % point of χ²₁: gain of one coefficient by chance.
+const CHANCE: f64 = 3.84;
+
+/// Upper ends of the steps of the map, relative to the usual power.
+const STEPS: [(f64, &str); 6] = [
+    (0.5, "below ½"),
+    (1.5, "usual"),
+    (2.0, "1.5–2 times"),
+    (4.0, "2–4 times"),
+    (8.0, "4–8 times"),
+    (f64::INFINITY, "above 8 times"),
+];
+
+/// Residual against channels, their delays, time and frequency.
+pub fn dependence(subject: Subject, found: &Dependence) -> Figure {
+    let drawn: Vec<&ChannelDependence> = found
+        .channels
+        .iter()
+        .enumerate()
+        .filter(|(place, channel)| *place == 0 || channel.is_clear() || !channel.bins.rising.is_empty())
+        .map(|(_, channel)| channel)
+        .take(DRAWN)
+        .collect();
+    let mut panels: Vec<Panel> = drawn.iter().map(|channel| against(subject, channel)).collect();
+    panels.push(delays(&drawn));
+    panels.push(map(&found.power));
+    Figure {
+        title: format!("{}: residual against every logged channel", capitalised(subject.channel)),
+        panels,
+    }
+}
+
+fn against(subject: Subject, channel: &ChannelDependence) -> Panel {
+    let bars = |label: &str, ink, bins: &[Bin]| {
+        let bar =
+            |bin: &Bin| (bin.channel, bin.level, bin.level - bin.half_width, bin.level + bin.half_width);
+        Series { label: label.into(), ink, shape: Shape::Bars(bins.iter().map(bar).collect()) }
+    };
+    let bins = &channel.bins;
+    let series = match bins.rising.is_empty() && bins.falling.is_empty() {
+        true => vec![bars("residual, 95 %", Ink::Residual, &bins.all)],
+        false => vec![
+            bars("all, 95 %", Ink::Residual, &bins.all),
+            bars("rising", Ink::Predicted, &bins.rising),
+            bars("falling", Ink::Measured, &bins.falling),
+        ],
+    };
+    let verdict = if channel.is_clear() { "depends" } else { "no more than chance" };
+    Panel {
+        title: format!(
+            "{}: {verdict}, {}, score {:.1}",
+            channel.channel,
+            probability(channel.p_of_all),
+            channel.curve.score
+        ),
+        x: Axis::linear(with_unit(&channel.channel, &channel.unit)),
+        y: Axis::linear(format!("Slow residual less its mean ({})", subject.unit)),
+        series,
+        ..Panel::default()
+    }
+}
+
+fn delays(channels: &[&ChannelDependence]) -> Panel {
+    let profile = |(number, channel): (usize, &&ChannelDependence)| {
+        let points = channel.lag.delays.iter().map(|delay| (delay.delay_s.max(NO_DELAY_AT), delay.gain));
+        let points: Vec<(f64, f64)> = points.collect();
+        let ink = Ink::Method(number);
+        [
+            Series { label: channel.channel.clone(), ink, shape: Shape::Line(points.clone()) },
+            Series { label: channel.channel.clone(), ink, shape: Shape::Points(points) },
+        ]
+    };
+    let chance = Series { label: "chance, 95 %".into(), ink: Ink::Bound, shape: Shape::Level(CHANCE) };
+    Panel {
+        title: "Which delay explains most; leftmost: none".into(),
+        x: Axis::log("Delay of the channel (s)"),
+        y: Axis::linear("Gain of a linear term, 2 Δln L (1)"),
+        series: std::iter::once(chance).chain(channels.iter().enumerate().flat_map(profile)).collect(),
+        ..Panel::default()
+    }
+}
+
+fn map(power: &PowerMap) -> Panel {
+    let corners = |cell: &Cell| (cell.begin_s, cell.end_s, cell.low_hz, cell.high_hz);
+    let step = |cell: &Cell| STEPS.iter().position(|(end, _)| cell.times < *end).unwrap_or(STEPS.len() - 1);
+    let mut series: Vec<Series> = STEPS
+        .iter()
+        .enumerate()
+        .map(|(number, (_, label))| {
+            let cells = power.cells.iter().filter(|cell| step(cell) == number).map(corners).collect();
+            Series { label: (*label).into(), ink: Ink::Step(number), shape: Shape::Cells(cells) }
+        })
+        .collect();
+    let worst: Vec<_> = power.worst().into_iter().map(corners).collect();
+    if !worst.is_empty() {
+        let shape = Shape::Frames(worst);
+        series.push(Series { label: "beyond chance".into(), ink: Ink::Floor, shape });
+    }
+    Panel {
+        title: "Power over that of the median stretch".into(),
+        x: Axis::linear("Time (s)"),
+        y: Axis::log("Frequency (Hz)"),
+        series,
+        ..Panel::default()
+    }
+}
+
+fn probability(p: f64) -> String {
+    match p {
+        p if p < 1e-10 => "p < 1e−10".to_owned(),
+        p if p < 0.01 => format!("p = {p:.0e}").replace('-', "−"),
+        p => format!("p = {p:.2}"),
+    }
+}

@@ -1,0 +1,71 @@
+//! Evidence for an effect as a figure: over time, and against the channel that shows it best.
+
+use super::compare::Subject;
+use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
+use fos_data::text::capitalised;
+use fos_diagnose::refine::Evidence;
+use fos_fit::signal::spectrum::Spectrum;
+
+/// The slow error without all other findings, with the contribution of `effect`; shaded where it is largest.
+pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
+    let pairs =
+        |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
+    let error = |x: &[f64]| Series {
+        label: "error".into(),
+        ink: Ink::Residual,
+        shape: Shape::Points(pairs(x, &found.error)),
+    };
+    let explained = |shape| Series { label: effect.to_owned(), ink: Ink::Predicted, shape };
+    let y = || Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit));
+    let ranges = largest_s.map(|[from, to]| ShadedRange { from, to, ..ShadedRange::default() });
+    let mut panels = vec![Panel {
+        title: format!("means over {:.1} s, other findings subtracted", found.block_s),
+        x: Axis::linear("Time (s)"),
+        y: y(),
+        series: vec![error(&found.time_s), explained(Shape::Line(pairs(&found.time_s, &found.effect)))],
+        shading: vec![Shading {
+            label: "largest here".into(),
+            tone: Tone::Apart,
+            ranges: ranges.into_iter().collect(),
+        }],
+    }];
+    if let Some(against) = &found.against {
+        panels.push(Panel {
+            title: format!("the same against {}", against.column),
+            x: Axis::linear(named_with_unit(&against.column)),
+            y: y(),
+            series: vec![
+                error(&against.values),
+                explained(Shape::Points(pairs(&against.values, &found.effect))),
+            ],
+            ..Panel::default()
+        });
+    }
+    Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels }
+}
+
+/// The spectrum about a line at `frequency_hz`.
+pub fn line_evidence(subject: Subject, effect: &str, spectrum: &Spectrum, frequency_hz: f64) -> Figure {
+    let bins = spectrum.frequency_hz.iter().copied().zip(spectrum.density.iter().copied());
+    let near = bins.filter(|(frequency, _)| (0.8..1.25).contains(&(frequency / frequency_hz)));
+    let panel = Panel {
+        title: format!("the line at {frequency_hz:.3} Hz"),
+        x: Axis::linear("Frequency (Hz)"),
+        y: Axis::log(format!("Power spectral density ({})", super::compare::per_hertz(subject.unit))),
+        series: vec![Series {
+            label: "measured".into(),
+            ink: Ink::Measured,
+            shape: Shape::Line(near.collect()),
+        }],
+        shading: vec![Shading {
+            label: "the line".into(),
+            tone: Tone::Apart,
+            ranges: vec![ShadedRange {
+                from: frequency_hz * 0.995,
+                to: frequency_hz * 1.005,
+                ..ShadedRange::default()
+            }],
+        }],
+    };
+    Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels: vec![panel] }
+}

@@ -1,0 +1,83 @@
+//! A certificate as a page and as Markdown. Nothing is computed here.
+
+use fos_calibrate::MG_MPS2;
+use minijinja::value::Serde;
+use minijinja::{Value, context};
+
+use super::content::Certificate;
+use super::picture::Picture;
+use super::shown::exclusion;
+use crate::{RenderError, markdown_environment, page_environment, style};
+
+fn content(certificate: &Certificate) -> Value {
+    let rests: Vec<Value> = certificate
+        .rests()
+        .iter()
+        .enumerate()
+        .map(|(index, one)| {
+            context! {
+                number => index + 1,
+                start => format!("{:.1}", one.rest.start_s),
+                duration => format!("{:.1}", one.rest.duration_s),
+                up => one.up.map(|part| format!("{part:+.2}").replace('-', "−")).join(" "),
+                residual => format!("{:+.2}", one.residual_mps2 / MG_MPS2).replace('-', "−"),
+                excluded => one.rest.excluded.as_ref().map(exclusion),
+            }
+        })
+        .collect();
+    context! {
+        tool => certificate.tool.as_str(),
+        conditions => certificate.conditions(),
+        parameters => Serde(certificate.parameters()),
+        rests,
+        picture => Serde(Picture::of(certificate.rests())),
+        remarks => certificate.remarks(),
+        style => style(),
+    }
+}
+
+/// A self-contained HTML file.
+///
+/// # Errors
+///
+/// None for the content of a certificate.
+pub fn html(certificate: &Certificate) -> Result<String, RenderError> {
+    let environment = page_environment()?;
+    let template = environment.template_from_str(include_str!("certificate.html"))?;
+    Ok(template.render(content(certificate))?)
+}
+
+/// A Markdown file.
+///
+/// # Errors
+///
+/// None for the content of a certificate.
+pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
+    let environment = markdown_environment()?;
+    let template = environment.template_from_str(include_str!("certificate.md"))?;
+    Ok(template.render(content(certificate))?)
+}
+
+/// A JSON file.
+///
+/// # Errors
+///
+/// None for the content of a certificate.
+pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
+    serde_json::to_vec_pretty(certificate)
+}
+
+/// Renders the format of a file extension: `.md`, `.json`, otherwise HTML.
+///
+/// # Errors
+///
+/// The certificate cannot be rendered.
+pub fn of_form(certificate: &Certificate, extension: Option<&str>) -> Result<Vec<u8>, RenderError> {
+    Ok(match extension.map(str::to_ascii_lowercase).as_deref() {
+        Some("md") => markdown(certificate)?.into_bytes(),
+        Some("json") => json(certificate).map_err(|error| {
+            minijinja::Error::new(minijinja::ErrorKind::BadSerialization, error.to_string())
+        })?,
+        _ => html(certificate)?.into_bytes(),
+    })
+}

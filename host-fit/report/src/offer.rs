@@ -1,0 +1,116 @@
+//! Effects that a diagnosis offers to add: the physics in plain language, cost and evidence.
+
+use fos_data::column::Column;
+use serde::Serialize;
+
+use super::evidence::Evidence;
+use fos_data::recording::Recording;
+use fos_diagnose::detect::{Diagnosis, Finding};
+use fos_diagnose::effects::{Band, Effect, Library};
+use fos_diagnose::refine::{RefineError, Refiner};
+use fos_diagnose::study::Refinement;
+use fos_figures::Figure;
+use fos_figures::compare::Subject;
+use fos_fit::cost::Cost;
+
+/// Detected effect, offered for addition to the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct Offer {
+    /// Identifier in the library, such as `thermal_lag`.
+    pub effect: String,
+    /// True if the effect can be corrected sample by sample and the finding is conclusive.
+    pub can_be_added: bool,
+    /// Reason why the effect cannot be added, or the alternative; none if it can.
+    pub why_not: Option<String>,
+    /// Physics of the effect.
+    pub card: Card,
+    /// Additional cost of the model on the device.
+    pub cost: Option<Cost>,
+    /// Figure of the evidence.
+    pub evidence: Option<Figure>,
+}
+
+/// Effect in plain language: texts of the library.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
+pub struct Card {
+    /// Identifier in the library, such as `thermal_lag`.
+    pub id: String,
+    /// Name as it stands in a sentence.
+    pub name: String,
+    /// Band of the error: block means, single samples, the data themselves, or noise.
+    pub band: Band,
+    /// Physical mechanism in the sensor.
+    pub mechanism: String,
+    /// Equation of the error.
+    pub equation: String,
+    /// Typical size on phone-class parts.
+    pub typical_size: String,
+    /// Reference for the typical size.
+    pub source: String,
+    /// Experiment that shows the effect.
+    pub experiment: String,
+    /// Signature in a plot.
+    pub gives_away: String,
+    /// Cost of the correction on the device, in words.
+    pub device: String,
+}
+
+impl Card {
+    /// Copies the texts of an effect.
+    pub fn of(effect: &Effect) -> Self {
+        Self {
+            id: effect.id.clone(),
+            name: effect.name.clone(),
+            band: effect.band,
+            mechanism: effect.mechanism.clone(),
+            equation: effect.equation.clone(),
+            typical_size: effect.typical_size.clone(),
+            source: effect.source.clone(),
+            experiment: effect.experiment.clone(),
+            gives_away: effect.gives_away.clone(),
+            device: effect.device.clone(),
+        }
+    }
+}
+
+/// Returns one offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the
+/// diagnosis.
+///
+/// # Errors
+///
+/// A column is missing.
+pub fn offers(
+    refiner: &Refiner<'_>,
+    refinement: &Refinement,
+    diagnosis: &Diagnosis,
+    library: &Library,
+    field: &Recording,
+) -> Result<Vec<Offer>, RefineError> {
+    let column = Column::named(&refinement.column);
+    let subject = Subject { channel: column.label(), unit: column.unit().label() };
+    let offer = |finding: &Finding| {
+        let effect = library.get(&finding.effect)?;
+        let added = refiner.can_add_finding(&refinement.column, effect, finding);
+        let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
+        let evidence = Evidence::of(refiner, refinement, diagnosis, finding, field)?;
+        Ok(Offer {
+            effect: finding.effect.clone(),
+            can_be_added: added.is_ok() && !finding.correction.is_empty() && finding.doubt.is_none(),
+            why_not: match added {
+                Err(RefineError::NothingToTakeOff(_, instead)) => Some(instead.to_owned()),
+                Err(other) => Some(other.to_string()),
+                Ok(()) if finding.correction.is_empty() => Some("it cannot be corrected".to_owned()),
+                Ok(()) => finding
+                    .doubt
+                    .as_ref()
+                    .map(|doubt| format!("it is not conclusive: {doubt}. To decide: {}", effect.experiment)),
+            },
+            card: Card::of(effect),
+            cost: price,
+            evidence: evidence.map(|found| found.drawn(subject, &effect.name)),
+        })
+    };
+    diagnosis.findings.iter().map(offer).collect()
+}
