@@ -8,6 +8,7 @@ use fos_data::recording::{self as data, LoadOptions};
 use fos_diagnose::compare::{Evaluation, compare_study, lags_off, study_of};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError, Refiner};
+use fos_diagnose::session::{Addition, NamedLogs, NoLog, Wanted, add};
 use fos_diagnose::study::{Refinement, Study as StudyFile, StudyAxisError, load_again};
 use fos_fit::cost::Cost;
 use fos_fit::export::image;
@@ -43,19 +44,22 @@ struct State {
     logs: Vec<(String, Arc<Logs>)>,
 }
 
-/// Logs given in a call.
+/// Logs given in a call, and how the log to explain was read.
 struct GivenLogs {
-    log: Option<(Arc<data::Recording>, LoadOptions)>,
-    reference: Option<Arc<data::Recording>>,
-    evaluation: Option<Arc<data::Recording>>,
+    named: NamedLogs<Arc<data::Recording>>,
+    read: Option<LoadOptions>,
 }
 
 impl GivenLogs {
     fn of(log: Option<&Recording>, reference: Option<&Recording>, evaluation: Option<&Recording>) -> Self {
+        let recording = |log: Option<&Recording>| log.map(|log| Arc::clone(&log.log));
         Self {
-            log: log.map(|log| (Arc::clone(&log.log), log.read.clone())),
-            reference: reference.map(|log| Arc::clone(&log.log)),
-            evaluation: evaluation.map(|log| Arc::clone(&log.log)),
+            named: NamedLogs {
+                log: recording(log),
+                reference: recording(reference),
+                evaluation: recording(evaluation),
+            },
+            read: log.map(|log| log.read.clone()),
         }
     }
 }
@@ -70,6 +74,12 @@ enum Refused {
 impl From<RefineError> for Refused {
     fn from(error: RefineError) -> Self {
         Self::Refine(error)
+    }
+}
+
+impl From<NoLog> for Refused {
+    fn from(none: NoLog) -> Self {
+        Self::Said(format!("{none}\nhelp: give it in the call"))
     }
 }
 
@@ -178,59 +188,43 @@ impl Study {
 }
 
 impl State {
-    /// Log of the fit: from memory, or read again from its path in the study.
-    fn own(&self) -> Result<Option<Arc<data::Recording>>, Refused> {
-        let (Some(file), None) = (&self.file, &self.own) else { return Ok(self.own.clone()) };
-        let read = &self.study.data.read;
-        let logs = self.study.data.sources.iter().map(|source| load_again(source, file.path(), read));
-        let logs: Vec<data::Recording> = logs.collect::<Result<_, _>>()?;
-        Ok(Some(Arc::new(data::Recording::join(logs)?)))
+    /// A log of the study: from memory, or read again from its path in the study.
+    fn load(&self, source: &data::Source, read: &LoadOptions) -> Result<data::Recording, Refused> {
+        let refined = self.logs.iter().flat_map(|(_, logs)| {
+            [Some(&logs.log), logs.reference.as_ref(), logs.evaluation.as_ref()].into_iter().flatten()
+        });
+        let is_it = |log: &&data::Recording| log.sources.first() == Some(source);
+        match (self.own.as_deref().into_iter().chain(refined).find(is_it), &self.file) {
+            (Some(log), _) => Ok(log.clone()),
+            (None, Some(file)) => Ok(load_again(source, file.path(), read)?),
+            (None, None) => Err(Refused::Said(format!(
+                "{}: the log is not at hand\nhelp: give it in the call",
+                source.path
+            ))),
+        }
+    }
+
+    /// Log of the fit.
+    fn own(&self) -> Result<Arc<data::Recording>, Refused> {
+        match &self.own {
+            Some(own) => Ok(Arc::clone(own)),
+            None => self.study.fitted_log(|source| self.load(source, &self.study.data.read)).map(Arc::new),
+        }
     }
 
     /// Logs of a call: those given, otherwise those on which the axis was refined.
     fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Refused> {
+        let GivenLogs { named, read } = given;
         let known = self.logs.iter().find(|(of, _)| of == column).map(|(_, logs)| Arc::clone(logs));
-        let GivenLogs { log, reference, evaluation } = given;
-        if let (Some(known), None, None, None) = (&known, &log, &reference, &evaluation) {
-            return Ok(Arc::clone(known));
+        if let (Some(known), NamedLogs { log: None, reference: None, evaluation: None }) = (known, &named) {
+            return Ok(known);
         }
-        let named = self.study.refinement_of(column).map(|refinement| &refinement.logs);
-        let again = |source: &data::Source| -> Result<data::Recording, Refused> {
-            let Some(file) = &self.file else {
-                return Err(Refused::Said(format!(
-                    "{}: the log is not at hand\nhelp: give it in the call",
-                    source.path
-                )));
-            };
-            let read = named.map_or(&self.study.data.read, |named| &named.read);
-            Ok(load_again(source, file.path(), read)?)
-        };
-        let is_given = log.is_some();
-        let (log, read) = match (log, &known, named) {
-            (Some((log, read)), ..) => ((*log).clone(), read),
-            (None, Some(known), _) => (known.log.clone(), known.read.clone()),
-            (None, None, Some(named)) => (again(&named.log)?, named.read.clone()),
-            (None, None, None) => {
-                return Err(Refused::Said("no log to explain\nhelp: give it in the call".to_owned()));
-            }
-        };
-        let reference = match (reference, &known, named) {
-            (Some(reference), ..) => Some((*reference).clone()),
-            (None, Some(known), _) => known.reference.clone(),
-            (None, None, Some(named)) => named.reference.as_ref().map(again).transpose()?,
-            // The study's own log is the reference, unless the model fails on it.
-            (None, None, None) => match &self.study.data.sources[..] {
-                [own] if log.sources.first() != Some(own) => self.own()?.map(|own| (*own).clone()),
-                _ => None,
-            },
-        };
-        let evaluation = match (evaluation, &known, named) {
-            (Some(evaluation), ..) => Some((*evaluation).clone()),
-            (None, Some(known), _) if !is_given => known.evaluation.clone(),
-            (None, None, Some(named)) if !is_given => named.evaluation.as_ref().map(again).transpose()?,
-            _ => None,
-        };
-        Ok(Arc::new(Logs { log, reference, evaluation, read }))
+        let read = read.unwrap_or_else(|| self.study.read_options(column).clone());
+        let logs = named.load(&self.study, column, read.clone(), |wanted| match wanted {
+            Wanted::Named(log) => Ok((**log).clone()),
+            Wanted::Stored(source) => self.load(source, &read),
+        })?;
+        Ok(Arc::new(logs))
     }
 
     fn refinement(&self, refiner: &Refiner<'_>, logs: &Logs, column: &str) -> Result<Refinement, Refused> {
@@ -285,13 +279,10 @@ impl Study {
         let state = self.snapshot();
         let given = log.map(|log| Arc::clone(&log.log));
         let evaluation = work::run(py, || -> Result<_, Refused> {
-            let own = match &given {
+            let (log, own) = match given {
                 // The fitted log improves the noise estimate but is not required.
-                Some(_) => state.own().ok().flatten(),
-                None => state.own()?,
-            };
-            let Some(log) = given.or_else(|| own.clone()) else {
-                return Err(Refused::Said("the log is not at hand\nhelp: give it in the call".to_owned()));
+                Some(log) => (log, state.own().ok()),
+                None => state.own().map(|own| (Arc::clone(&own), Some(own)))?,
             };
             let evaluation =
                 compare_study(&state.study, &state.study.columns(), &log, own.as_deref(), |_| {});
@@ -361,19 +352,8 @@ impl Study {
         self.change(py, |state| {
             let column = state.study.column(axis.as_deref())?;
             let logs = state.logs(&column, given)?;
-            let refiner = logs.refiner(&library);
-            let named = logs.named(refiner.fitted_rows());
-            let mut refinement = refiner.resume(&state.study, &column, named)?;
-            match effect {
-                Some(effect) => {
-                    let effect = library.get(&effect).map_err(RefineError::Effect)?;
-                    refinement.steps.push(refiner.add(&refinement, effect)?);
-                }
-                None => refinement.steps.extend(refiner.add_best(&refinement, |_, _| {})?),
-            }
-            state.study.keep(refinement);
-            // An axis may be within the limits of a predictor alone, and exceed them with the others.
-            state.study.model.predictor::<f64>().map_err(RefineError::Model)?;
+            let addition = effect.as_deref().map_or(Addition::Best, Addition::Effect);
+            add(&mut state.study, &column, &logs, &library, addition, |_, _| {})?;
             state.remember(&column, Arc::clone(&logs));
             Ok(column)
         })
@@ -382,13 +362,7 @@ impl Study {
     /// Removes the effect that was added last and returns its identifier.
     fn undo(&self, py: Python<'_>, axis: Option<String>) -> PyResult<String> {
         self.change(py, |state| {
-            // Of several axes, the one with an added effect.
-            let grown = state.study.refinements.iter().filter(|refined| refined.added().next().is_some());
-            let grown: Vec<&str> = grown.map(|refined| refined.column.as_str()).collect();
-            let column = match (&axis, &grown[..]) {
-                (None, [only]) => (*only).to_owned(),
-                _ => state.study.column(axis.as_deref())?,
-            };
+            let column = state.study.column_to_undo(axis.as_deref())?;
             Ok(state.study.undo(&column).map_err(RefineError::Study)?)
         })
     }

@@ -17,5 +17,6 @@ mod memo;
 pub mod physical;
 pub mod refine;
 mod rms;
+pub mod session;
 pub mod study;
 pub mod thermal;

@@ -9,7 +9,7 @@ use super::diagnose::print_diagnosis;
 use super::output::{Failure, print_hint, print_json, print_line, spinner};
 use super::refinement::{LogArguments, column_of, print_refinement, read_logs};
 use super::units::Printed;
-use fos_diagnose::refine::RefineError;
+use fos_diagnose::session::{Addition, add};
 use fos_diagnose::study::Study;
 use fos_figures::plots;
 
@@ -53,31 +53,17 @@ impl Add {
         let (mut study, file) = Study::read_to_change(&self.study)?;
         let column = column_of(&study, self.axis.as_deref())?;
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;
-        let refiner = logs.refiner(&library);
-        let named = logs.named(refiner.fitted_rows());
         let bar = spinner("estimating and evaluating");
-        let mut refinement = refiner.resume(&study, &column, named)?;
-        match &self.effect {
-            Some(effect) => {
-                let step = refiner.add(&refinement, library.get(effect)?)?;
-                refinement.steps.push(step);
+        let addition = self.effect.as_deref().map_or(Addition::Best, Addition::Effect);
+        let refinement = add(&mut study, &column, &logs, &library, addition, |diagnosis, step| {
+            if !self.json {
+                bar.suspend(|| match step {
+                    None if self.printed.details => print_diagnosis(diagnosis, self.printed),
+                    _ => print_line!("{}", diagnosis.sentence),
+                });
             }
-            None => {
-                let steps = refiner.add_best(&refinement, |diagnosis, step| {
-                    if !self.json {
-                        bar.suspend(|| match step {
-                            None if self.printed.details => print_diagnosis(diagnosis, self.printed),
-                            _ => print_line!("{}", diagnosis.sentence),
-                        });
-                    }
-                })?;
-                refinement.steps.extend(steps);
-            }
-        }
+        })?;
         bar.finish_and_clear();
-        study.keep(refinement.clone());
-        // An axis may be within the limits of a predictor alone, and exceed them with the others.
-        study.model.predictor::<f64>().map_err(RefineError::Model)?;
         if let Some(folder) = &self.figures {
             plots::check_staircase(folder, &column)?;
         }

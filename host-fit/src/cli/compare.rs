@@ -99,8 +99,7 @@ impl Compare {
 
     /// Reads the logs of the study's fit.
     fn fitted_log(&self, study: &Study, read: &LoadOptions) -> Result<Recording, Failure> {
-        let logs = study.data.sources.iter().map(|source| load_again(source, &self.study, read));
-        Ok(Recording::join(logs.collect::<Result<_, _>>()?)?)
+        study.fitted_log(|source| Ok(load_again(source, &self.study, read)?))
     }
 }
 

@@ -9,10 +9,10 @@ use super::error_table::{error_table, error_unit};
 use super::output::{Failure, percent, print_line, sparkline, table};
 use super::units::{ErrorUnit, Printed, three};
 use fos_calibrate::MG_MPS2;
-use fos_data::recording::{Recording, Source};
 use fos_data::text::counted;
 use fos_diagnose::refine::Logs;
-use fos_diagnose::study::{Added, Refinement, RefinementStep, Study, load_again};
+use fos_diagnose::session::{NamedLogs, NoLog, Wanted};
+use fos_diagnose::study::{Added, Refinement, RefinementStep, Study, StudyAxisError, load_again};
 use fos_fit::calibration::UnitCalibration;
 use fos_fit::evaluate::ModelErrors;
 
@@ -39,47 +39,27 @@ pub(super) fn read_logs(
     file: &Path,
     column: &str,
 ) -> Result<Logs, Failure> {
-    let known = study.refinement_of(column).map(|refinement| &refinement.logs);
-    let read = reading.options_or(known.map_or(&study.data.read, |known| &known.read))?;
-    let given = |path: &PathBuf| reading.read_named(path, &read);
-    let again = |source: &Source| -> Result<Recording, Failure> { Ok(load_again(source, file, &read)?) };
-    let read_log = || match (&logs.from, known) {
-        (Some(path), _) => given(path),
-        (None, Some(known)) => again(&known.log),
-        (None, None) => Err("no log to explain\nhelp: give it with --from LOG".into()),
-    };
-    // The study's own log is the reference, unless the model fails on it.
-    let own = match (&logs.reference, known, &study.data.sources[..]) {
-        (None, None, [own]) => Some(own),
-        _ => None,
-    };
-    let may_be_log = |own: &&Source| logs.from.as_deref().is_some_and(|from| from == Path::new(&own.path));
-    let read_reference = || match (&logs.reference, known) {
-        (Some(path), _) => given(path).map(Some),
-        (None, Some(known)) => known.reference.as_ref().map(again).transpose(),
-        (None, None) => own.filter(|own| !may_be_log(own)).map(again).transpose(),
-    };
-    let read_evaluation = || match (&logs.evaluate_on, known) {
-        (Some(path), _) => given(path).map(Some),
-        (None, Some(known)) if logs.from.is_none() => known.evaluation.as_ref().map(again).transpose(),
-        _ => Ok(None),
-    };
-    let (log, (reference, evaluation)) =
-        rayon::join(read_log, || rayon::join(read_reference, read_evaluation));
-    let log = log?;
-    let is_log = |own: &Source| log.sources.first() == Some(own);
-    let reference = match own {
-        Some(own) if is_log(own) => None,
-        Some(own) if may_be_log(&own) => Some(again(own)?),
-        _ => reference?,
-    };
-    let evaluation = evaluation?;
-    Ok(Logs { log, reference, evaluation, read })
+    let read = reading.options_or(study.read_options(column))?;
+    let LogArguments { from, reference, evaluate_on } = logs.clone();
+    let named = NamedLogs { log: from, reference, evaluation: evaluate_on };
+    let loaded: Result<Logs, Failure> = named.load(study, column, read.clone(), |wanted| match wanted {
+        Wanted::Named(path) => reading.read_named(path, &read),
+        Wanted::Stored(source) => Ok(load_again(source, file, &read)?),
+    });
+    loaded.map_err(|error| match error.downcast_ref::<NoLog>() {
+        Some(none) => format!("{none}\nhelp: give it with --from LOG").into(),
+        None => error,
+    })
 }
 
 /// Column of `--axis` in a study, or its only one.
 pub(super) fn column_of(study: &Study, axis: Option<&str>) -> Result<String, Failure> {
-    study.column(axis).map_err(|error| format!("{error} with --axis").into())
+    named(study.column(axis))
+}
+
+/// An error in the choice of an axis names the option.
+pub(super) fn named(column: Result<String, StudyAxisError>) -> Result<String, Failure> {
+    column.map_err(|error| format!("{error} with --axis").into())
 }
 
 /// Columns of `--axis` in a study, several with commas; all without one.

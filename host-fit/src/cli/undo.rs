@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{Failure, print_hint, print_json, print_line};
-use super::refinement::{calibration_in_words, column_of, print_refinement};
+use super::refinement::{calibration_in_words, named, print_refinement};
 use super::units::Printed;
 use fos_diagnose::study::Study;
 
@@ -46,7 +46,7 @@ impl Undo {
             print_line!("removed: {}", calibration_in_words(&removed));
             return Ok(());
         }
-        let column = column_of(&study, self.axis.as_deref())?;
+        let column = named(study.column_to_undo(self.axis.as_deref()))?;
         let effect = study.undo(&column)?;
         study.write(&file)?;
         let refinement = study.refinement_of(&column);

@@ -1,6 +1,7 @@
 //! Axes of a study that effects were added to, and undo.
 
 use fos_data::closest::closest;
+use fos_data::recording::LoadOptions;
 use fos_fit::model::UnitModel;
 
 use super::refinement::Refinement;
@@ -51,6 +52,24 @@ impl Study {
                 None => Err(StudyAxisError::NoAxis { axis: axis.to_owned(), axes }),
             },
         }
+    }
+
+    /// Returns the column of the axis whose last effect is removed: the named one, otherwise the only one with an added effect.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Study::column`].
+    pub fn column_to_undo(&self, axis: Option<&str>) -> Result<String, StudyAxisError> {
+        let refined = self.refinements.iter().filter(|refinement| refinement.added().next().is_some());
+        match (axis, &refined.collect::<Vec<_>>()[..]) {
+            (None, [only]) => Ok(only.column.clone()),
+            _ => self.column(axis),
+        }
+    }
+
+    /// Returns the options with which the logs of an axis are read: those of its refinement, otherwise those of the fit.
+    pub fn read_options(&self, column: &str) -> &LoadOptions {
+        self.refinement_of(column).map_or(&self.data.read, |refinement| &refinement.logs.read)
     }
 
     /// Returns the refinement of an axis, if any.

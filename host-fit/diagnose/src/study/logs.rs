@@ -91,6 +91,19 @@ fn places(source: &Source, study: &Path) -> Vec<PathBuf> {
 }
 
 impl Study {
+    /// Loads the logs that the study was fitted to.
+    ///
+    /// # Errors
+    ///
+    /// Errors of `load`, or the logs cannot be joined.
+    pub fn fitted_log<E: From<RecordingError>>(
+        &self,
+        load: impl FnMut(&Source) -> Result<Recording, E>,
+    ) -> Result<Recording, E> {
+        let logs: Vec<Recording> = self.data.sources.iter().map(load).collect::<Result<_, E>>()?;
+        Ok(Recording::join(logs)?)
+    }
+
     /// Stores the paths of the logs relative to the study's future location. Paths of logs that were not read in this
     /// run are unchanged.
     pub(super) fn note_places(&mut self, study: &Path) {
