@@ -1,12 +1,9 @@
-//! A fleet: one row per unit, stored as each is computed, and the populations of its parts.
+//! The populations of the parts of a fleet, from one row per unit.
 
 use std::collections::{BTreeSet, HashMap};
-use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+use fos_data::file::keyed_rows::{KeyedRow, KeyedRows, KeyedRowsError};
 use fos_data::file::{self, FileError, write_atomically};
 use fos_data::statistics::median_of;
 use fos_data::text::hexadecimal;
@@ -20,7 +17,8 @@ use crate::estimate::{BIAS, check_regressors};
 use crate::gathered::{Gathered, GatheredError, GatheredUnit, sorted};
 use crate::odd::{Distance, assess, devices_needed, discoveries};
 use crate::population::{Member, Population};
-use crate::row::{Asked, AxisDiagnosis, FoundEffect, Unit, UnitRow, unit_row};
+use crate::row::{Asked, AxisDiagnosis, FoundEffect, UnitRow};
+use crate::rows::rows_beside;
 
 /// Schema of a population file.
 pub const SCHEMA: &str = "fos-population/1";
@@ -140,13 +138,6 @@ impl PartSummary {
 /// Failure to read or store the rows of a fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
-    #[error("{}: {source}\nhelp: the rows of a fleet are stored there, so that interrupted runs resume", path.display())]
-    Rows {
-        /// File of the rows.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
     /// The file is not a population, or has another schema.
     #[error("{}: not a population: {reason}\nhelp: make the population again; its schema is {SCHEMA}", path.display())]
     NotAPopulation {
@@ -173,149 +164,11 @@ pub enum FleetError {
         line: usize,
         reason: String,
     },
-    /// The file exists and has other content.
-    #[error("{}: a file of that name has other content than the rows of a fleet, and would be lost\nhelp: write to another file, or move that one away", .0.display())]
-    NotRows(PathBuf),
+    /// The rows cannot be stored.
+    #[error(transparent)]
+    Rows(#[from] KeyedRowsError),
     #[error(transparent)]
     File(#[from] FileError),
-}
-
-/// Path of the rows of `population`: the same name with `.rows` appended.
-pub fn rows_beside(population: &Path) -> PathBuf {
-    let mut path = population.as_os_str().to_owned();
-    path.push(".rows");
-    path.into()
-}
-
-/// A stored row with the [`key`] of everything it depends on.
-#[derive(Debug, Serialize, Deserialize)]
-struct StoredRow {
-    key: String,
-    row: UnitRow,
-}
-
-/// Returns the rows of `units`, in their order. Each new row is appended to `rows_path` at once as a line of JSON; a stored row is reused if
-/// its logs, the settings, the library and the program are unchanged. `build` distinguishes builds of one version. `progress` receives the
-/// number of finished rows.
-///
-/// # Errors
-///
-/// The rows cannot be stored, or the file has other content. A unit that cannot be read is no error: its row has the reason.
-pub fn rows(
-    units: &[Unit],
-    asked: &Asked,
-    library: &Library,
-    program: &str,
-    build: &str,
-    rows_path: &Path,
-    progress: impl Fn(usize) + Sync,
-) -> Result<Vec<UnitRow>, FleetError> {
-    let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
-    let Known { rows: known, in_line } = known_rows(rows_path)?;
-    let file = OpenOptions::new().create(true).append(true).open(rows_path).map_err(failed)?;
-    let (file, done) = (Mutex::new(RowsFile { file, in_line }), AtomicUsize::new(0));
-    let stored: Vec<StoredRow> = units
-        .par_iter()
-        .map(|unit| {
-            let key = key(unit, asked, library, build);
-            let stored = match known.get(&key) {
-                Some(row) => StoredRow { key, row: row.clone() },
-                None => {
-                    let stored = StoredRow { key, row: unit_row(unit, asked, library, program) };
-                    let line = line_of(&stored);
-                    let mut file = file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                    file.append(&line).map_err(failed)?;
-                    stored
-                }
-            };
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            Ok(stored)
-        })
-        .collect::<Result<_, FleetError>>()?;
-    // Rewritten in the order of the units, one line each.
-    write_atomically(rows_path, &stored.iter().flat_map(line_of).collect::<Vec<u8>>())?;
-    Ok(stored.into_iter().map(|stored| stored.row).collect())
-}
-
-fn line_of(stored: &StoredRow) -> Vec<u8> {
-    let mut line = serde_json::to_vec(stored).expect("rows have only string keys");
-    line.push(b'\n');
-    line
-}
-
-/// File to which rows are appended.
-struct RowsFile {
-    file: File,
-    /// The file does not end with a newline, after an interruption or a failed write.
-    in_line: bool,
-}
-
-impl RowsFile {
-    /// Appends a line. A line that was cut off is ended first, because a row behind it on the same line would be unreadable.
-    fn append(&mut self, line: &[u8]) -> std::io::Result<()> {
-        if std::mem::replace(&mut self.in_line, true) {
-            self.file.write_all(b"\n")?;
-        }
-        self.file.write_all(line)?;
-        self.in_line = false;
-        Ok(())
-    }
-}
-
-/// Content of a file of rows.
-#[derive(Default)]
-struct Known {
-    /// Rows by key.
-    rows: HashMap<String, UnitRow>,
-    /// The file does not end with a newline.
-    in_line: bool,
-}
-
-/// Reads the stored rows; truncated lines are ignored.
-///
-/// # Errors
-///
-/// The file cannot be read, or has other content than rows.
-fn known_rows(rows_path: &Path) -> Result<Known, FleetError> {
-    let failed = |source| FleetError::Rows { path: rows_path.to_owned(), source };
-    let file = match File::open(rows_path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Known::default()),
-        file => file.map_err(failed)?,
-    };
-    let (mut known, mut is_foreign) = (Known::default(), false);
-    let (mut file, mut line) = (BufReader::new(file), Vec::new());
-    while file.read_until(b'\n', &mut line).map_err(failed)? > 0 {
-        known.in_line = line.pop_if(|byte| *byte == b'\n').is_none();
-        match serde_json::from_slice::<StoredRow>(&line) {
-            Ok(StoredRow { key, row }) => drop(known.rows.insert(key, row)),
-            Err(error) => is_foreign |= !(error.is_eof() && is_start_of_row(&line)),
-        }
-        line.clear();
-    }
-    if is_foreign && known.rows.is_empty() {
-        return Err(FleetError::NotRows(rows_path.to_owned()));
-    }
-    Ok(known)
-}
-
-/// A truncated line of [`line_of`] starts with the key, or is shorter.
-fn is_start_of_row(line: &[u8]) -> bool {
-    const START: &[u8] = b"{\"key\":\"";
-    line.starts_with(START) || START.starts_with(line)
-}
-
-/// Digest of everything a row depends on: name, size and modification time of its logs, settings, program and library.
-fn key(unit: &Unit, asked: &Asked, library: &Library, build: &str) -> String {
-    let of_file =
-        |log: &PathBuf| std::fs::metadata(log).ok().map(|about| (about.len(), about.modified().ok()));
-    let about: Vec<_> = unit.logs.iter().map(of_file).collect();
-    let mut digest = Sha256::new();
-    digest.update(format!("{build} {unit:?} {about:?}"));
-    digest.update(serde_json::to_vec(asked).unwrap_or_default());
-    if asked.diagnosed {
-        digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
-    }
-    hexadecimal(&digest.finalize())
 }
 
 impl Fleet {
@@ -345,21 +198,19 @@ impl Fleet {
         for (index, line) in lines.iter().enumerate() {
             let wrong =
                 |reason: String| FleetError::NotARow { path: rows_path.clone(), line: index + 1, reason };
-            match serde_json::from_slice::<StoredRow>(line) {
+            match serde_json::from_slice::<KeyedRow<UnitRow>>(line) {
                 // A truncated last line is ignored.
                 Err(_) if index + 1 == lines.len() => {}
                 Err(error) => return Err(wrong(error.to_string())),
-                Ok(StoredRow { row, .. }) => {
-                    match row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
-                        Some(axis) => {
-                            return Err(wrong(format!(
-                                "{}: a number is missing or not finite",
-                                axis.estimate.column
-                            )));
-                        }
-                        None => rows.push(row),
+                Ok(KeyedRow { row, .. }) => match row.axes.iter().find(|axis| !axis.estimate.is_complete()) {
+                    Some(axis) => {
+                        return Err(wrong(format!(
+                            "{}: a number is missing or not finite",
+                            axis.estimate.column
+                        )));
                     }
-                }
+                    None => rows.push(row),
+                },
             }
         }
         if digest_of(&sorted(&gathered(&rows))) != fleet.rows_sha256 {
@@ -376,7 +227,7 @@ impl Fleet {
     /// written. Nothing is written before all rows are checked.
     pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
         let rows_path = rows_beside(path);
-        known_rows(&rows_path)?;
+        KeyedRows::<UnitRow>::check(&rows_path)?;
         let (mut gathered, mut lines) = (Gathered::default(), Vec::new());
         for (index, row) in rows.iter().enumerate() {
             let wrong = |reason: &dyn ToString| FleetError::NotARow {
@@ -387,7 +238,7 @@ impl Fleet {
             let row: UnitRow = serde_json::from_str(row).map_err(|error| wrong(&error))?;
             gathered.add(row.clone()).map_err(|error| wrong(&error))?;
             // No unit has this key, so a later run computes the row again.
-            lines.extend(line_of(&StoredRow { key: String::new(), row }));
+            lines.extend(KeyedRow { key: String::new(), row }.line());
         }
         if digest_of(&gathered.in_order()) != self.rows_sha256 {
             return Err(FleetError::OtherRows { path: rows_path, found: rows.len(), units: self.units });

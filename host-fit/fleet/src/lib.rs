@@ -13,19 +13,21 @@ mod known;
 mod odd;
 mod population;
 mod row;
+mod rows;
 mod ship;
 mod tails;
 
 pub use estimate::{AxisEstimate, BIAS, Estimate, EstimateError, REFERENCE_C, check_regressors, estimate};
 pub use fleet::{
     AxisSummary, DuplicateUnit, EffectShare, FALSE_ODD, FailedUnit, Fleet, FleetError, OddUnit, PartSummary,
-    SCHEMA, rows, rows_beside,
+    SCHEMA,
 };
 pub use folder::{FolderError, UNITS, units_in};
 pub use gathered::{Gathered, GatheredError};
 pub use odd::{Assessment, Distance, FAR, assess, devices_needed, discoveries};
 pub use population::{Lot, Member, Population, PopulationError, Scatter};
 pub use row::{Asked, AxisDiagnosis, AxisRow, FoundEffect, LogSummary, Unit, UnitRow, row_of, unit_row};
+pub use rows::{rows, rows_beside};
 pub use ship::{ShipError, Shipment, ShippedUnit, known_of};
 
 /// The program that makes rows and populations: the same version gives the same bits, from the command line, in Python, on a cluster.

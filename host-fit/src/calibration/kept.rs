@@ -1,113 +1,69 @@
-//! Stores outcomes in a file as they are computed, so that an interrupted calibration resumes.
+//! Outcomes stored as they are computed, so that an interrupted calibration resumes.
 
-use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
 
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::cases::Cases;
 use super::outcome::Outcome;
 use crate::program::this_build;
-use fos_data::file::{FileError, write_atomically};
+use fos_data::file::FileError;
+use fos_data::file::keyed_rows::{KeyedRow, KeyedRows, KeyedRowsError};
 use fos_data::text::hexadecimal;
 use fos_diagnose::effects::Library;
 
 /// Appended to the name of the file of outcomes.
 const ENDING: &str = ".partial";
 
-/// Outcomes of the finished cases, one line of JSON each, each synced to disk.
+/// Outcomes of finished cases.
 #[derive(Debug)]
 pub struct KeptOutcomes {
-    path: PathBuf,
-    file: Mutex<File>,
-    done: BTreeMap<usize, Outcome>,
-}
-
-/// First line: everything the outcomes depend on.
-#[derive(Clone, Serialize, Deserialize, PartialEq)]
-struct Heading {
-    cases: String,
-}
-
-impl Heading {
-    fn of(cases: &Cases, library: &Library) -> Self {
-        let mut digest = Sha256::new();
-        digest.update(this_build());
-        digest.update(serde_json::to_vec(cases).unwrap_or_default());
-        digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
-        Self { cases: hexadecimal(&digest.finalize()) }
-    }
+    rows: KeyedRows<Outcome>,
+    /// Digest of everything that the outcomes depend on.
+    digest: String,
 }
 
 impl KeptOutcomes {
-    /// Opens the file beside `outcomes`, with the outcomes stored by an interrupted run of the same program on the same cases.
+    /// Opens the file beside `outcomes`, which may hold outcomes of an interrupted run.
     ///
     /// # Errors
     ///
     /// A file operation fails, or the file is not one of outcomes.
-    pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, FileError> {
+    pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, KeyedRowsError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);
-        let path = PathBuf::from(path);
-        let heading = Heading::of(cases, library);
-        let left = match fs::read_to_string(&path) {
-            Ok(left) => left,
-            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(FileError::reading(&path)(error)),
-        };
-        let mut lines = left.lines();
-        let found = lines.next().map(serde_json::from_str::<Heading>).transpose();
-        let found = found.map_err(|_| FileError::writing(&path)(ErrorKind::AlreadyExists.into()))?;
-        let same = found.as_ref() == Some(&heading);
-        // The last line may be truncated.
-        let done = lines.filter(|_| same).filter_map(|line| serde_json::from_str::<Outcome>(line).ok());
-        let done: BTreeMap<usize, Outcome> = done.map(|outcome| (outcome.case, outcome)).collect();
-        let mut text = line(&heading);
-        done.values().for_each(|outcome| text.extend(line(outcome)));
-        write_atomically(&path, &text)?;
-        let file = File::options().append(true).open(&path).map_err(FileError::writing(&path))?;
-        Ok(Self { path, file: Mutex::new(file), done })
+        let mut digest = Sha256::new();
+        digest.update(this_build());
+        digest.update(serde_json::to_vec(cases).unwrap_or_default());
+        digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
+        Ok(Self { rows: KeyedRows::open(Path::new(&path))?, digest: hexadecimal(&digest.finalize()) })
     }
 
-    /// Number of stored outcomes.
-    pub fn len(&self) -> usize {
-        self.done.len()
-    }
-
-    /// No outcomes are stored.
-    pub fn is_empty(&self) -> bool {
-        self.done.is_empty()
+    fn key(&self, case: usize) -> String {
+        format!("{} {case}", self.digest)
     }
 
     /// Stored outcome of a case.
     pub(super) fn of(&self, case: usize) -> Option<Outcome> {
-        self.done.get(&case).cloned()
+        self.rows.get(&self.key(case)).cloned()
     }
 
     /// Stores the outcome of a case.
     pub(super) fn add(&self, outcome: &Outcome) -> Result<(), FileError> {
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&line(outcome)).and_then(|()| file.sync_data()).map_err(FileError::writing(&self.path))
+        self.rows.append(&KeyedRow { key: self.key(outcome.case), row: outcome.clone() })
     }
 
-    /// Removes the file after all outcomes are written. A failure to remove it does no harm.
+    /// Removes the file after all outcomes are written.
     pub fn remove(self) {
-        let _ = fs::remove_file(&self.path);
+        self.rows.remove();
     }
-}
-
-fn line(value: &impl Serialize) -> Vec<u8> {
-    let mut line = serde_json::to_vec(value).expect("outcomes have only string keys");
-    line.push(b'\n');
-    line
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::sync::Mutex;
+
     use super::*;
     use crate::calibration::calibrate;
     use fos_simulate::Disturbance;
@@ -118,17 +74,19 @@ mod tests {
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
         let cases = |seed| Cases { seed, count: 3, world: Disturbance::Clean, every_axis: false };
         let kept = |seed| KeptOutcomes::beside(&outcomes, &cases(seed), &library).unwrap();
+        let stored = |kept: &KeptOutcomes| (0..3).filter(|case| kept.of(*case).is_some()).count();
         let whole = calibrate(cases(1), &library, Some(&kept(1)), |_| {}).unwrap();
         let path = folder.path().join("outcomes.json.partial");
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text.lines().count(), 4);
+        assert_eq!(text.lines().count(), 3);
         // Killed while writing the last line.
         fs::write(&path, &text[..text.len() - 9]).unwrap();
         let left = kept(1);
-        assert_eq!(left.len(), 2);
+        assert_eq!(stored(&left), 2);
         let computed = Mutex::new(0);
         let again = calibrate(cases(1), &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
         assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
+        assert_eq!(stored(&kept(1)), 3);
         // Equal except for the measured times.
         let but_times = |calibration: &crate::calibration::Calibration| {
             let mut outcomes = calibration.outcomes.clone();
@@ -137,7 +95,7 @@ mod tests {
         };
         assert_eq!(but_times(&whole), but_times(&again));
         // Outcomes of other cases are not reused.
-        assert!(kept(2).is_empty());
+        assert_eq!(stored(&kept(2)), 0);
         // Another file is not overwritten.
         fs::write(&path, "my notes\n").unwrap();
         assert!(KeptOutcomes::beside(&outcomes, &cases(1), &library).is_err());

@@ -506,14 +506,13 @@ fn two_outputs_are_two_files() {
 }
 
 /// Other files that read without recording the input: none of them reads data of the user.
-const OTHER_DOORS: [&str; 9] = [
+const OTHER_DOORS: [&str; 8] = [
     "data/src/file/read.rs",             // the module that records inputs
     "data/src/file/paths.rs",            // a folder, to sync its names to the disk
     "data/src/file/replace.rs",          // the file to be replaced, and leftovers of killed writers
     "data/src/file/compare_and_swap.rs", // whether a study is unchanged
     "diagnose/src/batch.rs",             // its own previous answers
-    "fleet/src/fleet.rs",                // its own previous rows
-    "src/calibration/kept.rs",           // its own previous outcomes
+    "data/src/file/keyed_rows.rs",       // rows of an interrupted run
     "device-io/src/record/kept.rs",      // whether another recording runs
     "device-io/src/record/end.rs",       // state of this process by the system
 ];

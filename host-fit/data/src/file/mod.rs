@@ -7,6 +7,7 @@ mod read;
 mod replace;
 
 pub mod compare_and_swap;
+pub mod keyed_rows;
 pub mod process_reads;
 
 pub use error::FileError;

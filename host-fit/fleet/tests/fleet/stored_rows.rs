@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::drawn::{asked, row};
+use fos_data::file::keyed_rows::KeyedRowsError;
 use fos_diagnose::effects::Library;
 use fos_fleet::{Fleet, FleetError, Unit, UnitRow, rows, rows_beside};
 
@@ -17,7 +18,7 @@ fn units() -> Vec<Unit> {
     ["a", "b", "c"].map(unit).into()
 }
 
-fn rows_in(path: &Path, progress: impl Fn(usize) + Sync) -> Result<Vec<UnitRow>, FleetError> {
+fn rows_in(path: &Path, progress: impl Fn(usize) + Sync) -> Result<Vec<UnitRow>, KeyedRowsError> {
     rows(&units(), &asked(), &Library::built_in(), "a test", "a build", path, progress)
 }
 
@@ -34,7 +35,7 @@ fn rejects_foreign_files_of_any_length() {
     for foreign in ["notes", "notes\n", "42\n", "{}", "{\"a\": 1}\n", "[1, 2", "{\"a\": ", "one\ntwo\n"] {
         std::fs::write(&path, foreign).expect("a file");
         let refused = rows_in(&path, |_| {});
-        assert!(matches!(refused, Err(FleetError::NotRows(_))), "{foreign:?}: {refused:?}");
+        assert!(matches!(refused, Err(KeyedRowsError::Foreign(_))), "{foreign:?}: {refused:?}");
         assert_eq!(std::fs::read_to_string(&path).expect("a file"), foreign);
     }
 }
@@ -48,7 +49,7 @@ fn does_not_overwrite_foreign_files_beside_a_population() {
     let fleet = Fleet::of(&found, &asked(), &Library::built_in(), "a test");
     std::fs::write(rows_beside(&path), "notes\n").expect("a file");
     let refused = fleet.write_with_rows(&path, &texts);
-    assert!(matches!(refused, Err(FleetError::NotRows(_))), "{refused:?}");
+    assert!(matches!(refused, Err(FleetError::Rows(KeyedRowsError::Foreign(_)))), "{refused:?}");
     assert_eq!(std::fs::read_to_string(rows_beside(&path)).expect("a file"), "notes\n");
     assert!(!path.exists());
     std::fs::remove_file(rows_beside(&path)).expect("removed");
