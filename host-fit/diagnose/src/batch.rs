@@ -13,12 +13,16 @@ use crate::detect::{DiagnoseError, Diagnosis, correction, diagnose, is_fast};
 use crate::effects::Library;
 use crate::study::Tool;
 use fos_data::case::{Case, CaseError};
+use fos_data::file::keyed_rows::{KeyedRow, KeyedRows, KeyedRowsError};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{Recording, RecordingError, write_columns};
 use fos_data::text::hexadecimal;
 
 /// Schema of the stored answers.
 pub const SCHEMA: &str = "fos-answers/1";
+
+/// Answers of earlier runs, in the folder of the answers.
+const STORED: &str = "answers.rows";
 
 /// Rate at which slow corrections are written, Hz.
 const SLOW_RATE_HZ: f64 = 10.0;
@@ -55,19 +59,15 @@ pub struct Answer {
     pub seconds: f64,
 }
 
-/// A stored answer with the digest of everything it depends on.
-#[derive(Debug, Serialize, Deserialize)]
-struct StoredAnswer {
-    key: String,
-    answer: Answer,
-}
-
 /// Error that stops a batch.
 #[derive(Debug, thiserror::Error)]
 pub enum BatchError {
     /// A file cannot be read or written; holds the message of the system.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The stored answers cannot be used.
+    #[error(transparent)]
+    Rows(#[from] KeyedRowsError),
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(transparent)]
@@ -100,18 +100,18 @@ pub fn run(
     progress: impl Fn(usize, usize, &str) + Sync,
 ) -> Result<Answers, BatchError> {
     let cases = case_folders(folder)?;
-    for path in [output.join("corr"), output.join("done")] {
-        file::make_folder(&path)?;
-    }
-    let done = AtomicUsize::new(0);
-    let answers: Vec<Answer> = cases
+    file::make_folder(&output.join("corr"))?;
+    let (stored, done) = (KeyedRows::open(&output.join(STORED))?, AtomicUsize::new(0));
+    let rows: Vec<KeyedRow<Answer>> = cases
         .par_iter()
-        .map(|case| -> Result<Answer, BatchError> {
-            let answer = answer(case, output, library, program)?;
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, cases.len(), &answer.case);
+        .map(|case| -> Result<KeyedRow<Answer>, BatchError> {
+            let answer = answer(case, output, library, program, &stored)?;
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, cases.len(), &answer.row.case);
             Ok(answer)
         })
         .collect::<Result<_, _>>()?;
+    stored.replace(&rows)?;
+    let answers = rows.into_iter().map(|stored| stored.row).collect();
     let answers = Answers { schema: SCHEMA.to_owned(), tool: Tool::this(), cases: answers };
     write_json(&output.join("answers.json"), &answers)?;
     Ok(answers)
@@ -136,16 +136,19 @@ fn case_folders(folder: &Path) -> Result<Vec<PathBuf>, BatchError> {
 }
 
 /// Returns the stored answer of an earlier run if nothing has changed since, else computes it.
-fn answer(folder: &Path, output: &Path, library: &Library, program: &str) -> Result<Answer, BatchError> {
+fn answer(
+    folder: &Path,
+    output: &Path,
+    library: &Library,
+    program: &str,
+    stored: &KeyedRows<Answer>,
+) -> Result<KeyedRow<Answer>, BatchError> {
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let stored_path = output.join("done").join(format!("{name}.json"));
-    let key = key(folder, library, program);
-    if let Ok(bytes) = std::fs::read(&stored_path)
-        && let Ok(stored) = serde_json::from_slice::<StoredAnswer>(&bytes)
-        && stored.key == key
-        && corrections(&stored.answer).all(|path| output.join(path).exists())
+    let key = key(&name, folder, library, program);
+    if let Some(answer) = stored.get(&key)
+        && corrections(answer).all(|path| output.join(path).exists())
     {
-        return Ok(stored.answer);
+        return Ok(KeyedRow { key, row: answer.clone() });
     }
     let start = Instant::now();
     let mut answer = match examine(folder, output, &name, library) {
@@ -162,19 +165,19 @@ fn answer(folder: &Path, output: &Path, library: &Library, program: &str) -> Res
         Err(error) => return Err(error),
     };
     answer.seconds = start.elapsed().as_secs_f64();
-    let stored = StoredAnswer { key, answer };
-    write_json(&stored_path, &stored)?;
-    Ok(stored.answer)
+    let answer = KeyedRow { key, row: answer };
+    stored.append(&answer)?;
+    Ok(answer)
 }
 
 fn corrections(answer: &Answer) -> impl Iterator<Item = &String> {
     answer.correction_eval_csv.iter().chain(&answer.correction_field_csv)
 }
 
-/// Digest of the names, sizes and modification times of a case's files, the program and the library.
-fn key(folder: &Path, library: &Library, program: &str) -> String {
+/// Digest of the case's name, the names, sizes and modification times of its files, the program and the library.
+fn key(name: &str, folder: &Path, library: &Library, program: &str) -> String {
     let mut digest = Sha256::new();
-    digest.update(program);
+    digest.update(format!("{program} {name}"));
     digest.update(serde_json::to_vec(library.effects()).unwrap_or_default());
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .into_iter()

@@ -506,12 +506,11 @@ fn two_outputs_are_two_files() {
 }
 
 /// Other files that read without recording the input: none of them reads data of the user.
-const OTHER_DOORS: [&str; 8] = [
+const OTHER_DOORS: [&str; 7] = [
     "data/src/file/read.rs",             // the module that records inputs
     "data/src/file/paths.rs",            // a folder, to sync its names to the disk
     "data/src/file/replace.rs",          // the file to be replaced, and leftovers of killed writers
     "data/src/file/compare_and_swap.rs", // whether a study is unchanged
-    "diagnose/src/batch.rs",             // its own previous answers
     "data/src/file/keyed_rows.rs",       // rows of an interrupted run
     "device-io/src/record/kept.rs",      // whether another recording runs
     "device-io/src/record/end.rs",       // state of this process by the system
