@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::path::Path;
 
+use fos_calibrate::CalibrateError;
 use fos_data::file::FileError;
 use fos_data::file::compare_and_swap::CompareAndSwapError;
 use fos_data::recording::{BadRow, Place, RecordingError};
@@ -102,6 +103,12 @@ impl EngineError for FileError {
 
     fn location(&self) -> Where {
         Where(Location::file(&self.path))
+    }
+}
+
+impl EngineError for CalibrateError {
+    fn class(&self) -> &'static str {
+        "CalibrateError"
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `work` | a long call on its own thread: other threads continue, Ctrl-C ends it |
 //! | `arrays` | NumPy arrays as columns of a log, and back |
 //! | `recording`, `simulation` | logs |
+//! | `calibration` | calibration by hand and on a turntable |
 //! | `options`, `study`, `diagnosis`, `noise` | fits, added effects, findings, noise levels |
 //! | `fleet` | a row for each unit, and populations of the rows |
 //! | `predictor` | an image on fos-core in f32 |
@@ -16,6 +17,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arrays;
+mod calibration;
 mod diagnosis;
 mod error;
 mod fleet;
@@ -36,6 +38,8 @@ mod _engine {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "that is its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::calibration::{calibrate, calibrate_on_turntable};
     #[pymodule_export]
     use crate::diagnosis::{diagnose, effects};
     #[pymodule_export]

@@ -5,6 +5,7 @@
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
 mod accelerometer;
+mod cautions;
 mod error;
 pub mod export;
 mod gravity;
@@ -17,6 +18,7 @@ mod orientation;
 mod parameter;
 mod quiet;
 mod rests;
+mod shown;
 mod triad;
 mod turn;
 mod turntable;
@@ -30,6 +32,7 @@ pub use imu::{Axes, Imu, Scale};
 pub use orientation::Orientation;
 pub use parameter::{Determined, LEVEL, Parameter};
 pub use rests::{Exclusion, Rest};
+pub use shown::{Shown, shown, with_interval};
 pub use triad::{PAIRS, TriadModel};
 pub use turntable::{Plateau, Turntable, calibrate_on_turntable};
 

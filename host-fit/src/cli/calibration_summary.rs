@@ -1,16 +1,13 @@
 //! Prints calibrations.
 
 use fos_calibrate::{
-    Accelerometer, Calibration, Determined, Gyro, MG_MPS2, Parameter, RestResidual, Turntable,
+    Accelerometer, Calibration, Gyro, MG_MPS2, Parameter, RestResidual, Shown, Turntable, shown,
 };
 
 use super::output::{first, print_hint, print_line, table};
 use super::units::{Printed, Units, three};
 use fos_data::text::counted;
-use fos_report::certificate::{Shown, exclusion, gravity, shown};
-
-/// Largest residual of a device at rest, m/s² (3 mg).
-const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;
+use fos_report::certificate::gravity;
 
 /// Correlations beyond this are printed with `--details`.
 const CORRELATED: f64 = 0.8;
@@ -97,51 +94,30 @@ fn print_accelerometer(found: &Accelerometer, printed: Printed) {
     }
     let excluded = found.rests.iter().filter_map(|one| {
         let reason = one.rest.excluded.as_ref()?;
-        Some(format!("  excluded: rest at {:.1} s: {}", one.rest.start_s, exclusion(reason)))
+        Some(format!("  excluded: rest at {:.1} s: {}", one.rest.start_s, reason))
     });
     for line in first(excluded.collect(), printed.at_most(4)) {
         print_line!("{line}");
     }
-    if found.orientations <= 9 {
-        print_line!(
-            "  caution: {} distinct orientations for 9 unknowns: the residual shows how well rests repeat, not how well the model fits",
-            found.orientations
-        );
-    }
-    if let Some(rms) = found.rms_mps2[0].filter(|rms| *rms > RESTLESS_MPS2) {
-        print_line!(
-            "  caution: a residual of {} mg: the device did not lie still, or it is not linear",
-            three(rms / MG_MPS2)
-        );
-    }
-    if !found.unseen.is_empty() {
-        print_line!("  caution: no rest with {}", found.unseen.join(", nor "));
-    }
-    for one in &found.parameters {
-        let what = match one.determined {
-            Determined::Well => continue,
-            Determined::Weakly => "weakly determined by these orientations",
-            Determined::NotByThisLog => "not determined by this log; the interval is that of typical parts",
-        };
-        print_line!("  caution: {} ({}) is {what}", one.label, in_units(one, printed).both());
-    }
+    print_cautions(found.cautions(printed.units == Units::Field));
+}
+
+fn print_cautions(cautions: Vec<String>) {
+    cautions.iter().for_each(|caution| print_line!("  caution: {caution}"));
 }
 
 fn print_gyro(gyro: &Gyro, printed: Printed) {
     let used = gyro.turns.iter().filter(|turn| turn.excluded.is_none()).count();
     print_line!("\ngyro: {} between rests, in the frame of the accelerometer", counted(used, "turn"));
     if gyro.parameters.is_empty() {
-        print_line!("  caution: excluded: {}", gyro.refused.as_deref().unwrap_or("no rests"));
-        return;
+        return print_cautions(gyro.cautions());
     }
     print_axes(
         &gyro.parameters,
         &[("bias", "bias"), ("sensitivity", "sensitivity"), ("bias_per_k", "bias slope")],
         printed,
     );
-    if let Some(reason) = &gyro.refused {
-        print_line!("  caution: sensitivity and cross-axis were not estimated: {reason}");
-    } else {
+    if gyro.refused.is_none() {
         print_line!("  cross-axis: {}", listed(&of_kind(&gyro.parameters, "cross"), printed));
         let [after, before] = gyro.rms_deg.map(|rms| rms.map(three));
         let before = before.map_or_else(String::new, |before| format!("{before} → "));
@@ -149,9 +125,6 @@ fn print_gyro(gyro: &Gyro, printed: Printed) {
             "  direction of gravity after a turn: {before}{}° RMS",
             after.unwrap_or_else(|| "–".to_owned())
         );
-    }
-    if let Some(order) = &gyro.axis_order {
-        print_line!("  caution: the axes of the gyro are not those of the accelerometer: {order}");
     }
     let by_g = of_kind(&gyro.parameters, "g_sensitivity");
     if let Some(largest) = by_g.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs())) {
@@ -161,14 +134,7 @@ fn print_gyro(gyro: &Gyro, printed: Printed) {
             false => print_line!("  g-sensitivity: none found, below {} {}", shown.half_width, shown.unit),
         }
     }
-    let clipped =
-        gyro.turns.iter().filter(|turn| turn.excluded == Some(fos_calibrate::TurnExclusion::Clips)).count();
-    if clipped > 0 {
-        print_line!(
-            "  caution: {} faster than the gyro's full scale, excluded: turn slower",
-            counted(clipped, "turn")
-        );
-    }
+    print_cautions(gyro.cautions());
 }
 
 fn print_next(found: &Accelerometer) {
@@ -221,7 +187,7 @@ fn print_rests(rests: &[RestResidual]) {
         row.extend(one.up.map(|part| format!("{:.2}", (100.0 * part).round() / 100.0 + 0.0)));
         row.push(format!("{:.2}", one.residual_mps2 / MG_MPS2));
         row.push(format!("{:.2}", one.deviation_mps2 / MG_MPS2));
-        row.push(one.rest.excluded.as_ref().map(exclusion).unwrap_or_default());
+        row.push(one.rest.excluded.as_ref().map(ToString::to_string).unwrap_or_default());
         rows.add_row(row);
     }
     print_line!("{rows}");

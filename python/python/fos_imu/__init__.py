@@ -19,6 +19,7 @@ In a notebook every result shows itself; `help()` of any name says shapes and un
 from __future__ import annotations
 
 from ._engine import __version__
+from .calibration import Calibration, TurntableCalibration, calibrate, calibrate_on_turntable
 from .comparison import AxisComparison, Comparison, ModelErrors, RmsInterval, UnaidedError
 from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
 from .errors import FosError, FosWarning
@@ -34,6 +35,7 @@ from .study import Refinement, Study, fit
 __all__ = [
     "AxisComparison",
     "AxisNoise",
+    "Calibration",
     "Case",
     "Comparison",
     "Corrections",
@@ -53,10 +55,13 @@ __all__ = [
     "Refinement",
     "RmsInterval",
     "Study",
+    "TurntableCalibration",
     "UnaidedError",
     "UnitRow",
     "Validity",
     "__version__",
+    "calibrate",
+    "calibrate_on_turntable",
     "diagnose",
     "effects",
     "fit",

@@ -79,6 +79,10 @@ class NoiseError(FosError, ValueError):
     """A log that does not tell its noise."""
 
 
+class CalibrateError(FosError, ValueError):
+    """A log that gives no calibration, or values that none can be applied to."""
+
+
 class FleetError(FosError, ValueError):
     """Rows of units that are no fleet, or a regressor that cannot be read."""
 

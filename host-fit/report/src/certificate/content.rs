@@ -1,10 +1,9 @@
 //! Content of a certificate: the result, its conditions and its limits.
 
-use fos_calibrate::{Calibration, Gravity, GravitySource, RestResidual, Turntable};
+use fos_calibrate::{Calibration, Gravity, GravitySource, RestResidual, Shown, Turntable, shown};
 use fos_data::recording::Recording;
+use fos_data::text::capitalised;
 use serde::Serialize;
-
-use super::shown::{Shown, shown};
 
 /// Name and version of the schema of the JSON form.
 pub const SCHEMA: &str = "fos-certificate/1";
@@ -163,12 +162,7 @@ impl Certificate {
                         100.0 * share
                     ));
                 }
-                let gyro = found.gyro.iter().flat_map(|gyro| gyro.refused.clone());
-                all.extend(gyro.map(|reason| format!("The gyro's sensitivity was not estimated: {reason}.")));
-                let order = found.gyro.iter().flat_map(|gyro| gyro.axis_order.clone());
-                all.extend(order.map(|order| {
-                    format!("The axes of the gyro are not those of the accelerometer: {order}. Cross-axis angles are between axes that belong together.")
-                }));
+                all.extend(found.cautions(true).iter().map(|caution| format!("{}.", capitalised(caution))));
                 all.push("Angles and cross-axis refer to the sensor itself; the rotation of the sensor in its housing is not part of it.".to_owned());
             }
             Outcome::Turntable(_) => all.push(

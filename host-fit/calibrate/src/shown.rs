@@ -1,7 +1,10 @@
 //! Numbers of a calibration as a data sheet writes them.
 
-use fos_calibrate::{Determined, Exclusion, MG_MPS2, Parameter, STANDARD_GRAVITY_MPS2};
 use serde::Serialize;
+
+use crate::gravity::{MG_MPS2, STANDARD_GRAVITY_MPS2};
+use crate::parameter::{Determined, Parameter};
+use crate::rests::Exclusion;
 
 /// A parameter formatted for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,12 +77,13 @@ pub fn with_interval(value: f64, half_width: f64) -> (String, String) {
     (shown(value), shown(half_width))
 }
 
-/// Reason to exclude a rest, in words.
-pub fn exclusion(exclusion: &Exclusion) -> String {
-    match exclusion {
-        Exclusion::Moves { share } => format!("moves by {:.0} mg", 1000.0 * share),
-        Exclusion::Clips { axis } => format!("{} clips", ["x", "y", "z"][*axis]),
-        Exclusion::Outlier { deviations } => format!("|a| is {deviations:.0} σ off"),
+impl std::fmt::Display for Exclusion {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Moves { share } => write!(out, "moves by {:.0} mg", 1000.0 * share),
+            Self::Clips { axis } => write!(out, "{} clips", ["x", "y", "z"][*axis]),
+            Self::Outlier { deviations } => write!(out, "|a| is {deviations:.0} σ off"),
+        }
     }
 }
 
