@@ -21,6 +21,7 @@ pub mod files;
 mod fit;
 mod fleet;
 mod formats;
+mod guide;
 mod history;
 mod inspect;
 mod man;

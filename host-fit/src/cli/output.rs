@@ -182,6 +182,11 @@ pub(super) fn print_warning(text: &str) {
     tell(format_args!("{style}warning:{style:#} {}", visible_lines(text)));
 }
 
+/// Prints a line about work in progress.
+pub(super) fn print_note(text: &str) {
+    tell(format_args!("{}", visible(text)));
+}
+
 /// Prints on standard error; a closed terminal is not an error.
 fn tell(text: Arguments<'_>) {
     let _ = writeln!(anstream::stderr(), "{text}");

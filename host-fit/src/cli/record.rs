@@ -9,12 +9,16 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::arguments::OutputFile;
-use super::output::{Failure, print_json, print_line, print_warning};
+use super::guide::Guide;
+use super::output::{Failure, print_json, print_line, print_note, print_warning};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{check_log_path, write_columns};
 use fos_device_io::record::arriving::{Arriving, Notice};
 use fos_device_io::record::kept::Kept;
-use fos_device_io::record::{Report, record};
+use fos_device_io::record::{Report, record_watched};
+
+/// Time of the log between two lines of guidance, s.
+const GUIDED_EVERY_S: f64 = 5.0;
 
 /// Record the telemetry of a device as a log
 ///
@@ -22,7 +26,9 @@ use fos_device_io::record::{Report, record};
 /// that is removed. After a power loss or a killed recording, `fos record LOG.telemetry -o LOG`
 /// makes the log of it.
 #[derive(Debug, Args)]
-#[command(after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o log.parquet")]
+#[command(
+    after_help = "Example: fos record /dev/ttyACM0 --seconds 600 -o log.parquet\nExample: fos record /dev/ttyACM0 --guide calibration -o turned.parquet"
+)]
 pub(super) struct Record {
     /// The stream: a serial port that is set up (stty), a FIFO, a file, or - for standard input
     stream: PathBuf,
@@ -32,6 +38,9 @@ pub(super) struct Record {
     /// Stop after this time; otherwise at the end of the stream, or at Ctrl-C
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
+    /// Say every 5 s on standard error what the log still lacks
+    #[arg(long, value_name = "PURPOSE")]
+    guide: Option<Guide>,
     /// Print the number of received and lost samples as JSON
     #[arg(long)]
     json: bool,
@@ -49,7 +58,15 @@ impl Record {
         let opened = stream.clone();
         let arriving = Arriving::of(move || opened.open(), until, kept, notify);
         let mut arriving = arriving.map_err(|error| of(&error))?;
-        let recorded = record(BufReader::new(&mut arriving));
+        let every_s = self.guide.map_or(f64::INFINITY, |_| GUIDED_EVERY_S);
+        let mut said = String::new();
+        let recorded = record_watched(BufReader::new(&mut arriving), every_s, |log| {
+            let line = self.guide.map(|guide| guide.line(log)).unwrap_or_default();
+            if line != said {
+                print_note(&line);
+                said = line;
+            }
+        });
         let kept = arriving.into_kept();
         let done =
             recorded.map_err(|error| (error.holds_something(), of(&error).into())).and_then(|recorded| {

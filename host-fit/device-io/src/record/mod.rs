@@ -104,8 +104,22 @@ pub struct Report {
 /// # Errors
 ///
 /// The stream cannot be read, has another version, has no samples, or has no frame in its first bytes.
-pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
+pub fn record(stream: impl BufRead) -> Result<Recorded, RecordError> {
+    record_watched(stream, f64::INFINITY, |_| {})
+}
+
+/// As [`record`], and shows `watch` the log so far every `every_s` of its time. Meanwhile nothing is read: a stream must be able to wait.
+///
+/// # Errors
+///
+/// Errors of [`record`].
+pub fn record_watched(
+    mut stream: impl BufRead,
+    every_s: f64,
+    mut watch: impl FnMut(&Recorded),
+) -> Result<Recorded, RecordError> {
     let mut log = Log::default();
+    let mut next_s = every_s;
     let mut frame = Vec::new();
     let (mut joined, mut is_telemetry) = (false, false);
     loop {
@@ -125,7 +139,14 @@ pub fn record(mut stream: impl BufRead) -> Result<Recorded, RecordError> {
             is_telemetry |= decoded.is_ok();
             match decoded {
                 Ok(Frame::Start(start)) => log.start(&start)?,
-                Ok(Frame::Sample(sample)) => log.sample(&sample),
+                Ok(Frame::Sample(sample)) => {
+                    log.sample(&sample);
+                    let now_s = log.time_s.last().copied().unwrap_or_default();
+                    if now_s >= next_s {
+                        next_s = now_s + every_s;
+                        log.recorded().iter().for_each(&mut watch);
+                    }
+                }
                 Err(TelemetryError::OtherVersion(found)) => return Err(RecordError::Version { found }),
                 // A late start begins in the middle of a frame.
                 Err(_) if !joined => {}
@@ -225,22 +246,23 @@ impl Log {
 
     fn finish(self) -> Result<Recorded, RecordError> {
         let Report { bytes, damaged, .. } = self.report;
-        if bytes == 0 {
-            return Err(RecordError::Silent);
+        match self.recorded() {
+            Some(recorded) => Ok(recorded),
+            None if bytes == 0 => Err(RecordError::Silent),
+            None => Err(RecordError::Nothing { bytes, damaged }),
         }
-        let Some(names) = self.names.filter(|_| !self.time_s.is_empty()) else {
-            return Err(RecordError::Nothing { bytes, damaged });
-        };
+    }
+
+    /// The log so far; none before its first sample.
+    fn recorded(&self) -> Option<Recorded> {
+        let names = self.names.as_ref().filter(|_| !self.time_s.is_empty())?;
         let axes = || names.axes.iter().map(|axis| Column::named(axis));
         let of_values = names.axes.iter().cloned().chain(names.quantities.iter().cloned());
         let of_values = of_values.chain(axes().map(Column::innovation)).chain(axes().map(Column::validity));
-        let mut columns = vec![
-            ("t_s".to_owned(), self.time_s),
-            ("still".to_owned(), self.still),
-            ("segment".to_owned(), self.segment),
-        ];
-        columns.extend(of_values.zip(self.values));
-        Ok(Recorded { columns, report: self.report })
+        let of_rows = [("t_s", &self.time_s), ("still", &self.still), ("segment", &self.segment)];
+        let of_rows = of_rows.map(|(name, values)| (name.to_owned(), values.clone()));
+        let columns = of_rows.into_iter().chain(of_values.zip(self.values.iter().cloned()));
+        Some(Recorded { columns: columns.collect(), report: self.report.clone() })
     }
 }
 
@@ -315,6 +337,15 @@ mod tests {
             (2, Some("no such device"))
         );
         assert!(matches!(record(io::BufReader::new(Pulled(&[]))), Err(RecordError::Read(_))));
+    }
+
+    #[test]
+    fn log_so_far_is_shown_at_intervals() {
+        let bytes = [stream(&[Frame::Start(START)]), (0..50).flat_map(sample).collect()].concat();
+        let mut rows = Vec::new();
+        let recorded = record_watched(&bytes[..], 0.1, |log| rows.push(column(log, "t_s").len()));
+        assert_eq!(rows, [21, 41]);
+        assert_eq!(recorded.expect("a log"), read(&bytes));
     }
 
     #[test]
