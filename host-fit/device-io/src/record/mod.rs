@@ -144,7 +144,7 @@ pub fn record_watched(
                     let now_s = log.time_s.last().copied().unwrap_or_default();
                     if now_s >= next_s {
                         next_s = now_s + every_s;
-                        log.recorded().iter().for_each(&mut watch);
+                        log.clone().recorded().iter().for_each(&mut watch);
                     }
                 }
                 Err(TelemetryError::OtherVersion(found)) => return Err(RecordError::Version { found }),
@@ -161,7 +161,7 @@ pub fn record_watched(
     log.finish()
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Log {
     names: Option<Names>,
     period_s: f64,
@@ -175,6 +175,7 @@ struct Log {
 }
 
 /// Columns of a log, as named in its start frame.
+#[derive(Clone)]
 struct Names {
     axes: Vec<String>,
     quantities: Vec<String>,
@@ -254,15 +255,18 @@ impl Log {
     }
 
     /// The log so far; none before its first sample.
-    fn recorded(&self) -> Option<Recorded> {
-        let names = self.names.as_ref().filter(|_| !self.time_s.is_empty())?;
+    fn recorded(self) -> Option<Recorded> {
+        let names = self.names.filter(|_| !self.time_s.is_empty())?;
         let axes = || names.axes.iter().map(|axis| Column::named(axis));
         let of_values = names.axes.iter().cloned().chain(names.quantities.iter().cloned());
         let of_values = of_values.chain(axes().map(Column::innovation)).chain(axes().map(Column::validity));
-        let of_rows = [("t_s", &self.time_s), ("still", &self.still), ("segment", &self.segment)];
-        let of_rows = of_rows.map(|(name, values)| (name.to_owned(), values.clone()));
-        let columns = of_rows.into_iter().chain(of_values.zip(self.values.iter().cloned()));
-        Some(Recorded { columns: columns.collect(), report: self.report.clone() })
+        let mut columns = vec![
+            ("t_s".to_owned(), self.time_s),
+            ("still".to_owned(), self.still),
+            ("segment".to_owned(), self.segment),
+        ];
+        columns.extend(of_values.zip(self.values));
+        Some(Recorded { columns, report: self.report })
     }
 }
 
