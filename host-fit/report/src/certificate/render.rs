@@ -4,9 +4,9 @@ use fos_calibrate::MG_MPS2;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-use super::content::Certificate;
+use super::content::{Certificate, Outcome};
 use super::picture::Picture;
-use super::shown::exclusion;
+use super::sphere::Sphere;
 use crate::{RenderError, markdown_environment, page_environment, style};
 
 fn content(certificate: &Certificate) -> Value {
@@ -21,11 +21,17 @@ fn content(certificate: &Certificate) -> Value {
                 duration => format!("{:.1}", one.rest.duration_s),
                 up => one.up.map(|part| format!("{part:+.2}").replace('-', "−")).join(" "),
                 residual => format!("{:+.2}", one.residual_mps2 / MG_MPS2).replace('-', "−"),
-                excluded => one.rest.excluded.as_ref().map(exclusion),
+                excluded => one.rest.excluded.as_ref().map(ToString::to_string),
             }
         })
         .collect();
+    let by_hand = match &certificate.result {
+        Outcome::Hand(found) => Some(&found.accelerometer),
+        Outcome::Turntable(_) => None,
+    };
     context! {
+        sphere => Serde(by_hand.map(|found| Sphere::of(&found.rests, &found.next))),
+        next => by_hand.map(|found| found.next.instruction.as_str()),
         tool => certificate.tool.as_str(),
         conditions => certificate.conditions(),
         parameters => Serde(certificate.parameters()),
