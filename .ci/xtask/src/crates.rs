@@ -33,6 +33,7 @@ const MAY: &[(&str, &[&str])] = &[
     (
         "fos-workbench",
         &[
+            "fos-calibrate",
             "fos-core",
             "fos-data",
             "fos-fit",

@@ -34,6 +34,7 @@ use fos_figures::units::{ShownUnit, Units};
 use fos_figures::{Figure, svg};
 use fos_fit::model::UnitModel;
 use fos_fit::noise::AxisNoise;
+use fos_report::certificate::{self, Certificate, Outcome, Stated};
 use fos_report::{Card, Report, ReportAxis, html, markdown};
 
 /// Largest size of a dropped file, bytes: a day of six axes at 200 Hz as text.
@@ -381,6 +382,26 @@ pub(super) async fn export(
     beside(move || exported(&study, &format)).await
 }
 
+/// Returns the certificate of a calibration by hand from the log to explain.
+pub(super) async fn certificate(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+) -> Result<Response, Refused> {
+    let study = desk.study(id).map_err(not_found)?;
+    let page = beside(move || {
+        let read = study.read().map_err(not_now)?;
+        let none = || {
+            not_found(
+                "the log has too few orientations for a calibration\nhelp: record 12 or more, 3 s each"
+                    .to_owned(),
+            )
+        };
+        let found = Outcome::Hand(Box::new(read.calibration.clone().ok_or_else(none)?));
+        certificate::html(&Certificate::of(Stated::default(), &read.logs.log, found)).map_err(wrong)
+    });
+    Ok(attached("certificate.html", page.await?.into_bytes()))
+}
+
 fn exported(study: &Study, format: &str) -> Result<Response, Refused> {
     let file = study.whole_file().map_err(not_now)?;
     let provenance = file.provenance();
@@ -397,11 +418,16 @@ fn exported(study: &Study, format: &str) -> Result<Response, Refused> {
             )));
         }
     };
+    Ok(attached(name, content))
+}
+
+/// A file to be saved.
+fn attached(name: &str, content: Vec<u8>) -> Response {
     let headers = [
         (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
     ];
-    Ok((headers, Body::from(content)).into_response())
+    (headers, Body::from(content)).into_response()
 }
 
 /// Returns the report on the axes that have been examined.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fos_calibrate::Calibration;
 use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::refine::Logs;
 use fos_diagnose::study::{Refinement, Study};
@@ -14,6 +15,8 @@ pub(super) struct Read {
     pub(super) summaries: Summaries,
     /// Axes of the log to explain.
     pub(super) axes: Vec<String>,
+    /// Calibration by hand, if the log to explain has enough orientations.
+    pub(super) calibration: Option<Calibration>,
     /// Study that the logs were stored with.
     pub(super) stored: Option<Arc<Study>>,
 }

@@ -164,6 +164,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/noise", get(api::noise))
         .route("/api/studies/{id}/export/{format}", get(api::export))
         .route("/api/studies/{id}/hubs", get(api::hubs))
+        .route("/api/studies/{id}/certificate", get(api::certificate))
         .route("/api/studies/{id}/replay", get(api::replay))
         .route("/api/logs", get(api::logs))
         .route("/api/populations", get(populations::listed))

@@ -8,6 +8,7 @@ use super::example;
 use super::job::Job;
 use super::known::{Change, KnownAxis, Read, Snapshot};
 use super::task::{LogFiles, Open, Task};
+use fos_calibrate::{Imu, Options, calibrate};
 use fos_data::file::name_of;
 use fos_data::recording::{Recording, load};
 use fos_diagnose::compare::study_of;
@@ -79,7 +80,8 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
     let first = first
         .or_else(|| axes.iter().find(|axis| Column::named(axis).is_angular_rate()).or(axes.first()).cloned());
     let summaries = Summaries::of(&logs);
-    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes, stored }), first })
+    let calibration = Imu::of(&logs.log).and_then(|imu| calibrate(&imu, &Options::default())).ok();
+    Ok(Change::Read { read: Box::new(Read { logs, summaries, axes, calibration, stored }), first })
 }
 
 /// # Errors

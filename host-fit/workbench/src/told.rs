@@ -87,6 +87,8 @@ pub(super) struct Page {
     keeps_moved: bool,
     /// Worst outcome of its axes; an all-clear only once all are diagnosed.
     outcome: Option<Outcome>,
+    /// True if the log to explain has enough orientations for a calibration by hand.
+    is_turned: bool,
     /// True if every axis that can have a model has one, so that the study can be exported.
     is_whole: bool,
     axis: Option<String>,
@@ -171,6 +173,7 @@ impl Page {
             logs: state.read.as_ref().map(|read| read.summaries.clone()),
             keeps_moved: state.read.as_ref().is_some_and(|read| read.logs.read.keep_moved),
             outcome: state.outcome(),
+            is_turned: state.read.as_ref().is_some_and(|read| read.calibration.is_some()),
             is_whole: fitted.is_some() && state.unfitted().next().is_none(),
             axis: state.looked_at.clone(),
             axes: state.axes.iter().map(AxisPage::of).collect(),

@@ -83,10 +83,11 @@ export function takePart({ study, announce }) {
     update(scene) {
       const { state } = scene;
       const hasModel = state.axes.some((axis) => axis.model);
-      const now = JSON.stringify([hasModel, isReady(state), state.commands]);
+      const now = JSON.stringify([hasModel, isReady(state), state.is_turned, state.commands]);
       if (now !== drawn) {
         drawn = now;
-        replace(downloads, FORMATS.map(({ format, name, says }) => download(study, format, name, hasModel ? says : "when there is a model", isReady(state))));
+        const files = FORMATS.map(({ format, name, says }) => download(study, format, name, hasModel ? says : "when there is a model", isReady(state)));
+        replace(downloads, state.is_turned ? [...files, certificate(study)] : files);
         replace(commands, state.commands.length > 0 ? state.commands.map((command, at) => commandElement(command, `command:${at}`, announce)) : el("p", { class: "empty" }, "The commands appear when the first axis is fitted."));
       }
       void readReplay(scene);
@@ -101,6 +102,12 @@ const isReady = (state) => state.is_whole && !state.job?.asked_for;
 function download(study, format, name, says, isReady) {
   const text = [icon("drop"), el("span", {}, el("b", {}, name), el("span", { class: "note" }, says))];
   return el("li", {}, isReady ? el("a", { href: `/api/studies/${study}/export/${format}`, download: "", "data-key": `export:${format}` }, text) : el("span", { class: "off" }, text));
+}
+
+/** The log lies in enough orientations for a calibration by hand. @param {number} study */
+function certificate(study) {
+  const text = [icon("drop"), el("span", {}, el("b", {}, "Calibration certificate"), el("span", { class: "note" }, "Bias, sensitivity and cross-axis from its orientations, and the one to record next"))];
+  return el("li", {}, el("a", { href: `/api/studies/${study}/certificate`, download: "", "data-key": "certificate" }, text));
 }
 
 /** @param {string} command @param {string} key @param {(text: string) => void} announce */
