@@ -34,7 +34,7 @@ pub fn rows(
     rows_path: &Path,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Vec<UnitRow>, KeyedRowsError> {
-    let (stored, done) = (KeyedRows::open(rows_path)?, AtomicUsize::new(0));
+    let (stored, done) = (KeyedRows::<UnitRow>::open(rows_path)?, AtomicUsize::new(0));
     let rows: Vec<KeyedRow<UnitRow>> = units
         .par_iter()
         .map(|unit| {

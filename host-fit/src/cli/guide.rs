@@ -71,7 +71,7 @@ fn time_at_rest(log: &Recording) -> String {
     let at_rest = format!("{} at rest", minutes(seconds));
     let missing = found.iter().filter_map(|axis| {
         let until = axis.walk_within_20_percent_s.or(axis.walk_needs_s)?;
-        (until > axis.seconds).then(|| (until - axis.seconds, axis))
+        (until > axis.seconds).then_some((until - axis.seconds, axis))
     });
     match missing.max_by(|(one, _), (other, _)| one.total_cmp(other)) {
         None => format!("{at_rest}: enough, K of every axis that has one is within ± 20 %"),

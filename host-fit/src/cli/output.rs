@@ -43,7 +43,6 @@ macro_rules! print_text {
 }
 
 /// Prints a line on standard error.
-#[cfg(feature = "workbench")]
 macro_rules! print_note {
     ($($text:tt)*) => {
         $crate::cli::output::print_aside(format_args!($($text)*))
@@ -59,9 +58,7 @@ macro_rules! say {
     };
 }
 
-#[cfg(feature = "workbench")]
-pub(super) use print_note;
-pub(super) use {print_line, print_text, say};
+pub(super) use {print_line, print_note, print_text, say};
 
 /// A closed pipe is not an error; another failure to write, such as a full disk, ends with exit code 1.
 pub(super) fn print(text: Arguments<'_>) {
@@ -77,7 +74,6 @@ pub(super) fn print(text: Arguments<'_>) {
     }
 }
 
-#[cfg(feature = "workbench")]
 pub(super) fn print_aside(text: Arguments<'_>) {
     tell(format_args!("{}", visible_lines(&text.to_string())));
 }
@@ -180,11 +176,6 @@ pub(super) fn with_flags<'a>(
 pub(super) fn print_warning(text: &str) {
     let style = AnsiColor::Yellow.on_default().bold();
     tell(format_args!("{style}warning:{style:#} {}", visible_lines(text)));
-}
-
-/// Prints a line about work in progress.
-pub(super) fn print_note(text: &str) {
-    tell(format_args!("{}", visible(text)));
 }
 
 /// Prints on standard error; a closed terminal is not an error.

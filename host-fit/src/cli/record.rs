@@ -63,7 +63,7 @@ impl Record {
         let recorded = record_watched(BufReader::new(&mut arriving), every_s, |log| {
             let line = self.guide.map(|guide| guide.line(log)).unwrap_or_default();
             if line != said {
-                print_note(&line);
+                print_note!("{line}");
                 said = line;
             }
         });

@@ -368,7 +368,7 @@ async fn turned_log_has_a_certificate() {
     let response =
         bench.ask(page("GET", &format!("/api/studies/{id}/certificate")).body(Body::empty()).unwrap()).await;
     assert_eq!(response.status(), StatusCode::OK);
-    let bytes = axum::body::to_bytes(response.into_body(), 1 << 20).await.unwrap();
+    let bytes = to_bytes(response.into_body(), 1 << 20).await.unwrap();
     let text = String::from_utf8(bytes.to_vec()).unwrap();
     assert!(text.contains("Calibration certificate") && text.contains("Orientations"), "{text}");
 }
