@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
-use fos_calibrate::{
-    CalibrateError, Calibration, Gravity, Imu, Options, Parameter, RestResidual, shown,
-};
+use fos_calibrate::{CalibrateError, Calibration, Gravity, Imu, Options, Parameter, RestResidual, shown};
 use fos_data::recording::Recording as Log;
 use pyo3::prelude::*;
 use serde_json::{Map, Value, json};
@@ -39,8 +37,7 @@ pub(crate) fn calibrate_on_turntable(
     rates_rads: Vec<f64>,
 ) -> PyResult<String> {
     let log = Arc::clone(&log.log);
-    let found =
-        work::run(py, || fos_calibrate::calibrate_on_turntable(&Imu::of(&log)?, &rates_rads))?;
+    let found = work::run(py, || fos_calibrate::calibrate_on_turntable(&Imu::of(&log)?, &rates_rads))?;
     let found = found.map_err(raised(py))?;
     let (matrix, bias) = found.model.correction(found.model.reference_c);
     Ok(json!({

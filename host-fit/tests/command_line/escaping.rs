@@ -204,10 +204,11 @@ fn log_with(text: &str, folder: &Path, from: &str, to: &str) {
     let header = header.replace("temp_c", &quoted(&format!("{text}temp")));
     let mut changed = format!("{header},segment,note\n");
     for (number, row) in rows.lines().enumerate() {
-        let label = if number < 100 { "one" } else { text };
+        let label = if number < 100 { text } else { "one" };
+        let note = if number % 97 == 5 { text } else { "x" };
         let with_cell = || row.replacen(',', &format!(",{}", quoted(text)), 1);
         let row = if number % 997 == 3 { with_cell() } else { row.to_owned() };
-        changed.push_str(&format!("{row},{},{}\n", quoted(label), quoted(text)));
+        changed.push_str(&format!("{row},{},{}\n", quoted(label), quoted(note)));
     }
     fs::write(folder.join(to), changed).expect("written");
 }
@@ -254,12 +255,13 @@ fn escapes_foreign_text_in_every_output() {
 
     // commands that read the log and the study
     let reading = ["--effect", "mine.toml"];
-    runs.run(folder, &["compare", &study, &log, "--figures", "figures"]);
+    runs.run_with(&[false], folder, &["compare", &study, &log, "--figures", "figures"]);
     runs.json(folder, &["compare", &study, &log]);
-    runs.run(folder, &[&["diagnose", &log, "--axis", "gx"][..], &reading].concat());
-    runs.run(folder, &[&["add", &study, "mine", "--from", &log][..], &reading].concat());
+    runs.run_with(&[false], folder, &[&["diagnose", &log, "--axis", "gx"][..], &reading].concat());
+    runs.run_with(&[false], folder, &[&["add", &study, "mine", "--from", &log][..], &reading].concat());
     runs.run(folder, &["history", &study]);
-    runs.run(
+    runs.run_with(
+        &[false],
         folder,
         &[
             "table",
@@ -314,10 +316,9 @@ fn escapes_foreign_text_in_every_output() {
     let mut written = Vec::new();
     for (log, study) in [("harmless.csv", "harmless.json"), (&*log, &*study)] {
         for form in ["report.html", "report.md"] {
-            runs.done(
-                folder,
-                &[&["report", study, "--from", log, "--axis", "gx", "-o", form][..], &reading].concat(),
-            );
+            let command =
+                [&["report", study, "--from", log, "--axis", "gx", "-o", form][..], &reading].concat();
+            assert!(runs.run_with(&[false], folder, &command), "{command:?}");
             written.push(fs::read_to_string(folder.join(form)).expect("UTF-8"));
         }
     }

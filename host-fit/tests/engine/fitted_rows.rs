@@ -10,6 +10,7 @@ use fos_fit::evaluate::{MODEL, Rival};
 use fos_fit::fit::{AxisFit, FitOptions, Train, fit_axis, rest};
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
+use fos_testkit::is_thorough;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -168,7 +169,8 @@ fn evaluation(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
 fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
     const ROWS: usize = 60_000;
     let (mut left_out, mut worst) = (0, 0.0_f64);
-    for seed in 0..24 {
+    let logs = if is_thorough() { 24 } else { 6 };
+    for seed in 0..logs {
         let way = options(&["temp_c"], &[]);
         let (study, fit) = evaluation(log(ROWS, ROWS / 2, 100 + seed), &way);
         let coast = |name: &str| {
@@ -179,7 +181,7 @@ fn insignificant_coefficient_is_excluded_and_no_coast_is_worse_than_the_mean() {
         worst = worst.max(coast(MODEL) / coast(Rival::Mean.name()));
     }
     // a term passes the threshold, 3.2 standard errors, once in 700 logs
-    assert!(left_out >= 23, "{left_out}");
+    assert!(left_out + 1 >= logs as usize, "{left_out}");
     // and adds the square of its error, some 10 of 30,000, times that of the edge of its range
     assert!(worst < 1.01, "{worst}");
 }
