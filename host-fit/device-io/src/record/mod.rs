@@ -108,7 +108,7 @@ pub fn record(stream: impl BufRead) -> Result<Recorded, RecordError> {
     record_watched(stream, f64::INFINITY, |_| {})
 }
 
-/// As [`record`], and shows `watch` the log so far every `every_s` of its time. Meanwhile nothing is read: a stream must be able to wait.
+/// Does what [`record`] does, and shows `watch` the log so far every `every_s` of its time. Meanwhile nothing is read: a stream must be able to wait.
 ///
 /// # Errors
 ///
