@@ -7,7 +7,7 @@ G = 9.80665
 
 
 def turned(orientations=14, seed=5, noise=0.01):
-    """A device with a bias of 0.1 m/s² and 2 % too much sensitivity on y, that lies 3 s in each orientation; its gyro is 1 % off."""
+    """A device with a bias of 0.1 m/s² and 2 % too much sensitivity on y, that lies 3 s in each orientation; gyro 1 % off."""
     random = np.random.default_rng(seed)
     rate, still, turning = 100, 300, 100
     up = random.normal(size=(orientations, 3))
@@ -38,14 +38,14 @@ def turned(orientations=14, seed=5, noise=0.01):
 def test_planted_calibration_is_found_and_undone():
     log, true = turned()
     found = fos.calibrate(log, accuracy_mg=5)
-    for id, truth in {
+    for name, truth in {
         "accelerometer.bias.x": 0.1,
         "accelerometer.bias.y": 0.0,
         "accelerometer.sensitivity.y": 1.02,
         "gyro.bias.y": 0.01,
         "gyro.sensitivity.z": 1.01,
     }.items():
-        one = found[id]
+        one = found[name]
         # five intervals of 95 % at once: twice as wide, four standard deviations, all hold
         assert abs(one.value - truth) < 2 * one.half_width, one
     assert found.rms_mps2[0] < 0.01 < found.rms_mps2[1]
@@ -93,12 +93,16 @@ def test_the_program_says_the_same(tmp_path, program):
 def test_turntable():
     random = np.random.default_rng(2)
     rate, plateau, pause = 100, 600, 200
-    axes = np.concatenate([np.eye(3), -np.eye(3), random.normal(size=(4, 3))])
+    axes = np.concatenate([np.eye(3), -np.eye(3), random.normal(size=(12, 3))])
     axes /= np.linalg.norm(axes, axis=1)[:, None]
     stated = np.deg2rad(200.0)
-    rates = np.concatenate([np.concatenate([np.zeros((pause, 3)), np.tile(stated * axis, (plateau, 1))]) for axis in axes])
+    rates = np.concatenate(
+        [np.concatenate([np.zeros((pause, 3)), np.tile(stated * axis, (plateau, 1))]) for axis in axes]
+    )
     measured = rates * [1.0136, 0.9887, 0.9988] + [0.01, 0.0, 0.0] + random.normal(0, 1e-3, rates.shape)
-    columns = {"t_s": np.arange(len(measured)) / rate} | {f"g{axis}_rads": measured[:, i] for i, axis in enumerate("xyz")}
+    columns = {"t_s": np.arange(len(measured)) / rate} | {
+        f"g{axis}_rads": measured[:, i] for i, axis in enumerate("xyz")
+    }
     found = fos.calibrate_on_turntable(fos.Recording.from_arrays(columns), rates_rads=[stated])
     assert found["gyro.sensitivity.x"].value == pytest.approx(1.0136, abs=1e-3)
     assert found["gyro.sensitivity.y"].value == pytest.approx(0.9887, abs=1e-3)

@@ -273,7 +273,7 @@ def calibrate(
             (`ax_cnt`) need no scale.
         latitude_deg: Of the place, °. Without it standard gravity is assumed, which is wrong by up to 0.27 %.
         height_m: Of the place above sea level, m.
-        accuracy_mg: Accuracy that is needed at 1 g, mg; the result then says whether it is reached, and which rests would reach it.
+        accuracy_mg: Accuracy that is needed at 1 g, mg; the result says whether it is reached, and which rests would do.
 
     Raises:
         CalibrateError: The orientations do not determine the calibration; the message says which to record.
