@@ -825,6 +825,8 @@ files: LogFiles | null, logs: Summaries | null,
 keeps_moved: boolean,
 /** Worst outcome of its axes; an all-clear only once all are diagnosed. */
 outcome: Outcome | null,
+/** True if the log to explain has enough orientations for a calibration by hand. */
+is_turned: boolean,
 /** True if every axis that can have a model has one, so that the study can be exported. */
 is_whole: boolean, axis: string | null, axes: Array<AxisPage>, commands: Array<string>, };
 

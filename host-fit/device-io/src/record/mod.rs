@@ -347,7 +347,7 @@ mod tests {
     fn log_so_far_is_shown_at_intervals() {
         let bytes = [stream(&[Frame::Start(START)]), (0..50).flat_map(sample).collect()].concat();
         let mut rows = Vec::new();
-        let recorded = record_watched(&bytes[..], 0.1, |log| rows.push(column(log, "t_s").len()));
+        let recorded = record_watched(&bytes[..], 0.0999, |log| rows.push(column(log, "t_s").len()));
         assert_eq!(rows, [21, 41]);
         assert_eq!(recorded.expect("a log"), read(&bytes));
     }
