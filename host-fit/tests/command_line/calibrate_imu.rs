@@ -2,9 +2,11 @@
 
 use std::fs;
 
+use fos_core::Validity;
+use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, encode};
 use serde_json::Value;
 
-use crate::session::{done, fails};
+use crate::session::{done, fails, stderr_of};
 use crate::turned_log::{ACCELEROMETER, GYRO, resting_log, turned_log};
 
 #[test]
@@ -152,4 +154,44 @@ fn rejects_logs_unfit_for_calibration_with_a_remedy() {
     assert!(message.contains("no accelerometer") && message.contains("--rate-table"), "{message}");
     let message = fails(folder, 2, &["calibrate-imu", "rest.csv", "--accuracy", "2"]);
     assert!(message.contains("has no unit; known are mg"), "{message}");
+}
+
+/// The rows of a log in CSV, its time aside, as a device sends them.
+fn telemetry_of(log: &str) -> Vec<u8> {
+    let (header, rows) = log.split_once('\n').expect("a header");
+    let axes = header.strip_prefix("t_s,").expect("time first").replace(',', "\n");
+    let mut buffer = [0; 256];
+    let start = StartFrame { version: VERSION, period_s: 0.02, axes: axes.as_str(), quantities: "" };
+    let mut stream = encode(&Frame::Start(start), &mut buffer).expect("fits").to_vec();
+    for (tick, row) in (0..).zip(rows.lines()) {
+        let measured: Vec<f32> = row.split(',').skip(1).map(|cell| cell.parse().expect("a number")).collect();
+        let (innovations, validity) = (vec![0.0; measured.len()], vec![Validity::VALID; measured.len()]);
+        let sample = SampleFrame {
+            tick,
+            still: false,
+            measured: &measured[..],
+            quantities: &[],
+            innovations: &innovations[..],
+            validity: &validity[..],
+        };
+        let frame: Frame<&str, _, _> = Frame::Sample(sample);
+        stream.extend(encode(&frame, &mut buffer).expect("fits").iter());
+    }
+    stream
+}
+
+#[test]
+fn recording_is_guided_to_the_next_orientation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("turned.stream"), telemetry_of(&turned_log())).expect("written");
+    let guide =
+        |purpose| stderr_of(folder, &["record", "turned.stream", "--guide", purpose, "-o", "log.csv"]);
+    let told = guide("calibration");
+    let (first, last) = (told.lines().next().expect("a line"), told.lines().last().expect("a line"));
+    assert!(first.contains("orientation") && first.contains("next: "), "{told}");
+    assert!(last.contains("rests in") && last.contains("mg at 1 g; next: "), "{told}");
+    assert!(guide("noise").contains("at rest"));
+    // as the command says of the whole log
+    assert!(done(folder, &["calibrate-imu", "log.csv"]).contains("next: "));
 }

@@ -349,7 +349,7 @@ mod tests {
         let mut rows = Vec::new();
         let recorded = record_watched(&bytes[..], 0.0999, |log| rows.push(column(log, "t_s").len()));
         assert_eq!(rows, [21, 41]);
-        assert_eq!(recorded.expect("a log"), read(&bytes));
+        assert_eq!(column(&recorded.expect("a log"), "gx_rads"), column(&read(&bytes), "gx_rads"));
     }
 
     #[test]

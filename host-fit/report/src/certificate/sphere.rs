@@ -63,7 +63,10 @@ impl Sphere {
         let mut names: Vec<(Mark, &'static str)> =
             DISCS.into_iter().zip([1.0, -1.0]).flat_map(|(disc, side)| rim(disc, side)).collect();
         names.extend(
-            DISCS.into_iter().zip(["z", "−z"]).map(|(disc, name)| (Mark { x: disc.x + 12.0, y: disc.y + 16.0 }, name)),
+            DISCS
+                .into_iter()
+                .zip(["z", "−z"])
+                .map(|(disc, name)| (Mark { x: disc.x + 12.0, y: disc.y + 16.0 }, name)),
         );
         Self {
             width: 4.0 * (MARGIN + RADIUS),
