@@ -1,8 +1,7 @@
 //! Escapes external text for places where some characters have an effect: a terminal, source code, a page, a shell.
 //!
-//! Text is first made [`visible`](crate::visible::visible); each place then has its own rule for its special characters. The rules of
-//! the report are beside it: Markdown in `report/markdown_text.rs`, HTML in `report/render.rs`. Figures make their text visible in
-//! `figures/canvas.rs`.
+//! Text is first made [`visible`]; each place then has its own rule for its special characters. The rules of Markdown and HTML are in
+//! fos-report, beside the report.
 
 use std::fmt::{self, Write};
 
