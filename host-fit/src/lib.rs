@@ -1,5 +1,5 @@
-//! The program `fos`: the command line over the libraries beside it, and the development commands that calibrate, benchmark and repeat the
-//! paper.
+//! The program `fos`: the command line over the libraries of this workspace, and the development commands: rates of the diagnosis,
+//! benchmarks, the tables of the paper.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::result_large_err,

@@ -1,11 +1,13 @@
 //! Reasons to distrust parts of a calibration, in words.
 
+use fos_data::text::{counted, rounded};
+
+use crate::Calibration;
 use crate::accelerometer::Accelerometer;
 use crate::gravity::MG_MPS2;
 use crate::gyro::{Gyro, TurnExclusion};
 use crate::parameter::Determined;
 use crate::shown::shown;
-use crate::{Calibration, with_interval};
 
 /// Largest residual of a device at rest, m/s² (3 mg).
 const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;
@@ -24,7 +26,7 @@ impl Accelerometer {
             ));
         }
         if let Some(rms) = self.rms_mps2[0].filter(|rms| *rms > RESTLESS_MPS2) {
-            let (rms, _) = with_interval(rms / MG_MPS2, 0.1 * rms / MG_MPS2);
+            let rms = rounded(rms / MG_MPS2, 3);
             all.push(format!("a residual of {rms} mg: the device did not lie still, or it is not linear"));
         }
         if !self.unseen.is_empty() {
@@ -60,8 +62,7 @@ impl Gyro {
             .map(|order| format!("the axes of the gyro are not those of the accelerometer: {order}; cross-axis angles are between axes that belong together"));
         let clipped = self.turns.iter().filter(|turn| turn.excluded == Some(TurnExclusion::Clips)).count();
         let clipped = (clipped > 0).then(|| {
-            let turns = if clipped == 1 { "1 turn".to_owned() } else { format!("{clipped} turns") };
-            format!("{turns} faster than the gyro's full scale, excluded: turn slower")
+            format!("{} faster than the gyro's full scale, excluded: turn slower", counted(clipped, "turn"))
         });
         refused.chain(order).chain(clipped).collect()
     }

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 
+use super::noise::duration;
 use super::units::three;
 use fos_calibrate::{CalibrateError, Imu, MG_MPS2, Options, calibrate};
 use fos_data::interrupt::in_parallel;
@@ -21,7 +22,7 @@ pub(super) enum Guide {
 }
 
 impl Guide {
-    /// What the log so far lacks, in a line.
+    /// States in a line what the log so far lacks.
     pub(super) fn line(self, recorded: &Recorded) -> String {
         let line = log_of(recorded).map(|log| match self {
             Self::Calibration => orientation(&log),
@@ -68,7 +69,7 @@ fn time_at_rest(log: &Recording) -> String {
         Err(error) => return error.to_string(),
     };
     let seconds = found.iter().map(|axis| axis.seconds).fold(f64::INFINITY, f64::min);
-    let at_rest = format!("{} at rest", minutes(seconds));
+    let at_rest = format!("{} at rest", duration(seconds));
     let missing = found.iter().filter_map(|axis| {
         let until = axis.walk_within_20_percent_s.or(axis.walk_needs_s)?;
         (until > axis.seconds).then_some((until - axis.seconds, axis))
@@ -76,16 +77,12 @@ fn time_at_rest(log: &Recording) -> String {
     match missing.max_by(|(one, _), (other, _)| one.total_cmp(other)) {
         None => format!("{at_rest}: enough, K of every axis that has one is within ± 20 %"),
         Some((more, axis)) if axis.walk_within_20_percent_s.is_some() => {
-            format!("{at_rest}: about {} more for K of {} within ± 20 %", minutes(more), axis.column)
+            format!("{at_rest}: about {} more for K of {} within ± 20 %", duration(more), axis.column)
         }
         Some((more, axis)) => format!(
             "{at_rest}: no K of {} seen yet; {} more would halve its limit",
             axis.column,
-            minutes(more)
+            duration(more)
         ),
     }
-}
-
-fn minutes(seconds: f64) -> String {
-    format!("{:.1} min", seconds / 60.0)
 }

@@ -236,7 +236,7 @@ fn cells(level: &Level, unit: &ShownUnit, none: &str) -> [String; 2] {
 }
 
 /// A duration in s, min or h.
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 120.0 => format!("{s:.0} s"),
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
