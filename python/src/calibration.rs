@@ -5,6 +5,7 @@ use std::sync::Arc;
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
 use fos_calibrate::{CalibrateError, Calibration, Gravity, Imu, Options, Parameter, RestResidual, shown};
 use fos_data::recording::Recording as Log;
+use fos_figures::rests::residual_of_each_rest;
 use pyo3::prelude::*;
 use serde_json::{Map, Value, json};
 
@@ -61,6 +62,7 @@ fn by_hand(found: &Calibration, log: &Log) -> Value {
         "gyro": gyro.and_then(|gyro| Some(json!({ "matrix": gyro.matrix?, "bias": gyro.bias }))),
         "gravity_mps2": accelerometer.gravity.mps2,
         "reference_c": accelerometer.temperature_c.map(|_| accelerometer.model.reference_c),
+        "figure": residual_of_each_rest(&accelerometer.rests),
         "rests": accelerometer.rests.iter().map(rest).collect::<Vec<_>>(),
         "orientations": accelerometer.orientations,
         "unseen": accelerometer.unseen,

@@ -7,6 +7,8 @@ use fos_data::recording::{Recording as Log, RecordingError};
 use fos_diagnose::detect::{self, Finding, Question};
 use fos_diagnose::effects::{Effect, Library};
 use fos_diagnose::refine::{Evidence, evidence_without_model, line_spectrum};
+use fos_figures::Figure;
+use fos_figures::evidence::evidence;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -45,6 +47,18 @@ pub(crate) fn line_json(log: &Log, column: &str, finding: &Finding) -> Result<Op
     Ok(Some(json!({ "line_hz": frequency_hz, "frequency_hz": hz, "density": density })))
 }
 
+/// Figure of the evidence of a finding.
+pub(crate) fn figure(
+    log: &Log,
+    column: &str,
+    library: &Library,
+    finding: &Finding,
+    found: Option<&Evidence>,
+) -> Result<Option<Figure>, RecordingError> {
+    let name = library.get(&finding.effect).map_or(finding.effect.as_str(), |effect| &effect.name);
+    evidence(column, name, finding, found, log)
+}
+
 /// Diagnosis of an axis of a log as JSON, with the evidence of each finding.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of `fos_imu.diagnose`")]
@@ -76,6 +90,7 @@ pub(crate) fn diagnose(
             speaks.push(json!({
                 "evidence": evidence.as_ref().map(evidence_json),
                 "line": line_json(&log, &target, finding)?,
+                "figure": figure(&log, &target, &library, finding, evidence.as_ref())?,
                 "cost": null,
             }));
         }

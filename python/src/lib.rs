@@ -7,6 +7,7 @@
 //! | `work` | a long call on its own thread: other threads continue, Ctrl-C ends it |
 //! | `arrays` | NumPy arrays as columns of a log, and back |
 //! | `recording`, `simulation` | logs |
+//! | `figures` | figures of results as SVG |
 //! | `calibration` | calibration by hand and on a turntable |
 //! | `options`, `study`, `diagnosis`, `noise` | fits, added effects, findings, noise levels |
 //! | `fleet` | a row for each unit, and populations of the rows |
@@ -20,6 +21,7 @@ mod arrays;
 mod calibration;
 mod diagnosis;
 mod error;
+mod figures;
 mod fleet;
 mod noise;
 mod options;
@@ -42,6 +44,8 @@ mod _engine {
     use crate::calibration::{calibrate, calibrate_on_turntable};
     #[pymodule_export]
     use crate::diagnosis::{diagnose, effects};
+    #[pymodule_export]
+    use crate::figures::draw;
     #[pymodule_export]
     use crate::fleet::{Fleet, Rows, recording_row, unit_row};
     #[pymodule_export]

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use fos_data::interrupt::in_parallel;
 use fos_data::stillness;
+use fos_figures::noise::allan_of_noise;
+use fos_figures::units::{ShownUnit, Units};
 use fos_fit::export::{self, NoiseModel, NoiseUnits};
 use fos_fit::noise::{AxisNoise, AxisNoiseError, axis_noise};
 use pyo3::prelude::*;
@@ -30,9 +32,12 @@ fn of(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<Ve
 /// Noise of every axis, as JSON.
 #[pyfunction]
 pub(crate) fn noise(py: Python<'_>, log: &Recording, axes: Option<Vec<String>>) -> PyResult<String> {
+    let name = fos_data::file::name_of(&log.log.paths());
     let entries = of(py, log, axes)?.into_iter().map(|axis| {
         let NoiseUnits { white, flicker, walk } = NoiseUnits::of(&axis.unit);
-        json!({ "noise": axis, "units": [white, flicker, walk] })
+        let shown = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, Units::Si);
+        let figure = allan_of_noise(&name, std::slice::from_ref(&axis), shown);
+        json!({ "noise": axis, "units": [white, flicker, walk], "figure": figure })
     });
     Ok(json!(entries.collect::<Vec<_>>()).to_string())
 }

@@ -1,5 +1,6 @@
 //! A study: fitted, compared, diagnosed, refined, and saved in the program's format.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -10,6 +11,9 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError, Refiner};
 use fos_diagnose::session::{Addition, NamedLogs, NoLog, Wanted, add};
 use fos_diagnose::study::{Refinement, Study as StudyFile, StudyAxisError, load_again};
+use fos_figures::curves::curves;
+use fos_figures::moved;
+use fos_figures::plots::{View, figures, staircase_of};
 use fos_fit::cost::Cost;
 use fos_fit::export::image;
 use fos_fit::fit::{fit_axes, rest};
@@ -18,7 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
 
-use crate::diagnosis::{evidence_json, library, line_json};
+use crate::diagnosis::{evidence_json, figure, library, line_json};
 use crate::error::{py_error, raised};
 use crate::options::Given;
 use crate::recording::Recording;
@@ -139,12 +143,12 @@ pub(crate) fn fit(
     let (stillness, fits) = work::run(py, || {
         let stillness = rest(&log, options.train);
         let fits: Result<Vec<_>, _> =
-            fit_axes(&log, &stillness, &columns, &options, || {}).into_iter().collect();
+            fit_axes(&log, &stillness, &columns, &options, &|| {}).into_iter().collect();
         (stillness, fits)
     })?;
     let fits = fits.map_err(raised(py))?;
     let study =
-        work::run(py, || study_of(&log, &stillness, fits, options, read, |_| {}))?.map_err(raised(py))?;
+        work::run(py, || study_of(&log, &stillness, fits, options, read, &mut |_| {}))?.map_err(raised(py))?;
     Ok(Study::of(State { study, own: Some(log), file: None, logs: Vec::new() }))
 }
 
@@ -240,9 +244,24 @@ impl State {
     }
 }
 
-/// Rows of a comparison of one axis: column, measured values, innovations, residual while coasting.
+/// Rows of a comparison of one axis: column, measured values, innovations, residual while coasting; its figures as JSON.
 type AxisRows<'py> =
-    (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+    (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, String);
+
+/// Figures of each axis of a comparison by name, as JSON.
+fn figures_of(found: &Evaluation, log: &data::Recording) -> Vec<String> {
+    let Evaluation { comparison, trace, stillness } = found;
+    let moved = moved(log, stillness);
+    let curves = curves(comparison, trace, log);
+    let axes = comparison.axes.iter().zip(&curves);
+    axes.map(|(axis, curves)| {
+        let is_of_order = |letter: char| !letter.is_alphabetic();
+        let drawn = figures(View { axis, curves, moved: &moved }).into_iter();
+        let named = drawn.map(|(name, figure)| (name.trim_start_matches(is_of_order), figure));
+        json!(named.collect::<BTreeMap<_, _>>()).to_string()
+    })
+    .collect()
+}
 
 #[pymethods]
 impl Study {
@@ -251,6 +270,13 @@ impl Study {
         let bytes = self.lock().study.to_bytes();
         String::from_utf8(bytes)
             .map_err(|error| pyo3::exceptions::PyUnicodeDecodeError::new_err(error.to_string()))
+    }
+
+    /// Refined axes with the figure of their steps, as JSON.
+    fn history(&self) -> String {
+        let study = self.snapshot().study;
+        let entry = |refinement| json!({ "refinement": refinement, "figure": staircase_of(refinement) });
+        json!(study.refinements.iter().map(entry).collect::<Vec<_>>()).to_string()
     }
 
     /// Columns of the axes.
@@ -284,17 +310,18 @@ impl Study {
                 Some(log) => (log, state.own().ok()),
                 None => state.own().map(|own| (Arc::clone(&own), Some(own)))?,
             };
-            let evaluation =
-                compare_study(&state.study, &state.study.columns(), &log, own.as_deref(), |_| {});
-            Ok((evaluation, log))
+            let columns = state.study.columns();
+            let found = compare_study(&state.study, &columns, &log, own.as_deref(), &mut |_| {});
+            let drawn = found.as_ref().map_or_else(|_| Vec::new(), |found| figures_of(found, &log));
+            Ok((found, drawn, log))
         })?;
-        let (evaluation, log) = evaluation.map_err(|refused| refused.raised(py))?;
-        let Evaluation { comparison, trace, .. } = evaluation.map_err(raised(py))?;
+        let (found, drawn, log) = evaluation.map_err(|refused| refused.raised(py))?;
+        let Evaluation { comparison, trace, .. } = found.map_err(raised(py))?;
         let off = lags_off(&state.study.model, &log);
         let time_s = PyArray1::from_slice(py, &log.time_s[trace.rows.clone()]);
-        let rows = comparison.axes.iter().zip(trace.axes).map(|(axis, left)| {
+        let rows = comparison.axes.iter().zip(trace.axes).zip(drawn).map(|((axis, left), drawn)| {
             let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
-            (axis.column.clone(), array(left.measured), array(left.one_step), array(left.coast))
+            (axis.column.clone(), array(left.measured), array(left.one_step), array(left.coast), drawn)
         });
         let rows: Vec<AxisRows<'_>> = rows.collect();
         Ok((json!(comparison).to_string(), time_s, rows, off))
@@ -326,6 +353,7 @@ impl Study {
                 speaks.push(json!({
                     "evidence": evidence.as_ref().map(evidence_json),
                     "line": line_json(&logs.log, &column, finding)?,
+                    "figure": figure(&logs.log, &column, &library, finding, evidence.as_ref())?,
                     "cost": refiner.price(&refinement, finding)?,
                 }));
             }
@@ -353,7 +381,7 @@ impl Study {
             let column = state.study.column(axis.as_deref())?;
             let logs = state.logs(&column, given)?;
             let addition = effect.as_deref().map_or(Addition::Best, Addition::Effect);
-            add(&mut state.study, &column, &logs, &library, addition, |_, _| {})?;
+            add(&mut state.study, &column, &logs, &library, addition, &mut |_, _| {})?;
             state.remember(&column, Arc::clone(&logs));
             Ok(column)
         })

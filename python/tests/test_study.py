@@ -207,7 +207,8 @@ def test_a_line_has_its_spectrum():
     assert finding.line is not None
     peak = finding.line.frequency_hz[int(np.argmax(finding.line.density))]
     assert peak == pytest.approx(finding.line.line_hz, rel=0.02)
-    assert "<svg" in finding.picture("rad/s")
+    assert finding.figure is not None
+    assert "the line at" in finding.figure.svg()
 
 
 def test_results_are_frozen_and_show_themselves(case, study):
@@ -231,6 +232,17 @@ def test_results_are_frozen_and_show_themselves(case, study):
             result.unit = "furlong"
     with pytest.raises(TypeError):
         diagnosis.findings[0].params["tau_s"] = 1.0
+
+
+def test_figures_are_those_of_a_report(case, study, program, tmp_path):
+    study.save(tmp_path / "study.json")
+    case.evaluation.write(tmp_path / "evaluation.parquet")
+    program("compare", "study.json", "evaluation.parquet", "--plots", "figures", folder=tmp_path)
+    drawn = {path.stem.split("_", 2)[2].split("_", 1)[1]: path for path in (tmp_path / "figures").glob("*.svg")}
+    figures = study.compare(fos.read(tmp_path / "evaluation.parquet"))["gx"].figures
+    assert set(figures) == set(drawn) > {"over_time", "residual", "allan"}
+    for name, figure in figures.items():
+        assert figure.svg().split(">", 1)[1] == drawn[name].read_text().split(">", 1)[1], name
 
 
 def test_results_are_tables_of_pandas(case, study):

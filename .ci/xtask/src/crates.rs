@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! fos-core ◄ fos-embedded      fos-core ◄ fos-data ◄ fos-fit ◄ fos-diagnose ◄ fos-fleet ◄ fos-report ◄ fos-workbench ◄ host-fit
-//! fos-data ◄ fos-simulate, fos-calibrate      fos-fit ◄ fos-export, fos-device-io      fos-diagnose ◄ fos-figures ◄ fos-report
+//! fos-data ◄ fos-simulate, fos-calibrate ◄ fos-figures      fos-fit ◄ fos-export, fos-device-io      fos-diagnose ◄ fos-figures ◄ fos-report
 //! ```
 //!
 //! Only dependencies compiled for users of a crate count: tests may depend on all.
@@ -25,7 +25,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("fos-simulate", &["fos-core", "fos-data"]),
     ("fos-export", &["fos-core", "fos-embedded", "fos-data", "fos-fit"]),
     ("fos-device-io", &["fos-core", "fos-embedded", "fos-data", "fos-fit"]),
-    ("fos-figures", &["fos-data", "fos-fit", "fos-diagnose"]),
+    ("fos-figures", &["fos-data", "fos-fit", "fos-calibrate", "fos-diagnose"]),
     (
         "fos-report",
         &["fos-core", "fos-data", "fos-fit", "fos-calibrate", "fos-diagnose", "fos-fleet", "fos-figures"],

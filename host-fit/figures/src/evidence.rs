@@ -1,13 +1,39 @@
-//! Evidence for an effect as a figure: over time, and against the channel that shows it best.
+//! Evidence for an effect as a figure: over time and against the channel that shows it best, or its line in the spectrum.
 
 use super::compare::Subject;
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
+use fos_data::column::Column;
+use fos_data::recording::{Recording, RecordingError};
 use fos_data::text::capitalised;
-use fos_diagnose::refine::Evidence;
+use fos_diagnose::detect::Finding;
+use fos_diagnose::refine::{Evidence, line_spectrum};
 use fos_fit::signal::spectrum::Spectrum;
 
+/// Draws the evidence for a finding on the axis `column` of `log`. `effect` is the name of the effect in a sentence; `found` is its
+/// evidence in the slow error, without which a line is shown in the spectrum. None if there is neither.
+///
+/// # Errors
+///
+/// The column is missing.
+pub fn evidence(
+    column: &str,
+    effect: &str,
+    finding: &Finding,
+    found: Option<&Evidence>,
+    log: &Recording,
+) -> Result<Option<Figure>, RecordingError> {
+    let named = Column::named(column);
+    let subject = Subject { channel: named.label(), unit: named.unit().label() };
+    if let Some(found) = found {
+        return Ok(Some(slow_evidence(subject, effect, found, finding.shows_from_to_s)));
+    }
+    let Some(&frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
+    let spectrum = line_spectrum(log, column)?;
+    Ok(spectrum.map(|spectrum| line_evidence(subject, effect, &spectrum, frequency_hz)))
+}
+
 /// The slow error without all other findings, with the contribution of `effect`; shaded where it is largest.
-pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
+fn slow_evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
     let pairs =
         |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
     let error = |x: &[f64]| Series {
@@ -45,7 +71,7 @@ pub fn evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Opt
 }
 
 /// The spectrum about a line at `frequency_hz`.
-pub fn line_evidence(subject: Subject, effect: &str, spectrum: &Spectrum, frequency_hz: f64) -> Figure {
+fn line_evidence(subject: Subject, effect: &str, spectrum: &Spectrum, frequency_hz: f64) -> Figure {
     let bins = spectrum.frequency_hz.iter().copied().zip(spectrum.density.iter().copied());
     let near = bins.filter(|(frequency, _)| (0.8..1.25).contains(&(frequency / frequency_hz)));
     let panel = Panel {

@@ -145,6 +145,16 @@ mod tests {
     }
 
     #[test]
+    fn figure_from_json_is_drawn_alike() {
+        for scale in [Scale::Linear, Scale::Log] {
+            let figure = everything(&[(1.0, 1.0), (2.0, f64::NAN), (4.0, f64::INFINITY)], scale);
+            let json = serde_json::to_string(&figure).unwrap();
+            assert!(json.contains("null"), "not finite");
+            assert_eq!(svg(&serde_json::from_str(&json).unwrap()).unwrap(), svg(&figure).unwrap());
+        }
+    }
+
+    #[test]
     fn png_has_size_and_colours_of_the_figure() {
         let (width, height, pixels) =
             decoded(&png(&everything(&[(1.0, 1.0), (4.0, 3.0)], Scale::Log)).unwrap());

@@ -15,6 +15,7 @@ mod file;
 pub mod noise;
 pub mod plots;
 pub mod population;
+pub mod rests;
 mod round_joins;
 mod scale;
 mod shading;
@@ -104,26 +105,33 @@ pub struct Series {
 pub enum Shape {
     /// Points (x, y) joined by a line.
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Line(Vec<(f64, f64)>),
     /// (x, low, high), filled between low and high.
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Band(Vec<(f64, f64, f64)>),
     /// Dots at (x, y).
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Points(Vec<(f64, f64)>),
     /// (x, y, low, high): dots joined by a line, each with a bar from low to high.
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Bars(Vec<(f64, f64, f64, f64)>),
     /// Stems from zero to (x, y).
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Stems(Vec<(f64, f64)>),
     /// A dashed horizontal line.
     Level(f64),
     /// Filled rectangles (left, right, low, high), side by side.
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Cells(Vec<(f64, f64, f64, f64)>),
     /// Outlines of rectangles (left, right, low, high).
     #[cfg_attr(feature = "page-types", ts(as = "Vec<(Option<f64>, Option<f64>, Option<f64>, Option<f64>)>"))]
+    #[serde(deserialize_with = "places")]
     Frames(Vec<(f64, f64, f64, f64)>),
 }
 
@@ -149,6 +157,17 @@ pub enum Ink {
     Step(usize),
     /// One of several methods, numbered from 0; beyond the seventh the colours repeat.
     Method(usize),
+}
+
+/// Reads the places of a shape; what JSON has as null is not finite.
+fn places<'de, D, T, const N: usize>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    D: serde::Deserializer<'de>,
+    T: From<[f64; N]>,
+    [Option<f64>; N]: serde::Deserialize<'de>,
+{
+    let rows: Vec<[Option<f64>; N]> = serde::Deserialize::deserialize(deserializer)?;
+    Ok(rows.into_iter().map(|row| T::from(row.map(|value| value.unwrap_or(f64::NAN)))).collect())
 }
 
 /// A column with its unit, shown below an axis.

@@ -33,7 +33,7 @@ pub fn examine(
     study: &Study,
     refinement: &Refinement,
     logs: &Logs,
-    progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Examination, CompareError> {
     // A refinement recalibrates its first model on the log to explain; that model is exported only after an effect is added.
     let added = refinement.last().filter(|last| last.added.is_some());

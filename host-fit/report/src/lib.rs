@@ -8,7 +8,6 @@ mod axis_section;
 mod axis_units;
 pub mod certificate;
 pub mod command_lines;
-mod evidence;
 pub mod examine;
 pub mod fleet;
 mod log_summary;
@@ -104,7 +103,7 @@ impl Report {
         columns: &[String],
         logs: &Logs,
         library: &Library,
-        mut progress: impl FnMut(&str),
+        progress: &mut dyn FnMut(&str),
     ) -> Result<Self, ReportError> {
         let refiner = logs.refiner(library);
         let summaries = Summaries::of(logs);
@@ -115,7 +114,7 @@ impl Report {
                 None => refiner.begin(study, column, logs.named(refiner.fitted_rows()))?,
             };
             progress(&format!("{column}: comparing"));
-            let examination = examine(study, &refinement, logs, |_| {})?;
+            let examination = examine(study, &refinement, logs, &mut |_| {})?;
             progress(&format!("{column}: testing effects"));
             let section = AxisSection::of(study, &refinement).examined(&examination);
             let section = section.diagnosed(&refinement, logs, library)?;

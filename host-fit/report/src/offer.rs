@@ -1,16 +1,14 @@
 //! Effects that a diagnosis offers to add: the physics in plain language, cost and evidence.
 
-use fos_data::column::Column;
 use serde::Serialize;
 
-use super::evidence::Evidence;
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
 use fos_diagnose::effects::{Band, Effect, Library};
 use fos_diagnose::refine::{RefineError, Refiner};
 use fos_diagnose::study::Refinement;
 use fos_figures::Figure;
-use fos_figures::compare::Subject;
+use fos_figures::evidence::evidence;
 use fos_fit::cost::Cost;
 
 /// Detected effect, offered for addition to the model.
@@ -88,13 +86,12 @@ pub fn offers(
     library: &Library,
     field: &Recording,
 ) -> Result<Vec<Offer>, RefineError> {
-    let column = Column::named(&refinement.column);
-    let subject = Subject { channel: column.label(), unit: column.unit().label() };
     let offer = |finding: &Finding| {
         let effect = library.get(&finding.effect)?;
         let added = refiner.can_add_finding(&refinement.column, effect, finding);
         let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
-        let evidence = Evidence::of(refiner, refinement, diagnosis, finding, field)?;
+        let found = refiner.evidence(refinement, &diagnosis.findings, finding)?;
+        let evidence = evidence(&refinement.column, &effect.name, finding, found.as_ref(), field)?;
         Ok(Offer {
             effect: finding.effect.clone(),
             can_be_added: added.is_ok() && !finding.correction.is_empty() && finding.doubt.is_none(),
@@ -109,7 +106,7 @@ pub fn offers(
             },
             card: Card::of(effect),
             cost: price,
-            evidence: evidence.map(|found| found.drawn(subject, &effect.name)),
+            evidence,
         })
     };
     diagnosis.findings.iter().map(offer).collect()

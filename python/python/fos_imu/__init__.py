@@ -23,6 +23,7 @@ from .calibration import Calibration, TurntableCalibration, calibrate, calibrate
 from .comparison import AxisComparison, Comparison, ModelErrors, RmsInterval, UnaidedError
 from .diagnosis import Diagnosis, Effect, Finding, diagnose, effects
 from .errors import FosError, FosWarning
+from .figure import Figure
 from .fleet import Fleet, UnitRow, population, unit_row
 from .noise import AxisNoise, Noise, NoiseFiles, noise, noise_files
 from .page import page, write_page
@@ -41,6 +42,7 @@ __all__ = [
     "Corrections",
     "Diagnosis",
     "Effect",
+    "Figure",
     "Finding",
     "Fleet",
     "FosError",

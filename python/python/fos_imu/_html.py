@@ -6,6 +6,11 @@ import html
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+import numpy.typing as npt
+
+from .figure import Figure
+
 STYLE = (
     "border:1px solid #d0d5dd;border-radius:6px;padding:10px 14px;margin:6px 0;"
     "font:13px/1.45 system-ui,sans-serif;color:#1b1f24;background:#fff"
@@ -64,3 +69,22 @@ def card(title: str, *parts: str, colour: str = "#1b1f24") -> str:
     """A framed block with a title."""
     head = f'<div style="font-weight:600;font-size:14px;color:{colour}">{escaped(title)}</div>'
     return f'<div style="{STYLE}">{head}{"".join(parts)}</div>'
+
+
+def pictures(*figures: Figure | None) -> tuple[str, ...]:
+    """The figures that there are."""
+    return tuple(figure.svg() for figure in figures if figure is not None)
+
+
+def sparkline(values: npt.NDArray[np.float64], width: int = 120, height: int = 20) -> Raw:
+    """Range of a channel in equal parts of its rows, without axes."""
+    parts = [part[np.isfinite(part)] for part in np.array_split(values, width)]
+    ranges = [(i, part.min(), part.max()) for i, part in enumerate(parts) if part.size]
+    least = min((low for _, low, _ in ranges), default=0.0)
+    span = max((high - least for _, _, high in ranges), default=0.0) or 1.0
+
+    def at(value: float, bottom: int) -> str:
+        return f"{bottom - (value - least) / span * (height - 2):.1f}"
+
+    bars = "".join(f'<path d="M{i} {at(high, height - 1)}V{at(low, height)}"/>' for i, low, high in ranges)
+    return Raw(f'<svg width="{width}" height="{height}" stroke="#0072b2" stroke-width="1" fill="none">{bars}</svg>')

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _engine, _html, _svg
+from . import _engine, _html
 from ._results import build
+from .figure import Figure
 from .errors import CalibrateError
 from .recording import Floats, Recording, engine_of
 
@@ -142,6 +143,7 @@ class Calibration:
         plan: Further rests until it is; None if 12 more do not reach it.
         cautions: Reasons to distrust parts of it.
         files: Text for other programs: px4, ardupilot, kalibr, imu_tk_acc, imu_tk_gyro, as far as they can hold it.
+        figure: Residual of each rest, with the range in which 95 % are expected.
     """
 
     parameters: tuple[Parameter, ...]
@@ -160,6 +162,7 @@ class Calibration:
     plan: tuple[str, ...] | None
     cautions: tuple[str, ...]
     files: Mapping[str, str] = field(repr=False)
+    figure: Figure | None = field(default=None, repr=False)
 
     def __getitem__(self, id: str) -> Parameter:
         """The parameter of this id, as `accelerometer.bias.x`."""
@@ -168,18 +171,6 @@ class Calibration:
     def to_pandas(self) -> pandas.DataFrame:
         """One row a parameter, by its id."""
         return _frame(self.parameters)
-
-    def picture(self) -> str:
-        """The residual of each rest with what its noise lets expect, as SVG."""
-        used = [one for one in self.rests if one.excluded is None]
-        time = np.array([one.start_s for one in used])
-        residual = np.array([one.residual_mps2 for one in used]) / MG_MPS2
-        expected = 2 * np.array([one.deviation_mps2 for one in used]) / MG_MPS2
-        series = [
-            _svg.Series("expected, 95 %", time, -expected, _svg.PREDICTED, "band", expected),
-            _svg.Series("residual", time, residual, _svg.MEASURED, "dots"),
-        ]
-        return _svg.plot("Residual of each rest", "time, s", "|a| - g, mg", series)
 
     def _repr_html_(self) -> str:
         after, before = (None if rms is None else rms / MG_MPS2 for rms in self.rms_mps2)
@@ -194,7 +185,7 @@ class Calibration:
                 f"next: {self.next.instruction}, 3 s: the widest interval ({self.next.parameter}) narrows from "
                 f"± {now:.2g} to ± {then:.2g} mg at 1 g"
             ),
-            self.picture(),
+            *_html.pictures(self.figure),
         )
 
 

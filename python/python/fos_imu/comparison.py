@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _html, _svg
+from . import _html
+from .figure import Figure
 
 if TYPE_CHECKING:
     import pandas
@@ -189,6 +190,7 @@ class AxisComparison:
         measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
         innovation: Measured − predicted one step ahead, shape `(n,)`.
         left: Measured − predicted from own history of at most 60 s, shape `(n,)`.
+        figures: Over time, residual, autocorrelation, spectrum, Allan deviation, dependence: as far as the log is long enough.
     """
 
     column: str
@@ -203,6 +205,7 @@ class AxisComparison:
     measured: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
     innovation: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
     left: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
+    figures: Mapping[str, Figure] = field(repr=False, default_factory=dict)
 
     @property
     def model(self) -> ModelErrors:
@@ -239,20 +242,6 @@ class AxisComparison:
 
         return pandas.DataFrame([row(errors) for errors in self.errors])
 
-    def picture(self) -> str:
-        """Measured against predicted, and the residual, as SVG."""
-        centre = float(np.nanmean(self.measured)) if np.isfinite(self.measured).any() else 0.0
-        measured = _svg.Series("measured", self.time_s, self.measured - centre, _svg.MEASURED, "envelope")
-        mean = _svg.Series("its mean", *_svg.means(self.time_s, self.measured - centre), _svg.DARK)
-        predicted = _svg.Series("mean predicted", *_svg.means(self.time_s, self.predicted - centre), _svg.PREDICTED)
-        left = _svg.Series("left", self.time_s, self.left, _svg.LEFT, "envelope")
-        label = f"error, {self.unit}"
-        worst = [(one.begin_s, one.end_s) for one in self.worst[:1]]
-        title = f"{self.column}: from own history of at most 60 s"
-        return _svg.plot(title, "time, s", label, [measured, mean, predicted]) + _svg.plot(
-            "residual; worst where shaded", "time, s", label, [left], shaded=worst
-        )
-
     def _repr_html_(self) -> str:
         number = _html.number
         horizons = [coast.horizon_s for coast in self.errors[-1].coast]
@@ -277,7 +266,7 @@ class AxisComparison:
             _html.table(header, [row(errors) for errors in self.errors]),
             *(_html.paragraph(note, _html.BAD) for note in notes),
             *(_html.paragraph(text) for text in worst),
-            self.picture(),
+            *_html.pictures(self.figures.get("over_time"), self.figures.get("residual")),
         )
 
 

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
-from . import _engine, _html, _svg
+from . import _engine, _html
 from ._results import build
+from .figure import Figure
 from .recording import Path, Recording, engine_of
 
 if TYPE_CHECKING:
@@ -145,6 +146,7 @@ class Finding:
         correction: The correction that it adds.
         evidence: What speaks for it, if it is slow.
         line: What speaks for it, if it is a line.
+        figure: The same drawn.
         cost: What the model would cost more with it; None without a model.
     """
 
@@ -167,37 +169,11 @@ class Finding:
     doubt: str | None = None
     evidence: Evidence | None = None
     line: LineEvidence | None = None
+    figure: Figure | None = field(default=None, repr=False)
     cost: Cost | None = None
 
-    def picture(self, unit: str = "") -> str:
-        """What speaks for it, as SVG; empty where there is nothing to draw. `unit` is that of the axis."""
-        parts: list[str] = []
-        if self.evidence is not None:
-            seen = self.evidence
-            shaded = [self.shows_from_to_s] if self.shows_from_to_s else []
-            error = _svg.Series("error", seen.time_s, seen.error, _svg.LEFT, "dots")
-            says = _svg.Series(self.name, seen.time_s, seen.effect, _svg.PREDICTED)
-            title = f"means over {seen.block_s:.1f} s, other findings subtracted; largest where shaded"
-            parts.append(_svg.plot(title, "time, s", f"error, {unit}", [error, says], shaded=shaded))
-            if seen.against_values is not None:
-                series = [
-                    _svg.Series("error", seen.against_values, seen.error, _svg.LEFT, "dots"),
-                    _svg.Series(self.name, seen.against_values, seen.effect, _svg.PREDICTED, "dots"),
-                ]
-                label = ", ".join(part for part in (seen.against, seen.against_unit) if part)
-                parts.append(_svg.plot(f"the same against {seen.against}", label, f"error, {unit}", series))
-        if self.line is not None:
-            spectrum = _svg.Series("", self.line.frequency_hz, self.line.density, _svg.MEASURED)
-            marked = (self.line.line_hz * 0.995, self.line.line_hz * 1.005)
-            title = f"the line at {self.line.line_hz:.3f} Hz"
-            density = f"({unit})²/Hz" if unit else "density"
-            parts.append(
-                _svg.plot(title, "frequency, Hz", density, [spectrum], logarithmic=(False, True), shaded=[marked])
-            )
-        return "".join(parts)
-
     def _repr_html_(self) -> str:
-        return _finding(self, "")
+        return _finding(self)
 
 
 @dataclass(frozen=True)
@@ -346,13 +322,13 @@ class Diagnosis:
         return _html.card(
             f"{self.target}: {self.sentence}",
             *(_html.paragraph(note, _html.BAD) for note in notes),
-            *(_finding(finding, self.unit) for finding in self.findings),
+            *(_finding(finding) for finding in self.findings),
             *(_html.paragraph(text) for text in tail),
             colour=colours.get(self.verdict, _html.BAD),
         )
 
 
-def _finding(finding: Finding, unit: str) -> str:
+def _finding(finding: Finding) -> str:
     number, percent = _html.number, _html.rms_percent
     low, high = finding.predicted_reduction_interval
     rows: list[tuple[object, ...]] = [
@@ -378,7 +354,7 @@ def _finding(finding: Finding, unit: str) -> str:
         *doubt,
         _html.table(("", ""), rows),
         *(_html.paragraph(rival) for rival in rivals),
-        finding.picture(unit),
+        *_html.pictures(finding.figure),
     )
 
 

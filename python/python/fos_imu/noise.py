@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from . import _engine, _html, _svg
+from . import _engine, _html
 from ._results import build
+from .figure import Figure
 from .recording import Recording, engine_of
 
 if TYPE_CHECKING:
@@ -135,6 +134,7 @@ class AxisNoise:
         walk_within_20_percent_s: Time at rest, s, after which a walk that was seen is expected within ±20 % (90 %).
         gauss_markov: White noise and a Gauss–Markov process, where they describe the axis better than N, B and K.
         filter: Noise of a Kalman filter that is updated with every sample.
+        figure: Allan deviation as measured, and of N, B and K.
     """
 
     column: str
@@ -152,32 +152,13 @@ class AxisNoise:
     walk_within_20_percent_s: float | None = None
     gauss_markov: GaussMarkovNoise | None = None
     filter: FilterNoise | None = None
+    figure: Figure | None = field(default=None, repr=False)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The Allan deviation, one row an averaging time."""
         import pandas
 
         return pandas.DataFrame([vars(point) for point in self.allan])
-
-    def picture(self) -> str:
-        """The Allan plot: deviation with its interval, and what N, B and K alone would give, as SVG."""
-        tau = np.array([point.tau_s for point in self.allan])
-        deviation = [point.deviation for point in self.allan]
-        low, high = [point.low for point in self.allan], [point.high for point in self.allan]
-        series = [
-            _svg.Series("95 %", tau, low, _svg.MEASURED, "band", high),
-            _svg.Series(self.column, tau, deviation, _svg.MEASURED),
-        ]
-        # IEEE Std 952-1997, annex C: of white noise, flicker and random walk alone
-        if self.white.value is not None:
-            series.append(_svg.Series("N", tau, self.white.value / np.sqrt(tau), _svg.PREDICTED))
-        if self.flicker.value is not None:
-            series.append(_svg.Series("B", tau, np.full(tau.size, 0.664 * self.flicker.value), _svg.LEFT))
-        if self.walk.value is not None:
-            shown = self.walk.value * np.sqrt(tau / 3) >= min(low)
-            series.append(_svg.Series("K", tau[shown], (self.walk.value * np.sqrt(tau / 3))[shown], _svg.MARKED))
-        label = f"Allan deviation, {self.unit}"
-        return _svg.plot(self.column, "averaging time, s", label, series, logarithmic=(True, True))
 
     def _repr_html_(self) -> str:
         rows = [("N", self.white), ("B", self.flicker), ("K", self.walk)]
@@ -194,7 +175,7 @@ class AxisNoise:
             f"{self.column}: {self.seconds:.0f} s at rest",
             _html.table(("", "likeliest, 90 % interval"), rows),
             *(_html.paragraph(note) for note in notes),
-            self.picture(),
+            *_html.pictures(self.figure),
         )
 
 
@@ -248,7 +229,8 @@ def noise(log: Recording, *, axes: Sequence[str] | str | None = None) -> Noise:
     def axis(data: dict[str, Any]) -> AxisNoise:
         levels = zip(("white", "flicker", "walk"), data["units"], strict=True)
         return build(
-            AxisNoise, {**data["noise"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}}
+            AxisNoise,
+            {**data["noise"], "figure": data["figure"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}}
         )
 
     return Noise(tuple(axis(one) for one in found))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from . import _engine, _html, _svg
+from . import _engine, _html
 from ._columns import columns_of
 from ._results import build
 
@@ -243,9 +243,8 @@ class Recording(Mapping[str, Floats]):
             values = self[channel.name]
             finite = values[np.isfinite(values)]
             low, mean, high = (finite.min(), finite.mean(), finite.max()) if finite.size else (np.nan, np.nan, np.nan)
-            picture = _html.Raw(_svg.sparkline(values))
             numbers = tuple(_html.number(value) for value in (low, mean, high))
-            rows.append((channel.name, channel.unit, *numbers, channel.missing or "", picture))
+            rows.append((channel.name, channel.unit, *numbers, channel.missing or "", _html.sparkline(values)))
         facts = f"{self.n_rows} rows, {self.duration_s:.1f} s at {self.rate_hz:.3f} Hz, {len(self.segments)} segments"
         return _html.card(
             ", ".join(source.path for source in self.sources),

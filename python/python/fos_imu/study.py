@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from . import _engine, _html, _svg
+from . import _engine, _html
 from ._results import build
+from .figure import Figure
 from .comparison import Comparison, ModelErrors
 from .diagnosis import Cost, Diagnosis, Finding, diagnosis_of, finding_of
 from .errors import FosWarning
@@ -83,6 +84,7 @@ class Refinement:
         evaluation: The evaluation log; None: the rows of the log to explain from `fitted_rows` on.
         fitted_rows: Rows of the log to explain that effects were estimated from.
         steps: The model before anything was added, then after each effect.
+        figure: The error after each step.
     """
 
     column: str
@@ -91,6 +93,7 @@ class Refinement:
     evaluation: Source | None
     fitted_rows: int
     steps: tuple[Step, ...]
+    figure: Figure = field(repr=False)
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row a step: what was added, the predicted and the measured reduction, the residual, the cost."""
@@ -112,18 +115,6 @@ class Refinement:
             }
 
         return pandas.DataFrame([row(step) for step in self.steps])
-
-    def picture(self) -> str:
-        """The slow error step by step, as SVG."""
-        slow = [step.left.slow**0.5 for step in self.steps]
-        x, y = [0.0], [slow[0]]
-        for index, value in enumerate(slow):
-            x += [float(index), index + 1.0]
-            y += [value, value]
-        unit = _unit(self.column)
-        title = f"{self.column}: " + ", ".join(step.name for step in self.steps)
-        series = [_svg.Series("slow error left", x, y, _svg.LEFT), _svg.Series("", [0.0], [0.0], "none")]
-        return _svg.plot(title, "step", f"root of the variance of 1-s means, {unit}", series)
 
     def _repr_html_(self) -> str:
         number, percent = _html.number, _html.rms_percent
@@ -152,7 +143,7 @@ class Refinement:
             f"{self.column}, refined on {self.log.path}, evaluated on {evaluated_on}",
             _html.paragraph(f"left: roots of variances, {_unit(self.column)}, of what the physical part leaves"),
             _html.table(header, [row(step) for step in self.steps]),
-            self.picture(),
+            *_html.pictures(self.figure),
         )
 
 
@@ -342,7 +333,7 @@ class Study:
     @property
     def history(self) -> tuple[Refinement, ...]:
         """The axes that effects were added to, with every step."""
-        return tuple(_refinement(one) for one in self._json().get("refinements", []))
+        return tuple(_refinement(**one) for one in json.loads(self._engine.history()))
 
     def compare(self, log: Recording | None = None) -> Comparison:
         """The model against the measurements and against plain rivals.
@@ -357,11 +348,14 @@ class Study:
         answer, time_s, rows, off = self._engine.compare(engine_of(log))
         _warn_of(off)
         comparison = build(Comparison, json.loads(answer))
-        arrays = {column: (measured, innovation, left) for column, measured, innovation, left in rows}
+        arrays = {column: of_axis for column, *of_axis in rows}
 
         def with_rows(axis: Any) -> Any:  # noqa: ANN401
-            measured, innovation, left = arrays[axis.column]
-            return replace(axis, time_s=time_s, measured=measured, innovation=innovation, left=left)
+            measured, innovation, left, drawn = arrays[axis.column]
+            figures = {name: build(Figure, figure) for name, figure in json.loads(drawn).items()}
+            return replace(
+                axis, time_s=time_s, measured=measured, innovation=innovation, left=left, figures=figures
+            )
 
         return replace(comparison, axes=tuple(with_rows(axis) for axis in comparison.axes))
 
@@ -465,27 +459,28 @@ class Study:
         )
 
 
-def _refinement(data: dict[str, Any]) -> Refinement:
+def _refinement(refinement: dict[str, Any], figure: dict[str, Any]) -> Refinement:
     steps: list[Step] = []
-    for step in data["steps"]:
+    for step in refinement["steps"]:
         added = step["added"]
         if added is not None:
             added = Added(added["effect"]["id"], finding_of(added["finding"]), added["realised_fall"])
         steps.append(
             Step(added, build(ModelErrors, step["errors"]), build(Left, step["left"]), build(Cost, step["cost"]))
         )
-    logs = data["logs"]
+    logs = refinement["logs"]
 
     def source(name: str) -> Source | None:
         return build(Source, logs[name]) if logs.get(name) else None
 
     return Refinement(
-        data["column"],
+        refinement["column"],
         build(Source, logs["log"]),
         source("reference"),
         source("evaluation"),
         logs["fitted_rows"],
         tuple(steps),
+        build(Figure, figure),
     )
 
 

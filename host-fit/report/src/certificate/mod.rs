@@ -4,15 +4,12 @@
 //! |---|---|
 //! | `content` | result, conditions and limits |
 //! | `sphere` | orientations on the sphere, those that are there and the next |
-//! | `picture` | residual of each rest as points of a small figure |
 //! | `render` | HTML and Markdown |
 
 mod content;
-mod picture;
 mod render;
 mod sphere;
 
 pub use content::{Certificate, Log, Outcome, SCHEMA, Stated, gravity};
-pub use picture::Picture;
 pub use render::{html, json, markdown, of_form};
 pub use sphere::Sphere;

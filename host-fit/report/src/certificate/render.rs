@@ -1,15 +1,16 @@
 //! A certificate as a page and as Markdown. Nothing is computed here.
 
-use fos_calibrate::MG_MPS2;
+use fos_data::unit::MG_MPS2;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
 use super::content::{Certificate, Outcome};
-use super::picture::Picture;
 use super::sphere::Sphere;
+use crate::template::drawn;
 use crate::{RenderError, markdown_environment, page_environment, style};
+use fos_figures::rests::residual_of_each_rest;
 
-fn content(certificate: &Certificate) -> Value {
+fn content(certificate: &Certificate) -> Result<Value, RenderError> {
     let rests: Vec<Value> = certificate
         .rests()
         .iter()
@@ -29,46 +30,46 @@ fn content(certificate: &Certificate) -> Value {
         Outcome::Hand(found) => Some(&found.accelerometer),
         Outcome::Turntable(_) => None,
     };
-    context! {
+    Ok(context! {
         sphere => Serde(by_hand.map(|found| Sphere::of(&found.rests, &found.next))),
         next => by_hand.map(|found| found.next.instruction.as_str()),
         tool => certificate.tool.as_str(),
         conditions => certificate.conditions(),
         parameters => Serde(certificate.parameters()),
         rests,
-        picture => Serde(Picture::of(certificate.rests())),
+        residuals => residual_of_each_rest(certificate.rests()).as_ref().map(drawn).transpose()?,
         remarks => certificate.remarks(),
         style => style(),
-    }
+    })
 }
 
 /// A self-contained HTML file.
 ///
 /// # Errors
 ///
-/// None for the content of a certificate.
+/// A figure cannot be drawn.
 pub fn html(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = page_environment()?;
     let template = environment.template_from_str(include_str!("certificate.html"))?;
-    Ok(template.render(content(certificate))?)
+    Ok(template.render(content(certificate)?)?)
 }
 
 /// A Markdown file.
 ///
 /// # Errors
 ///
-/// None for the content of a certificate.
+/// A figure cannot be drawn.
 pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = markdown_environment()?;
     let template = environment.template_from_str(include_str!("certificate.md"))?;
-    Ok(template.render(content(certificate))?)
+    Ok(template.render(content(certificate)?)?)
 }
 
 /// A JSON file.
 ///
 /// # Errors
 ///
-/// None for the content of a certificate.
+/// A figure cannot be drawn.
 pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
     serde_json::to_vec_pretty(certificate)
 }
