@@ -34,9 +34,8 @@ fn fit(recording: &Recording) -> (AxisFit, Trace) {
     let stillness = stillness::find(recording);
     let fitted = fit_axis(recording, &stillness, "gx", &FitOptions::default()).expect("it can be fitted");
     let playback = Playback::new(recording, &fitted.model, &stillness.still).expect("it can be fed");
-    let left =
-        trace::<f64>(&fitted.model, &playback, recording.n_rows() - JUDGED..recording.n_rows(), |_| {})
-            .expect("it can be run");
+    let left = trace(&fitted.model, &playback, recording.n_rows() - JUDGED..recording.n_rows())
+        .expect("it can be run");
     (fitted, left)
 }
 

@@ -6,8 +6,8 @@
 
 use std::cell::RefCell;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -75,20 +75,39 @@ pub(crate) fn rethrow_stop(cause: Box<dyn std::any::Any + Send>) -> Box<dyn std:
 
 /// Results of `work` for each item, in their order, computed on all cores. A stop of the calling thread's computation
 /// stops these too.
-pub fn in_parallel<I, T, U>(items: I, work: impl Fn(T) -> U + Sync) -> Vec<U>
-where
-    I: IntoParallelIterator<Item = T, Iter: IndexedParallelIterator>,
-    T: Send,
-    U: Send,
-{
+pub fn in_parallel<T: Send, U: Send>(
+    items: impl IntoIterator<Item = T>,
+    work: impl Fn(T) -> U + Sync,
+) -> Vec<U> {
+    let places: Vec<Place<T, U>> = items.into_iter().map(|item| Mutex::new((Some(item), None))).collect();
+    on_all_cores(places.len(), &|index| {
+        // no lock is held while it works
+        let item = lock(&places[index]).0.take();
+        let result = item.map(&work);
+        lock(&places[index]).1 = result;
+    });
+    let results =
+        places.into_iter().map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner).1);
+    results.flatten().collect()
+}
+
+/// An item, and then its result.
+type Place<T, U> = Mutex<(Option<T>, Option<U>)>;
+
+fn lock<T>(place: &Mutex<T>) -> MutexGuard<'_, T> {
+    place.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Calls `work` with each index below `n`. Not generic: the scheduler would be compiled for every closure, which took a sixth of
+/// the program's compile time.
+fn on_all_cores(n: usize, work: &(dyn Fn(usize) + Sync)) {
     let wish = WISH.with_borrow(Clone::clone);
-    let work = |item| {
+    (0..n).into_par_iter().for_each(|index| {
         let outer = WISH.replace(wish.clone());
         // also when it unwinds: the thread goes on to other computations
         let _restored = Restored(outer);
-        work(item)
-    };
-    items.into_par_iter().map(work).collect()
+        work(index);
+    });
 }
 
 /// Restores the stop request of the computation that the thread was in before.

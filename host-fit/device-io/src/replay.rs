@@ -10,7 +10,7 @@ use serde::Serialize;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{KnownBy, Stillness};
 use fos_fit::calibration::{Calibrated, hub_columns};
-use fos_fit::evaluate::{ModelErrors, trace};
+use fos_fit::evaluate::{ModelErrors, trace_in_f32};
 use fos_fit::export::{NoColumn, model_of};
 use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
@@ -288,7 +288,7 @@ fn errors(
     stillness: &Stillness,
 ) -> Result<Option<ModelErrors>, ReplayError> {
     let playback = Playback::new(recording, alone, &stillness.still)?;
-    let left = trace::<f32>(alone, &playback, 0..recording.n_rows(), |_| {});
+    let left = trace_in_f32(alone, &playback, 0..recording.n_rows());
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
     let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
     // An accelerometer that lies in another orientation throughout the log has none.

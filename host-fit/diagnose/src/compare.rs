@@ -107,7 +107,7 @@ fn evaluate(
     stillness: &Stillness,
     rows: Range<usize>,
     with_strapdown: bool,
-    mut progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Evaluated, CompareError> {
     let playback = Playback::new(recording, model, &stillness.still)?;
     if !rows.clone().any(|row| playback.is_still(row)) {
@@ -125,8 +125,8 @@ fn evaluate(
         })
     };
     let traced = |model: &UnitModel, with_strapdown: bool| match with_strapdown {
-        true => trace_with_strapdown::<f64>(model, &playback, rows.clone()),
-        false => trace::<f64>(model, &playback, rows.clone(), |_| {}),
+        true => trace_with_strapdown(model, &playback, rows.clone()),
+        false => trace(model, &playback, rows.clone()),
     };
     let rival_errors = |kind: &Rival| -> Result<(Vec<ModelErrors>, Vec<UnaidedError>), CompareError> {
         let trace = traced(&rival(model, *kind, lag_1), with_strapdown && *kind == Rival::Mean)?;
@@ -165,7 +165,7 @@ pub fn compare(
     stillness: &Stillness,
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
-    progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<(Comparison, Trace), CompareError> {
     let is_same = trained.is_some_and(|trained| std::ptr::eq(trained.recording, recording));
     let InFittedPose { log: recording, turned } = in_fitted_pose(model, recording, stillness)?;
@@ -230,7 +230,7 @@ pub fn compare_study(
     columns: &[String],
     log: &Recording,
     own: Option<&Recording>,
-    progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Evaluation, CompareError> {
     let axes = &study.model.axes;
     let mut indices: Vec<usize> =
@@ -259,7 +259,7 @@ pub fn compare_on(
     lag_1: &[f64],
     log: &Recording,
     own: Option<&Recording>,
-    progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Evaluation, CompareError> {
     let (is_own, trained_rows) = (data.is(log), data.trained_rows);
     let own = own.filter(|own| !is_own && data.is(own));
@@ -297,7 +297,7 @@ pub fn study_of(
     fits: Vec<AxisFit>,
     settings: FitOptions,
     read: LoadOptions,
-    progress: impl FnMut(&str),
+    progress: &mut dyn FnMut(&str),
 ) -> Result<Study, CompareError> {
     let trained_rows = fos_fit::fit::training_rows(recording, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =

@@ -42,11 +42,11 @@ fn log_that_continues_the_fitted_one_starts_with_its_lags() {
     let fit = fit_axis(&fitted, &stillness, "gx", &options).expect("a fit");
     let half = FitOptions { train: Train::Share(0.5), ..options };
     let study =
-        study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), |_| {}).expect("a study");
+        study_of(&fitted, &stillness, vec![fit], half, LoadOptions::default(), &mut |_| {}).expect("a study");
     let error = |comparison: &Comparison| comparison.axes[0].slow_errors()[1].expect("an error");
     let columns = study.columns();
     let evaluated =
-        |log: &Recording, own| compare_study(&study, &columns, log, own, |_| {}).expect("a comparison");
+        |log: &Recording, own| compare_study(&study, &columns, log, own, &mut |_| {}).expect("a comparison");
     let follows = part(9000..15000, 0.0);
     let (continued, alone) = (evaluated(&follows, Some(&fitted)), evaluated(&follows, None));
     let later = evaluated(&part(9000..15000, 100.0), Some(&fitted));
@@ -75,10 +75,10 @@ fn log_in_another_orientation_is_evaluated_about_its_own_mean() {
     let options = FitOptions { max_lag: 2, ..FitOptions::default() };
     let stillness = rest(&fitted, options.train);
     let fit = fit_axis(&fitted, &stillness, "ax", &options).expect("a fit");
-    let study = study_of(&fitted, &stillness, vec![fit], options, LoadOptions::default(), |_| {});
+    let study = study_of(&fitted, &stillness, vec![fit], options, LoadOptions::default(), &mut |_| {});
     let study = study.expect("a study");
     let evaluated = |log: &Recording| {
-        let evaluation = compare_study(&study, &["ax_mps2".to_owned()], log, Some(&fitted), |_| {});
+        let evaluation = compare_study(&study, &["ax_mps2".to_owned()], log, Some(&fitted), &mut |_| {});
         evaluation.expect("a comparison").comparison.axes.remove(0)
     };
     let [same, other] = [&lying("same", 0.1, 3), &lying("turned", 9.8, 2)].map(evaluated);

@@ -89,7 +89,7 @@ pub fn add(
     logs: &Logs,
     library: &Library,
     addition: Addition<'_>,
-    progress: impl FnMut(&Diagnosis, Option<&RefinementStep>),
+    progress: &mut dyn FnMut(&Diagnosis, Option<&RefinementStep>),
 ) -> Result<Refinement, RefineError> {
     let refiner = logs.refiner(library);
     let mut refinement = refiner.resume(study, column, logs.named(refiner.fitted_rows()))?;

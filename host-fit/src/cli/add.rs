@@ -55,7 +55,7 @@ impl Add {
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &column)?;
         let bar = spinner("estimating and evaluating");
         let addition = self.effect.as_deref().map_or(Addition::Best, Addition::Effect);
-        let refinement = add(&mut study, &column, &logs, &library, addition, |diagnosis, step| {
+        let refinement = add(&mut study, &column, &logs, &library, addition, &mut |diagnosis, step| {
             if !self.json {
                 bar.suspend(|| match step {
                     None if self.printed.details => print_diagnosis(diagnosis, self.printed),

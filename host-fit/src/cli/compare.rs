@@ -74,12 +74,12 @@ impl Compare {
         // Only if the log is unchanged.
         let own = if same { None } else { self.fitted_log(&study, &study.data.read).ok() };
         let bar = progress(4, "evaluating");
-        let evaluation = |model: &str| {
+        let mut evaluation = |model: &str| {
             bar.set_message(&format!("evaluating: {model}"));
             bar.inc(1);
         };
         let Evaluation { comparison, trace, stillness } =
-            compare_study(&study, &columns, &recording, own.as_ref(), evaluation)?;
+            compare_study(&study, &columns, &recording, own.as_ref(), &mut evaluation)?;
         bar.finish_and_clear();
         if let Some(folder) = &self.figures {
             let curves = curves(&comparison, &trace, &recording);

@@ -65,10 +65,10 @@ impl Demo {
         let reference_stillness = rest(&reference, options.train);
         let axes = ["ax", "ay", "az", "gx", "gy", "gz"];
         let bar = progress(axes.len() as u64 + 4, "fitting");
-        let fits = fit_axes(&reference, &reference_stillness, &axes, &options, || bar.inc(1));
+        let fits = fit_axes(&reference, &reference_stillness, &axes, &options, &|| bar.inc(1));
         let fits = fits.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut study =
-            study_of(&reference, &reference_stillness, fits, options, LoadOptions::default(), |_| {
+            study_of(&reference, &reference_stillness, fits, options, LoadOptions::default(), &mut |_| {
                 bar.inc(1)
             })?;
         bar.finish_and_clear();
@@ -87,8 +87,15 @@ impl Demo {
             stillness: &reference_stillness,
             rows: 0..study.data.trained_rows,
         };
-        let (comparison, trace) =
-            compare(&alone, &[lag_1], &field, &field_stillness, 0..field.n_rows(), Some(&trained), |_| {})?;
+        let (comparison, trace) = compare(
+            &alone,
+            &[lag_1],
+            &field,
+            &field_stillness,
+            0..field.n_rows(),
+            Some(&trained),
+            &mut |_| {},
+        )?;
         let drawn = curves(&comparison, &trace, &field);
         plots::write_all(&path("figures"), &comparison, &drawn, &moved(&field, &field_stillness))?;
         let failing = &comparison.axes[0];
@@ -132,7 +139,7 @@ impl Demo {
         let mut refinement = refiner.begin(&study, AXIS, logs.named(refiner.fitted_rows()))?;
         say!(self, "4. Diagnose, add the effect found, and repeat until nothing is missing:");
         let mut found = Vec::new();
-        let steps = refiner.add_best(&refinement, |diagnosis, _| {
+        let steps = refiner.add_best(&refinement, &mut |diagnosis, _| {
             say!(self, "   - {}", diagnosis.sentence);
             found.extend(diagnosis.findings.first().cloned());
         })?;
@@ -148,7 +155,8 @@ impl Demo {
         let later = logs.evaluation.as_ref().unwrap_or(&logs.log);
         let refined = refinement.last().map_or(&alone, |last| &last.model);
         let later_rest = stillness::find(later);
-        let (on_later, _) = compare(refined, &[lag_1], later, &later_rest, 0..later.n_rows(), None, |_| {})?;
+        let (on_later, _) =
+            compare(refined, &[lag_1], later, &later_rest, 0..later.n_rows(), None, &mut |_| {})?;
         say!(self, "");
         for row in UnaidedRow::all(&on_later.axes[0], Units::default()) {
             say!(self, "   {}", row.sentence());

@@ -144,10 +144,10 @@ impl Fit {
         }
         let axes = axes(&recording, &self.axis)?;
         let bar = progress(axes.len() as u64, "fitting");
-        let fits = fit_axes(&recording, &stillness, &axes, &options, || bar.inc(1));
+        let fits = fit_axes(&recording, &stillness, &axes, &options, &|| bar.inc(1));
         bar.finish_and_clear();
         let fits = usable(&self.axis, fits)?;
-        let mut study = study_of(&recording, &stillness, fits, options, read, |_| {})?;
+        let mut study = study_of(&recording, &stillness, fits, options, read, &mut |_| {})?;
         study.write(&file)?;
         if self.json {
             return print_json(&study);

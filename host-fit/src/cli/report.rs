@@ -61,7 +61,7 @@ impl Report {
         };
         let logs = read_logs(&self.logs, &self.reading, &study, &self.study, &columns[0])?;
         let spinner = spinner("examining");
-        let content = Content::of(&study, &columns, &logs, &library, |what| {
+        let content = Content::of(&study, &columns, &logs, &library, &mut |what| {
             spinner.set_message(what);
         })?;
         spinner.finish_and_clear();

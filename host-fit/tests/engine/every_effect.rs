@@ -8,7 +8,7 @@ use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
 use fos_export::image;
-use fos_fit::evaluate::trace;
+use fos_fit::evaluate::trace_in_f32;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_fit::model::UnitModel;
@@ -93,7 +93,7 @@ impl Logs {
         let model = model_of(&Image::parse(&bytes).expect("whole"), &columns).expect("a model");
         let still = vec![true; self.later.n_rows()];
         let playback = Playback::new(&self.later, &model, &still).expect("a playback");
-        let trace = trace::<f32>(&model, &playback, 0..self.later.n_rows(), |_| {}).expect("a trace");
+        let trace = trace_in_f32(&model, &playback, 0..self.later.n_rows()).expect("a trace");
         // in motion the true value is unknown, unless it was logged
         let known = match self.later.channel(&Column::named(&self.target).reference()) {
             Ok(_) => still.clone(),

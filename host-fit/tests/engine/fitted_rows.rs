@@ -159,7 +159,7 @@ fn evaluation(columns: Columns, options: &FitOptions) -> (Study, AxisFit) {
     let stillness = rest(&recording, options.train);
     let fit = fit_axis(&recording, &stillness, "gx", options).expect("a fit");
     let read = LoadOptions::default();
-    let study = study_of(&recording, &stillness, vec![fit.clone()], options.clone(), read, |_| {});
+    let study = study_of(&recording, &stillness, vec![fit.clone()], options.clone(), read, &mut |_| {});
     (study.expect("a study"), fit)
 }
 

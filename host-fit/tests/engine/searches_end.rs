@@ -106,7 +106,7 @@ impl Searches {
                     read: LoadOptions::default(),
                 };
                 let refinement = Refinement { column: "gx_rads".to_owned(), logs, steps: vec![first] };
-                drop(refiner.add_best(&refinement, |_, _| {}));
+                drop(refiner.add_best(&refinement, &mut |_, _| {}));
             });
         }
         found

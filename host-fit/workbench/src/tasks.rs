@@ -122,7 +122,8 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
             let options = FitOptions::default();
             let stillness = rest(own, options.train);
             let fitted = fit_axis(own, &stillness, column, &options).map_err(in_text)?;
-            study_of(own, &stillness, vec![fitted], options, logs.read.clone(), |_| {}).map_err(in_text)?
+            study_of(own, &stillness, vec![fitted], options, logs.read.clone(), &mut |_| {})
+                .map_err(in_text)?
         }
     };
     let refiner = logs.refiner(library);
@@ -141,11 +142,11 @@ fn fit(column: &str, known: &Snapshot, library: &Library) -> Result<Change, Stri
 fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Change, String> {
     let (study, refinement) = known.fitted(column)?;
     let mut done = 0;
-    let evaluation = |what: &str| {
+    let mut evaluation = |what: &str| {
         progress(Job::step(format!("comparing {}: {what}", Column::named(column).label()), done, 4));
         done += 1;
     };
-    let examination = examine(study, refinement, &known.read()?.logs, evaluation).map_err(in_text)?;
+    let examination = examine(study, refinement, &known.read()?.logs, &mut evaluation).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.section = axis.section.clone().examined(&examination);
         (axis.examination, axis.examined) = (Some(Arc::new(examination)), true);

@@ -116,7 +116,7 @@ fn beats_the_constant_mean_only_on_predictable_axes() {
         "white noise has no terms: {:?}",
         fits[0].report.steps
     );
-    let study = study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), |_| {})
+    let study = study_of(&recording, &stillness, fits.to_vec(), options, LoadOptions::default(), &mut |_| {})
         .expect("evaluated");
     assert_eq!(study.steps.len(), 4);
     let mse = |axis: usize, model: &str| {

@@ -264,7 +264,7 @@ impl<'a> Refiner<'a> {
     pub fn add_best(
         &self,
         refinement: &Refinement,
-        mut progress: impl FnMut(&Diagnosis, Option<&RefinementStep>),
+        progress: &mut dyn FnMut(&Diagnosis, Option<&RefinementStep>),
     ) -> Result<Vec<RefinementStep>, RefineError> {
         let mut refinement = refinement.clone();
         let (mut steps, mut refused) = (Vec::new(), Vec::new());
@@ -493,7 +493,7 @@ impl<'a> Refiner<'a> {
             (evaluated.axes[0].parameters.reference, evaluated.axes[0].parameters.offset) = (level, 0.0);
         }
         let playback = Playback::new(&log, &evaluated, &known)?;
-        let trace = trace::<f64>(&evaluated, &playback, rows, |_| {})?;
+        let trace = trace(&evaluated, &playback, rows)?;
         let name = match &added {
             None => "before".to_owned(),
             Some(added) => format!("+ {}", added.effect.id),

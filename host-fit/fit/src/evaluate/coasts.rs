@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use fos_core::{Coasts, Predictor, Real, y};
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 
 use super::origins::Origins;
 use super::strapdown::{SixAxes, Strapdown, StrapdownEnd};
@@ -352,7 +351,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         keep: impl Fn(&mut T, (&Range<usize>, usize), usize, usize, f64) + Sync,
     ) -> Vec<(Vec<Range<usize>>, T)> {
         let mut waiting = std::mem::replace(&mut self.waiting[length], Waiting::new());
-        let side_by_side = in_parallel(waiting.groups[..waiting.n_begun].par_iter_mut(), |group| {
+        let side_by_side = in_parallel(waiting.groups[..waiting.n_begun].iter_mut(), |group| {
             let lanes = std::mem::take(&mut group.lanes);
             let mut kept = T::default();
             Arch::new().dispatch(SideBySide {
@@ -376,7 +375,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         let alone: Vec<_> = match self.is_held {
             // one step each: not worth waiting for other threads, as this one would begin another trace meanwhile
             true => waiting.alone.drain(..).map(of_alone).collect(),
-            false => in_parallel(waiting.alone.par_drain(..), of_alone),
+            false => in_parallel(waiting.alone.drain(..), of_alone),
         };
         waiting.n_begun = 0;
         self.waiting[length] = waiting;

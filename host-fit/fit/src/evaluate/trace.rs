@@ -48,19 +48,29 @@ pub struct AxisTrace {
     pub cautions: usize,
 }
 
+// Not generic over the numbers: every crate that calls them would compile the whole evaluation again.
+
 /// Runs `model` over the recording behind `playback`, from its first row on to warm up, and keeps the residuals in
 /// `rows`.
 ///
 /// # Errors
 ///
 /// fos-core rejects the model.
-pub fn trace<R: Real>(
+pub fn trace(model: &UnitModel, playback: &Playback<'_>, rows: Range<usize>) -> Result<Trace, ModelError> {
+    run::<f64>(model, playback, rows, Coasted::AllRows)
+}
+
+/// Runs `model` like [`trace`], in the numbers of a device with an FPU.
+///
+/// # Errors
+///
+/// fos-core rejects the model.
+pub fn trace_in_f32(
     model: &UnitModel,
     playback: &Playback<'_>,
     rows: Range<usize>,
-    progress: impl FnMut(usize),
 ) -> Result<Trace, ModelError> {
-    run::<R>(model, playback, rows, Coasted::AllRows, progress)
+    run::<f32>(model, playback, rows, Coasted::AllRows)
 }
 
 /// Runs `model` like [`trace`], with a strapdown of its six axes.
@@ -68,12 +78,12 @@ pub fn trace<R: Real>(
 /// # Errors
 ///
 /// fos-core rejects the model.
-pub fn trace_with_strapdown<R: Real>(
+pub fn trace_with_strapdown(
     model: &UnitModel,
     playback: &Playback<'_>,
     rows: Range<usize>,
 ) -> Result<Trace, ModelError> {
-    run::<R>(model, playback, rows, Coasted::AllRowsAndStrapdown, |_| {})
+    run::<f64>(model, playback, rows, Coasted::AllRowsAndStrapdown)
 }
 
 /// Runs `model` like [`trace`], but keeps free runs at their horizons only: `coast` and `coast_whole` are empty.
@@ -81,12 +91,12 @@ pub fn trace_with_strapdown<R: Real>(
 /// # Errors
 ///
 /// fos-core rejects the model.
-pub(crate) fn trace_to_horizons<R: Real>(
+pub(crate) fn trace_to_horizons(
     model: &UnitModel,
     playback: &Playback<'_>,
     rows: Range<usize>,
 ) -> Result<Trace, ModelError> {
-    run::<R>(model, playback, rows, Coasted::Horizons, |_| {})
+    run::<f64>(model, playback, rows, Coasted::Horizons)
 }
 
 /// Free runs that are kept.
@@ -104,12 +114,11 @@ fn run<R: Real>(
     playback: &Playback<'_>,
     rows: Range<usize>,
     coasted: Coasted,
-    progress: impl FnMut(usize),
 ) -> Result<Trace, ModelError> {
     // a predictor's state is copied for every coast
     match model.with(SmallPredictor::<R>::new) {
-        Ok(small) => Ok(Run::new(small, model, playback, rows, coasted).trace(progress)),
-        Err(_) => Ok(Run::new(model.predictor::<R>()?, model, playback, rows, coasted).trace(progress)),
+        Ok(small) => Ok(Run::new(small, model, playback, rows, coasted).trace()),
+        Err(_) => Ok(Run::new(model.predictor::<R>()?, model, playback, rows, coasted).trace()),
     }
 }
 
@@ -145,7 +154,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         Self { playback, feed: playback.feed(), origins, coasting, predictor, coasted, trace }
     }
 
-    fn trace(mut self, mut progress: impl FnMut(usize)) -> Trace {
+    fn trace(mut self) -> Trace {
         let rows = self.trace.rows.clone();
         for row in 0..rows.start {
             let _ = self.feed.step(&mut self.predictor, row);
@@ -164,9 +173,6 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         for row in rows {
             if row.is_multiple_of(1024) {
                 interrupt::check();
-            }
-            if row % 65_536 == 0 {
-                progress(row);
             }
             // from here on the predictor has seen all rows before this one, and none after
             if let Some(begin) = reaches.next_if(|(begin, _)| *begin == row) {

@@ -57,7 +57,7 @@ fn ends(column: &str, values: &[f64], rate_hz: f64, kind: Rival, offset: f64) ->
     let still = vec![true; log.n_rows()];
     let playback = Playback::new(&log, &model, &still).expect("a playback");
     let rival = rival(&model, kind, &[0.0]);
-    let trace = trace::<f64>(&rival, &playback, 0..log.n_rows(), |_| {}).expect("a trace");
+    let trace = trace(&rival, &playback, 0..log.n_rows()).expect("a trace");
     trace.axes.into_iter().next().expect("an axis").unaided
 }
 
@@ -79,7 +79,7 @@ fn windows_equal_free_runs_that_are_integrated_step_by_step() {
     let still: Vec<bool> = (0..log.n_rows()).map(|row| !(13_000..13_200).contains(&row)).collect();
     let playback = Playback::new(&log, &model, &still).expect("a playback");
     let rows = 500..log.n_rows();
-    let traced = trace::<f64>(&model, &playback, rows.clone(), |_| {}).expect("a trace");
+    let traced = trace(&model, &playback, rows.clone()).expect("a trace");
 
     let ticks = UNAIDED_S.map(|window_s| (window_s * rate_hz) as usize);
     let mut expected: [[Vec<f64>; 4]; 2] = Default::default();
@@ -141,7 +141,7 @@ fn a_strapdown_of_six_axes_tilts_gravity_into_the_position() {
         let still = vec![true; rows];
         let playback = Playback::new(&log, &model, &still).expect("a playback");
         let rival = rival(&model, Rival::Mean, &[0.0; 6]);
-        strapdown_errors(&trace_with_strapdown::<f64>(&rival, &playback, 0..rows).expect("a trace"))
+        strapdown_errors(&trace_with_strapdown(&rival, &playback, 0..rows).expect("a trace"))
     };
     let found = errors(6);
     let after_60_s = found[2];

@@ -177,7 +177,7 @@ pub fn fit_axes(
     stillness: &Stillness,
     axes: &[impl AsRef<str> + Sync],
     options: &FitOptions,
-    done: impl Fn() + Sync,
+    done: &(dyn Fn() + Sync),
 ) -> Vec<Result<AxisFit, AxisError>> {
     in_parallel(axes, |axis| {
         let fit = fit_axis(recording, stillness, axis.as_ref(), options);
@@ -354,7 +354,7 @@ fn set_statistics(
 ) -> Result<Trace, ModelError> {
     // longer than any coast of the test, so that nothing fades
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
-    let trace = evaluate::trace_to_horizons::<f64>(model, playback, training)?;
+    let trace = evaluate::trace_to_horizons(model, playback, training)?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
     let parameters = &mut model.axes[0].parameters;
     let scale = parameters.scale;

@@ -199,7 +199,7 @@ fn written_study() -> Study {
     let stillness = stillness::find(&reference);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
     let fit = fit_axis(&reference, &stillness, "gx", &options).expect("fits");
-    let mut study = study_of(&reference, &stillness, vec![fit], options, LoadOptions::default(), |_| {})
+    let mut study = study_of(&reference, &stillness, vec![fit], options, LoadOptions::default(), &mut |_| {})
         .expect("evaluated");
     let library = Library::built_in();
     let refiner = Refiner::new(&log, Some(&reference), None, &library);
