@@ -4,10 +4,10 @@ use fos_data::text::{counted, rounded};
 
 use crate::Calibration;
 use crate::accelerometer::Accelerometer;
-use crate::gravity::MG_MPS2;
 use crate::gyro::{Gyro, TurnExclusion};
 use crate::parameter::Determined;
 use crate::shown::shown;
+use fos_data::unit::MG_MPS2;
 
 /// Largest residual of a device at rest, m/s² (3 mg).
 const RESTLESS_MPS2: f64 = 3.0 * MG_MPS2;

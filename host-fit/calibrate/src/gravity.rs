@@ -1,12 +1,7 @@
 //! Local gravity: the length that every calibrated accelerometer reading has at rest.
 
+use fos_data::unit::STANDARD_GRAVITY_MPS2;
 use serde::Serialize;
-
-/// Standard gravity, m/s² (CGPM 1901).
-pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
-
-/// One mg, m/s².
-pub const MG_MPS2: f64 = STANDARD_GRAVITY_MPS2 / 1000.0;
 
 /// Standard deviation of the free-air anomaly, m/s²: 30 mGal, the global RMS of EGM2008 (Pavlis et al. 2012) over land
 /// away from high mountains.

@@ -26,7 +26,7 @@ mod vector;
 
 pub use accelerometer::{Accelerometer, Next, Options, RestResidual};
 pub use error::CalibrateError;
-pub use gravity::{Gravity, GravitySource, MG_MPS2, STANDARD_GRAVITY_MPS2};
+pub use gravity::{Gravity, GravitySource};
 pub use gyro::{Gyro, Turn, TurnExclusion};
 pub use imu::{Axes, Imu, Scale};
 pub use orientation::Orientation;

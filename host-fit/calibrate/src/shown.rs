@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::gravity::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 use crate::parameter::{Determined, Parameter};
 use crate::rests::Exclusion;
+use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 
 /// A parameter formatted for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]

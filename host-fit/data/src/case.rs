@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::file::{self, FileError};
 use crate::recording::{LoadOptions, Recording, RecordingError, load};
 use crate::schema::{Refused, from_json};
+use crate::unit::MG_MPS2;
 
 /// The schema that this program writes, and the only one it reads.
 pub const SCHEMA: &str = "fos-case/1";
@@ -200,7 +201,7 @@ impl CaseMeta {
     /// Noise of the target on the data sheet, if it states both numbers.
     pub fn data_sheet(&self) -> Option<DataSheet> {
         const DPS: f64 = std::f64::consts::PI / 180.0;
-        const MICRO_G: f64 = 9.80665e-6;
+        const MICRO_G: f64 = 1e-3 * MG_MPS2;
         let sheet = &self.datasheet;
         Some(match self.is_gyro() {
             true => DataSheet {

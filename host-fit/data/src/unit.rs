@@ -110,7 +110,11 @@ impl Affine {
 }
 
 /// Standard gravity, m/s² (BIPM, SI Brochure, 9th edition; exact by definition).
-pub(crate) const STANDARD_GRAVITY: f64 = 9.80665;
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;
+
+/// One mg, m/s².
+pub const MG_MPS2: f64 = STANDARD_GRAVITY_MPS2 / 1000.0;
+
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// Spellings of a unit met in logs, the SI unit it converts to, and `scale`, `offset` of the conversion.
@@ -120,8 +124,8 @@ const KNOWN: &[(&[&str], Unit, f64, f64)] = &[
     (&["us", "µs"], Unit::Second, 1e-6, 0.0),
     (&["ns"], Unit::Second, 1e-9, 0.0),
     (&["m/s2", "m/s^2", "m/s²", "mps2"], Unit::MetrePerSecondSquared, 1.0, 0.0),
-    (&["g"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY, 0.0),
-    (&["mg"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY * 1e-3, 0.0),
+    (&["g"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY_MPS2, 0.0),
+    (&["mg"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY_MPS2 * 1e-3, 0.0),
     (&["rad/s", "rads"], Unit::RadianPerSecond, 1.0, 0.0),
     (&["mrad/s"], Unit::RadianPerSecond, 1e-3, 0.0),
     (&["deg/s", "dps", "°/s"], Unit::RadianPerSecond, DEGREE, 0.0),

@@ -3,13 +3,13 @@
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use super::part::DEGREE;
-use super::part::GRAVITY;
 use super::random::{Random, between, chance, direction, log_between, normal, sign};
 use super::thermal::raised_cosine;
 use super::world::World;
+use fos_data::unit::STANDARD_GRAVITY_MPS2;
 
 /// Specific force of gravity at rest, in the axes of the earth (up is +z), m/s².
-pub(super) const UP: [f64; 3] = [0.0, 0.0, GRAVITY];
+pub(super) const UP: [f64; 3] = [0.0, 0.0, STANDARD_GRAVITY_MPS2];
 
 /// Duration of a turn of the rig, s.
 const TURN_S: f64 = 2.5;

@@ -5,13 +5,12 @@ use serde::Serialize;
 use super::axis::Axis;
 use super::coloured::{AxisNoise, Colour};
 use super::random::{Random, between, log_normal, normal};
+use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 
 /// Standard gravity, m/s².
-pub(super) const GRAVITY: f64 = 9.80665;
 /// One degree, rad.
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// One mg, m/s².
-pub(super) const MILLI_G: f64 = GRAVITY * 1e-3;
 
 /// Figures of a part from its data sheet.
 ///
@@ -80,7 +79,11 @@ impl Part {
 
     /// Full scale of an axis, m/s² or rad/s.
     pub fn full_scale(&self, axis: Axis) -> f64 {
-        if axis.is_gyro() { self.gyro_full_scale_dps * DEGREE } else { self.accel_full_scale_g * GRAVITY }
+        if axis.is_gyro() {
+            self.gyro_full_scale_dps * DEGREE
+        } else {
+            self.accel_full_scale_g * STANDARD_GRAVITY_MPS2
+        }
     }
 
     /// Least significant bit of an axis, m/s² or rad/s: 16 bits over the full scale.
@@ -93,7 +96,7 @@ impl Part {
         if axis.is_gyro() {
             self.gyro_noise_density_dps_rthz * DEGREE
         } else {
-            self.accel_noise_density_ug_rthz * 1e-3 * MILLI_G
+            self.accel_noise_density_ug_rthz * 1e-3 * MG_MPS2
         }
     }
 
@@ -102,7 +105,7 @@ impl Part {
         if axis.is_gyro() {
             self.gyro_bias_instability_dph / 3600.0 * DEGREE
         } else {
-            self.accel_bias_instability_ug * 1e-3 * MILLI_G
+            self.accel_bias_instability_ug * 1e-3 * MG_MPS2
         }
     }
 
@@ -117,7 +120,7 @@ impl Part {
 
     /// Draws the bias of one axis of a device, in the axis' unit: typical values after soldering.
     pub(super) fn draw_bias(&self, axis: Axis, random: &mut Random) -> f64 {
-        if axis.is_gyro() { 0.5 * DEGREE * normal(random) } else { 20.0 * MILLI_G * normal(random) }
+        if axis.is_gyro() { 0.5 * DEGREE * normal(random) } else { 20.0 * MG_MPS2 * normal(random) }
     }
 }
 

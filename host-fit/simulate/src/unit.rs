@@ -2,38 +2,43 @@
 
 use fos_data::column::AXES;
 use fos_data::column::Column;
+use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::noise::{Noise, NoiseSizes};
 
-pub(super) const GRAVITY: f64 = 9.80665;
 const DPS: f64 = std::f64::consts::PI / 180.0;
-const MILLI_G: f64 = GRAVITY * 1e-3;
 
 /// Noise of the simulated accelerometers: 180 µg/√Hz, bias instability 50 µg (BMI160 data sheet: 180 µg/√Hz; bias
 /// instability as measured by users).
-const ACCEL_NOISE_DENSITY: f64 = 180e-3 * MILLI_G;
-const ACCEL_BIAS_INSTABILITY: f64 = 0.05 * MILLI_G;
+const ACCEL_NOISE_DENSITY: f64 = 180e-3 * MG_MPS2;
+const ACCEL_BIAS_INSTABILITY: f64 = 0.05 * MG_MPS2;
 /// Noise of the simulated gyros: 7 mdps/√Hz, bias instability 9 °/h (BMI160 data sheet: 0.007 °/s/√Hz).
 const GYRO_NOISE_DENSITY: f64 = 0.007 * DPS;
 const GYRO_BIAS_INSTABILITY: f64 = 9.0 / 3600.0 * DPS;
 
 /// Least significant bits: 16 bits over ±4 g and ±250 °/s.
-const ACCEL_LSB: f64 = 4.0 * GRAVITY / 32768.0;
+const ACCEL_LSB: f64 = 4.0 * STANDARD_GRAVITY_MPS2 / 32768.0;
 const GYRO_LSB: f64 = 250.0 * DPS / 32768.0;
 
 /// Full scales of the same ranges.
-const FULL_SCALE: [f64; 6] =
-    [4.0 * GRAVITY, 4.0 * GRAVITY, 4.0 * GRAVITY, 250.0 * DPS, 250.0 * DPS, 250.0 * DPS];
+const FULL_SCALE: [f64; 6] = [
+    4.0 * STANDARD_GRAVITY_MPS2,
+    4.0 * STANDARD_GRAVITY_MPS2,
+    4.0 * STANDARD_GRAVITY_MPS2,
+    250.0 * DPS,
+    250.0 * DPS,
+    250.0 * DPS,
+];
 
 /// Temperature coefficient of each axis: mg/K and °/s/K of phone-class parts.
 const PER_KELVIN: [f64; 6] =
-    [0.5 * MILLI_G, -0.8 * MILLI_G, 1.0 * MILLI_G, 0.02 * DPS, -0.03 * DPS, 0.015 * DPS];
+    [0.5 * MG_MPS2, -0.8 * MG_MPS2, 1.0 * MG_MPS2, 0.02 * DPS, -0.03 * DPS, 0.015 * DPS];
 
 /// Bias at 25 °C.
-const BIAS: [f64; 6] = [20.0 * MILLI_G, -15.0 * MILLI_G, 30.0 * MILLI_G, 0.5 * DPS, -0.3 * DPS, 0.8 * DPS];
+const BIAS: [f64; 6] = [20.0 * MG_MPS2, -15.0 * MG_MPS2, 30.0 * MG_MPS2, 0.5 * DPS, -0.3 * DPS, 0.8 * DPS];
 
 /// Duration of a motion, and of the rest between two, s.
 const MOTION_S: f64 = 30.0;
@@ -92,7 +97,7 @@ pub fn simulate(simulation: &Simulation) -> SimulatedLog {
         let moving = simulation.motion.then(|| motion_phase(t, simulation.duration_s)).flatten();
         let true_values = match moving {
             Some(phase) => motion(phase),
-            None => [0.0, 0.0, GRAVITY, 0.0, 0.0, 0.0],
+            None => [0.0, 0.0, STANDARD_GRAVITY_MPS2, 0.0, 0.0, 0.0],
         };
         for axis in 0..6 {
             let drift = simulation.temperature * PER_KELVIN[axis] * (die - 25.0);
@@ -149,9 +154,9 @@ fn motion(phase: f64) -> [f64; 6] {
     };
     let tilt = 0.6 * swing(0.31, 0.0);
     [
-        GRAVITY * tilt.sin() + 2.0 * swing(1.3, 0.4),
+        STANDARD_GRAVITY_MPS2 * tilt.sin() + 2.0 * swing(1.3, 0.4),
         1.5 * swing(0.9, 1.1),
-        GRAVITY * tilt.cos() + 1.0 * swing(1.7, 2.0),
+        STANDARD_GRAVITY_MPS2 * tilt.cos() + 1.0 * swing(1.7, 2.0),
         1.2 * swing(0.5, 0.7),
         0.9 * swing(0.8, 0.2),
         1.5 * swing(0.4, 1.9),

@@ -13,14 +13,12 @@ use super::output::{
 };
 use super::units::Printed;
 use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
-use fos_calibrate::{
-    Calibration, Gravity, Imu, MG_MPS2, Options, STANDARD_GRAVITY_MPS2, Scale, calibrate,
-    calibrate_on_turntable,
-};
+use fos_calibrate::{Calibration, Gravity, Imu, Options, Scale, calibrate, calibrate_on_turntable};
 use fos_core::TriadCalibration;
 use fos_data::column::Triad;
 use fos_data::file::{check_output, folder_of, name_of, write_atomically};
 use fos_data::recording::{LogWarning, Recording, SensorProvenance, Source};
+use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 use fos_diagnose::study::Study;
 use fos_fit::calibration::UnitCalibration;
 use fos_report::certificate::{Certificate, Outcome, Stated, of_form};

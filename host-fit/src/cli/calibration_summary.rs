@@ -1,12 +1,11 @@
 //! Prints calibrations.
 
-use fos_calibrate::{
-    Accelerometer, Calibration, Gyro, MG_MPS2, Parameter, RestResidual, Shown, Turntable, shown,
-};
+use fos_calibrate::{Accelerometer, Calibration, Gyro, Parameter, RestResidual, Shown, Turntable, shown};
 
 use super::output::{first, print_hint, print_line, table};
 use super::units::{Printed, Units, three};
 use fos_data::text::counted;
+use fos_data::unit::MG_MPS2;
 use fos_report::certificate::gravity;
 
 /// Correlations beyond this are printed with `--details`.

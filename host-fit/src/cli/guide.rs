@@ -4,11 +4,12 @@ use clap::ValueEnum;
 
 use super::noise::duration;
 use super::units::three;
-use fos_calibrate::{CalibrateError, Imu, MG_MPS2, Options, calibrate};
+use fos_calibrate::{CalibrateError, Imu, Options, calibrate};
 use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 use fos_data::stillness;
 use fos_data::text::counted;
+use fos_data::unit::MG_MPS2;
 use fos_device_io::record::Recorded;
 use fos_fit::noise::{AxisNoise, axis_noise};
 

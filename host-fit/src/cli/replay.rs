@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fos_calibrate::MG_MPS2;
 use fos_core::Image;
+use fos_data::unit::MG_MPS2;
 
 use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;

@@ -84,7 +84,7 @@ fn residuals_equal_those_of_fos_core() {
     let fit = fit_axis(&recording, &stillness, "gy", &options).unwrap();
     let playback = fos_fit::playback::Playback::new(&recording, &fit.model, &stillness.still).unwrap();
     let rows = split.predict[0].clone();
-    let trace = fos_fit::evaluate::trace::<f64>(&fit.model, &playback, rows.clone(), |_| {}).unwrap();
+    let trace = fos_fit::evaluate::trace(&fit.model, &playback, rows.clone()).unwrap();
     // The same rows: those preceded by ten samples of the prediction part.
     let squares: Vec<f64> = trace.axes[0].one_step[10..].iter().map(|e| e * e).collect();
     let mse = signal::mean(&[&squares]);

@@ -7,7 +7,8 @@ use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
 use super::in_comment;
-use crate::{Calibration, MG_MPS2};
+use crate::Calibration;
+use fos_data::unit::MG_MPS2;
 
 /// Ranges of the parameters (AP_InertialSensor.cpp, `@Range` of ACCSCAL and ACCOFFS).
 const SCALE: [f64; 2] = [0.8, 1.2];

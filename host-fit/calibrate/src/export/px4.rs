@@ -8,7 +8,8 @@ use std::fmt::Write as _;
 
 use super::autopilot::{Autopilot, NotForAutopilot};
 use super::in_comment;
-use crate::{Calibration, MG_MPS2};
+use crate::Calibration;
+use fos_data::unit::MG_MPS2;
 
 /// Range of PX4's scales (src/lib/sensor_calibration/Accelerometer.cpp, `set_scale`, refuses 0 and below); offsets have none, and
 /// half of gravity is a fault.

@@ -12,9 +12,9 @@ use crate::pose::{self, LevelsAfterPauses};
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
 use crate::stuck::{MIN_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
+use crate::unit::STANDARD_GRAVITY_MPS2;
 
 /// Standard gravity, m/s² (CGPM 1901); accelerometers at rest measure it to within their scale error and bias.
-const GRAVITY: f64 = 9.806_65;
 const GRAVITY_WITHIN: f64 = 0.15;
 
 /// Rate at rest beyond any bias, rad/s: 57 °/s.
@@ -169,7 +169,7 @@ impl fmt::Display for LogWarning {
             Self::Same { columns: [one, other] } => write!(f, "{one} and {other} hold the same values"),
             Self::NotGravity { magnitude } => write!(
                 f,
-                "the accelerometers show {magnitude:.3} m/s² together, and gravity is {GRAVITY:.2}: another unit (in the column map ax_mps2=ax:g), or without gravity"
+                "the accelerometers show {magnitude:.3} m/s² together, and gravity is {STANDARD_GRAVITY_MPS2:.2}: another unit (in the column map ax_mps2=ax:g), or without gravity"
             ),
             Self::TurnsAtRest { column, rate } => write!(
                 f,
@@ -364,8 +364,9 @@ impl Recording {
         let square = |row: usize| x[row] * x[row] + y[row] * y[row] + z[row] * z[row];
         let at_rest = (0..self.n_rows()).filter(|row| still[*row]);
         let magnitudes = at_rest.map(|row| square(row).sqrt()).filter(|a| a.is_finite());
-        let magnitude =
-            unusual_median(magnitudes, |magnitude| (magnitude / GRAVITY - 1.0).abs() > GRAVITY_WITHIN)?;
+        let magnitude = unusual_median(magnitudes, |magnitude| {
+            (magnitude / STANDARD_GRAVITY_MPS2 - 1.0).abs() > GRAVITY_WITHIN
+        })?;
         Some(LogWarning::NotGravity { magnitude })
     }
 

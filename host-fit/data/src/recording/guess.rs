@@ -4,7 +4,7 @@ use super::column_map::quoted;
 use super::column_words::{self, Named, Quantity, unit_in};
 use crate::column::{AXES, Column, MAGNETOMETERS};
 use crate::statistics::median_of;
-use crate::unit::{STANDARD_GRAVITY, parse_unit};
+use crate::unit::{STANDARD_GRAVITY_MPS2, parse_unit};
 
 /// Probable channel of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -358,7 +358,7 @@ pub(super) fn gravity(triad: [&[f64]; 3]) -> Option<f64> {
 pub(super) fn force_unit(triad: [&[f64]; 3]) -> Option<&'static str> {
     let gravity = gravity(triad)?;
     let about = |one: f64| (0.7..1.4).contains(&(gravity / one));
-    [("m/s2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)]
+    [("m/s2", STANDARD_GRAVITY_MPS2), ("g", 1.0), ("mg", 1000.0)]
         .into_iter()
         .find(|(_, one)| about(*one))
         .map(|(unit, _)| unit)

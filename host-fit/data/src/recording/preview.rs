@@ -12,7 +12,7 @@ use super::guess::{Guess, Guesses, guesses};
 use super::load;
 use super::table::Table;
 use crate::statistics::median_of;
-use crate::unit::{Affine, STANDARD_GRAVITY, Unit, parse_unit, spellings_of};
+use crate::unit::{Affine, STANDARD_GRAVITY_MPS2, Unit, parse_unit, spellings_of};
 
 /// Number of values shown per column.
 const SHOWN: usize = 4;
@@ -230,9 +230,9 @@ fn add_cautions(table: &Table, columns: &mut [ColumnPreview]) {
     let magnitudes =
         (0..rows).map(|row| of_accelerometer.iter().map(|axis| axis[row] * axis[row]).sum::<f64>().sqrt());
     let magnitude =
-        median_of(magnitudes.filter(|magnitude| magnitude.is_finite())).unwrap_or(STANDARD_GRAVITY);
-    let is_too_weak = of_accelerometer.len() == 3 && magnitude * GRAVITY_WITHIN < STANDARD_GRAVITY;
-    let is_gravity = !is_too_weak && magnitude <= GRAVITY_WITHIN * STANDARD_GRAVITY;
+        median_of(magnitudes.filter(|magnitude| magnitude.is_finite())).unwrap_or(STANDARD_GRAVITY_MPS2);
+    let is_too_weak = of_accelerometer.len() == 3 && magnitude * GRAVITY_WITHIN < STANDARD_GRAVITY_MPS2;
+    let is_gravity = !is_too_weak && magnitude <= GRAVITY_WITHIN * STANDARD_GRAVITY_MPS2;
     for column in columns {
         let Some(unit) = kind(column) else { continue };
         let Some(values) = values_of(column) else { continue };

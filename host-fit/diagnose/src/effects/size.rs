@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use fos_data::column::Column;
+use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 
 /// Unit of a coefficient and its size in SI (m/s² or rad/s per unit of the logged quantity).
 #[derive(Debug, Clone, PartialEq)]
@@ -14,9 +15,6 @@ pub struct SizeUnit {
     pub si: f64,
 }
 
-/// Standard gravity, m/s².
-const G: f64 = 9.80665;
-
 /// Size of a unit in SI; logged quantities keep the unit of their column (°C, V, %, µT).
 fn si(unit: &str) -> Option<f64> {
     Some(match unit {
@@ -24,9 +22,9 @@ fn si(unit: &str) -> Option<f64> {
         "mdps" => PI / 180e3,
         "dph" => PI / 180.0 / 3600.0,
         "K" | "V" | "pct" | "µT" | "s" | "m" | "1" => 1.0,
-        "g" => G,
-        "mg" => G * 1e-3,
-        "µg" => G * 1e-6,
+        "g" => STANDARD_GRAVITY_MPS2,
+        "mg" => MG_MPS2,
+        "µg" => STANDARD_GRAVITY_MPS2 * 1e-6,
         "%" | "cm" => 1e-2,
         "ppm" => 1e-6,
         "mV" => 1e-3,
@@ -77,7 +75,7 @@ fn power(text: &str) -> Option<(f64, &str)> {
 impl SizeUnit {
     /// Returns the unit of sizes on an axis: °/s for a gyro, mg for an accelerometer.
     pub fn of_axis(column: Column<'_>) -> Self {
-        let (text, si) = if column.is_angular_rate() { ("dps", PI / 180.0) } else { ("mg", G * 1e-3) };
+        let (text, si) = if column.is_angular_rate() { ("dps", PI / 180.0) } else { ("mg", MG_MPS2) };
         Self { text: text.to_owned(), si }
     }
 

@@ -12,7 +12,7 @@ use super::opened::Opened;
 use super::wearable::{Blocks, is_rate, ns_since_1970};
 use crate::file::{FileError, read_up_to};
 use crate::interrupt;
-use crate::unit::STANDARD_GRAVITY;
+use crate::unit::STANDARD_GRAVITY_MPS2;
 
 /// First bytes of a file: `MD` and the length of the header.
 pub(super) const SIGNATURE: &[u8] = b"MD\xfc\x03";
@@ -134,7 +134,7 @@ fn take(block: &[u8; BLOCK], blocks: &mut Blocks) -> Taken {
     }
     let scales = u16_at(18);
     // AX3: 1/256 g, which the three bits of zero state as well
-    let mps2 = STANDARD_GRAVITY / f64::from(1_u32 << (8 + (scales >> 13)));
+    let mps2 = STANDARD_GRAVITY_MPS2 / f64::from(1_u32 << (8 + (scales >> 13)));
     let full_scale_dps = 8000.0 / f64::from(1_u32 << ((scales >> 10) & 7));
     let rads = full_scale_dps.to_radians() / 32_768.0;
     let triad = |sample: &[u8], scale: f64| {
@@ -148,7 +148,7 @@ fn take(block: &[u8; BLOCK], blocks: &mut Blocks) -> Taken {
                 let axis = |shift: u32| {
                     // the top ten bits of a 16-bit number, which preserves their sign
                     let number = (((packed >> shift) << 6) as u16 as i16) >> 6;
-                    f64::from(i32::from(number) << exponent) * STANDARD_GRAVITY / 256.0
+                    f64::from(i32::from(number) << exponent) * STANDARD_GRAVITY_MPS2 / 256.0
                 };
                 blocks.push(Some([0, 10, 20].map(axis)), None);
             }

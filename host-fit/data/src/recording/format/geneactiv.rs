@@ -15,7 +15,7 @@ use super::wearable::{Blocks, is_rate, ns_since_1970};
 use super::{Format, choice};
 use crate::file::FileError;
 use crate::interrupt;
-use crate::unit::STANDARD_GRAVITY;
+use crate::unit::STANDARD_GRAVITY_MPS2;
 
 /// Hexadecimal digits of one sample.
 const DIGITS: usize = 12;
@@ -166,7 +166,7 @@ impl Calibration {
     fn mps2(&self, raw: [i16; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| {
             let g = (100.0 * f64::from(raw[axis]) - self.offset[axis]) / self.gain[axis];
-            g * STANDARD_GRAVITY
+            g * STANDARD_GRAVITY_MPS2
         })
     }
 }

@@ -168,7 +168,7 @@ fn at_rest(triad: [&[f64]; 3]) -> Option<&'static str> {
     let unit = force_unit(triad)?;
     let median = gravity(triad)?;
     let one = match unit {
-        "m/s2" => crate::unit::STANDARD_GRAVITY,
+        "m/s2" => crate::unit::STANDARD_GRAVITY_MPS2,
         "g" => 1.0,
         _ => 1000.0,
     };

@@ -21,6 +21,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use crate::statistics::finite_median;
+use crate::unit::STANDARD_GRAVITY_MPS2;
 
 /// Result of the comparison of two clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -90,7 +91,6 @@ const MIN_WINDOWS: usize = 4;
 
 /// Largest deviation of the specific force from gravity, m/s², for gravity to dominate.
 const MAX_OFF_GRAVITY_MPS2: f64 = 2.0;
-const GRAVITY: f64 = 9.806_65;
 
 /// Allowed gain of p over ω⊥, and minimum explained share of p.
 const GAIN: std::ops::RangeInclusive<f64> = 0.75..=1.25;
@@ -208,7 +208,7 @@ impl Window {
         for k in 0..WINDOW {
             let f = force[k + 1];
             let square = dot(f, f);
-            if (square.sqrt() - GRAVITY).abs() > MAX_OFF_GRAVITY_MPS2 {
+            if (square.sqrt() - STANDARD_GRAVITY_MPS2).abs() > MAX_OFF_GRAVITY_MPS2 {
                 continue;
             }
             used += 1;
