@@ -15,6 +15,6 @@ def test_the_ten_lines_give_a_diagnosis_with_a_picture(tmp_path, monkeypatch, ca
     assert "thermal lag" in sentence
     assert float(reduction) > 0.5
     page = (tmp_path / "diagnosis.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 4
+    assert page.count("<svg") == 3
     assert "<script" not in page
     assert 'src="http' not in page

@@ -237,9 +237,11 @@ def test_results_are_frozen_and_show_themselves(case, study):
 def test_figures_are_those_of_a_report(case, study, program, tmp_path):
     study.save(tmp_path / "study.json")
     case.evaluation.write(tmp_path / "evaluation.parquet")
-    program("compare", "study.json", "evaluation.parquet", "--plots", "figures", folder=tmp_path)
+    program("compare", "study.json", "evaluation.parquet", "--figures", "figures", folder=tmp_path)
     drawn = {path.stem.split("_", 2)[2].split("_", 1)[1]: path for path in (tmp_path / "figures").glob("*.svg")}
-    figures = study.compare(fos.read(tmp_path / "evaluation.parquet"))["gx"].figures
+    # without the fitted log, as the program, which cannot open a log made of arrays
+    again = fos.Study.load(tmp_path / "study.json")
+    figures = again.compare(fos.read(tmp_path / "evaluation.parquet"))["gx"].figures
     assert set(figures) == set(drawn) > {"over_time", "residual", "allan"}
     for name, figure in figures.items():
         assert figure.svg().split(">", 1)[1] == drawn[name].read_text().split(">", 1)[1], name
