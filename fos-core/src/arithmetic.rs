@@ -3,13 +3,14 @@
 //! For floats it is plain arithmetic in a fixed order. In fixed point each of these types is wider than a value.
 
 use core::fmt::Debug;
+use core::ops::Neg;
 
 /// Arithmetic of a scalar. Sealed: other crates cannot implement it.
 pub trait Arithmetic: Copy + Send + Sync {
     /// A constant factor that may lie outside the range of values: 1/scale, or the gain of a slow low-pass.
     type Gain: Copy + Debug + Send + Sync;
     /// A sum of products.
-    type Sum: Copy + PartialOrd + Debug + Send + Sync;
+    type Sum: Copy + PartialOrd + Neg<Output = Self::Sum> + Debug + Send + Sync;
     /// State of a low-pass, with more digits than a value: its steps may be smaller than the last place of the value.
     type Slow: Copy + Debug + Send + Sync;
     /// State of a running mean, which may lose steps smaller than the last place.
@@ -17,6 +18,8 @@ pub trait Arithmetic: Copy + Send + Sync {
 
     /// The empty sum, 0.
     const NOTHING: Self::Sum;
+    /// The largest sum, at which [`plus`](Self::plus) saturates in fixed point.
+    const LARGEST_SUM: Self::Sum;
     /// Limit for values that are squared, so that the square is a value.
     const LARGEST_SQUARED: Self;
 
@@ -36,6 +39,8 @@ pub trait Arithmetic: Copy + Send + Sync {
 
     /// A sum that begins with `self`.
     fn begin(self) -> Self::Sum;
+    /// `sum` + `value`.
+    fn add_value(sum: Self::Sum, value: Self) -> Self::Sum;
     /// `sum` + `a` × `b`.
     fn add_product(sum: Self::Sum, a: Self, b: Self) -> Self::Sum;
     /// Value of a sum.
@@ -44,6 +49,8 @@ pub trait Arithmetic: Copy + Send + Sync {
     fn square(self) -> Self::Sum;
     /// `a` + `b`, saturating in fixed point, for sums without a bound from the model.
     fn plus(a: Self::Sum, b: Self::Sum) -> Self::Sum;
+    /// `sum` × `gain`, for a gain of at most 1.
+    fn share(sum: Self::Sum, gain: Self::Gain) -> Self::Sum;
 
     /// State of a low-pass with the value `self`.
     fn at_rest(self) -> Self::Slow;
@@ -80,6 +87,7 @@ macro_rules! float {
             type Mean = $float;
 
             const NOTHING: $float = 0.0;
+            const LARGEST_SUM: $float = <$float>::MAX;
             const LARGEST_SQUARED: $float = 1e6;
 
             fn holds(_: f64) -> bool {
@@ -112,6 +120,10 @@ macro_rules! float {
                 self
             }
             #[inline(always)]
+            fn add_value(sum: $float, value: $float) -> $float {
+                sum + value
+            }
+            #[inline(always)]
             fn add_product(sum: $float, a: $float, b: $float) -> $float {
                 sum + a * b
             }
@@ -126,6 +138,10 @@ macro_rules! float {
             #[inline(always)]
             fn plus(a: $float, b: $float) -> $float {
                 a + b
+            }
+            #[inline(always)]
+            fn share(sum: $float, gain: $float) -> $float {
+                sum * gain
             }
 
             fn at_rest(self) -> Compensated<$float> {

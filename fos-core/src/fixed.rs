@@ -255,10 +255,7 @@ impl Scalar for Fixed {
     fn of_code(code: i16, unit: f32) -> Self {
         Self::count_of(i64::from(code), Gain::from_f32(unit))
     }
-    fn sum_stored(sum: i64) -> f32 {
-        const STEP: f32 = 1.0 / (1_u64 << (2 * FRACTION)) as f32;
-        sum as f32 * STEP
-    }
+    #[inline]
     fn sum_of(stored: f32) -> i64 {
         const STEPS: f32 = (1_u64 << (2 * FRACTION)) as f32;
         // the conversion saturates
@@ -284,6 +281,7 @@ impl Arithmetic for Fixed {
     type Mean = i64;
 
     const NOTHING: i64 = 0;
+    const LARGEST_SUM: i64 = i64::MAX;
     // its square is the largest value
     const LARGEST_SQUARED: Self = Self(16 << FRACTION);
 
@@ -314,7 +312,11 @@ impl Arithmetic for Fixed {
     fn begin(self) -> i64 {
         i64::from(self.0) << FRACTION
     }
-    // cannot overflow: a model whose sums could is rejected
+    // neither overflows: a model whose sums could is rejected
+    #[inline]
+    fn add_value(sum: i64, value: Self) -> i64 {
+        sum.wrapping_add(value.begin())
+    }
     #[inline]
     fn add_product(sum: i64, a: Self, b: Self) -> i64 {
         sum.wrapping_add(product(a.0, b.0))
@@ -331,6 +333,18 @@ impl Arithmetic for Fixed {
     fn plus(a: i64, b: i64) -> i64 {
         a.saturating_add(b)
     }
+    #[inline(never)]
+    fn share(sum: i64, gain: Gain) -> i64 {
+        // two halves, for the product has 94 bits
+        let mantissa = i64::from(gain.mantissa);
+        let high = (sum >> 32).wrapping_mul(mantissa);
+        let low = (sum & 0xffff_ffff).wrapping_mul(mantissa) >> 32;
+        let product = high.wrapping_add(low);
+        match u32::from(gain.shift).checked_sub(32) {
+            Some(shift) => product >> shift,
+            None => product << (32 - u32::from(gain.shift)),
+        }
+    }
 
     fn at_rest(self) -> i64 {
         i64::from(self.0) << SLOW
@@ -341,17 +355,8 @@ impl Arithmetic for Fixed {
     }
     #[inline(never)]
     fn approached_by(self, slow: &mut i64, gain: Gain) {
-        // at most 2⁶², times a gain of at most 1, in two halves
         let left = self.at_rest().wrapping_sub(*slow);
-        let mantissa = i64::from(gain.mantissa);
-        let high = (left >> 32).wrapping_mul(mantissa);
-        let low = (left & 0xffff_ffff).wrapping_mul(mantissa) >> 32;
-        let product = high.wrapping_add(low);
-        let change = match u32::from(gain.shift).checked_sub(32) {
-            Some(shift) => product >> shift,
-            None => product << (32 - u32::from(gain.shift)),
-        };
-        *slow = slow.wrapping_add(change);
+        *slow = slow.wrapping_add(Self::share(left, gain));
     }
 
     fn mean_at(self) -> i64 {
@@ -467,7 +472,7 @@ mod tests {
         let many = (0..100).fold(Fixed::NOTHING, |sum, _| Fixed::plus(sum, square));
         assert_eq!(many, i64::MAX);
         assert_eq!(Fixed::sum_of(f32::MAX), i64::MAX);
-        assert_eq!(Fixed::sum_stored(Fixed::sum_of(1.5)), 1.5);
+        assert_eq!(Fixed::end(Fixed::sum_of(1.5)), Fixed::from_f64(1.5));
         assert_eq!(Fixed::MAX + Fixed::MAX, Fixed::MAX);
         assert_eq!(-Fixed::MAX - Fixed::MAX, -Fixed::MAX);
         assert_eq!(Fixed::MAX * Fixed::MAX, Fixed::MAX);

@@ -47,8 +47,6 @@ pub trait Scalar:
     fn stored(self) -> Self::Stored;
     /// `code` × `unit`, the physical value of a sensor's code.
     fn of_code(code: i16, unit: Self::Stored) -> Self;
-    /// A sum of values or squares in the float of the model.
-    fn sum_stored(sum: Self::Sum) -> Self::Stored;
     /// The sum nearest to a number of a model.
     fn sum_of(stored: Self::Stored) -> Self::Sum;
     /// True if the value is neither NaN nor infinite.
@@ -112,10 +110,6 @@ macro_rules! float {
             #[inline(always)]
             fn of_code(code: i16, unit: $float) -> $float {
                 <$float>::from(code) * unit
-            }
-            #[inline(always)]
-            fn sum_stored(sum: $float) -> $float {
-                sum
             }
             #[inline(always)]
             fn sum_of(stored: $float) -> $float {

@@ -8,9 +8,6 @@ use crate::{ModelError, Real, Scalar};
 /// Number of consecutive quiet windows after which the device counts as still.
 const QUIET_WINDOWS: u8 = 2;
 
-/// Factor on the variance limits beyond which stillness ends; between the limits and this the state stays (hysteresis).
-const HYSTERESIS: f64 = 2.0;
-
 /// Distance of a single sample that ends stillness at once, in standard deviations of the limit, which is the sum over
 /// three axes. For three equal normal axes that is a sum of squares of 3·7² variances of one axis, which noise at the
 /// limit never reaches (chi-squared, 3 degrees of freedom: once in 10³¹). Limits are set several times above the noise,
@@ -64,34 +61,70 @@ impl<R: Scalar> Triad<R> {
         (self.origin, self.sum, self.sum_of_squares) = (origin, [R::NOTHING; 3], R::NOTHING);
     }
 
-    /// Deviation of a value from the origin, and the sum of its squares.
-    // unrolled: it runs for every sample
+    /// Deviation of a value from the origin, and its squared length.
     #[inline(always)]
-    fn deviation(&self, [x, y, z]: [R; 3]) -> ([R; 3], R::Sum) {
-        let [origin_x, origin_y, origin_z] = self.origin;
-        let (x, y, z) = (x - origin_x, y - origin_y, z - origin_z);
-        ([x, y, z], R::plus(R::plus(x.square(), y.square()), z.square()))
+    fn deviation(&self, value: [R; 3]) -> ([R; 3], R::Sum) {
+        let deviation = difference(value, self.origin);
+        (deviation, length_squared(deviation))
     }
 
     #[inline(always)]
     fn add(&mut self, ([x, y, z], square): ([R; 3], R::Sum)) {
         let [sum_x, sum_y, sum_z] = self.sum;
-        self.sum = [R::plus(sum_x, x.begin()), R::plus(sum_y, y.begin()), R::plus(sum_z, z.begin())];
+        // overflow only where the sum of squares saturates
+        self.sum = [R::add_value(sum_x, x), R::add_value(sum_y, y), R::add_value(sum_z, z)];
         self.sum_of_squares = R::plus(self.sum_of_squares, square);
     }
 
     /// Ends the window. Returns its variance and the squared distance of its mean from that of the previous window.
-    fn end(&mut self, per_window: R::Stored) -> (R::Stored, R::Stored) {
-        let (mut square_of_mean, mut shift) = (R::Stored::ZERO, R::Stored::ZERO);
-        for ((sum, origin), mean) in self.sum.iter().zip(self.origin).zip(self.mean.iter_mut()) {
-            let deviation = R::sum_stored(*sum) * per_window;
-            square_of_mean = square_of_mean + deviation * deviation;
-            let now = origin.stored() + deviation;
-            let step = now - mean.stored();
-            shift = shift + step * step;
-            *mean = R::of(now);
+    // not inlined: one copy for both triads
+    #[inline(never)]
+    fn end(&mut self, per_window: R::Gain) -> (R::Sum, R::Sum) {
+        let deviation = self.sum.map(|sum| R::end(R::share(sum, per_window)));
+        let ([x, y, z], [dx, dy, dz]) = (self.origin, deviation);
+        let mean = [x + dx, y + dy, z + dz];
+        let shift = length_squared(difference(mean, self.mean));
+        self.mean = mean;
+        (R::plus(R::share(self.sum_of_squares, per_window), -length_squared(deviation)), shift)
+    }
+}
+
+// unrolled, as is the next: they run for every sample
+#[inline(always)]
+fn difference<R: Scalar>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> [R; 3] {
+    [ax - bx, ay - by, az - bz]
+}
+
+#[inline(always)]
+fn length_squared<R: Scalar>([x, y, z]: [R; 3]) -> R::Sum {
+    R::plus(R::plus(x.square(), y.square()), z.square())
+}
+
+/// Constants of a detector.
+#[derive(Debug, Clone, Copy)]
+struct Limits<R: Scalar> {
+    window: u16,
+    per_window: R::Gain,
+    accel_variance: R::Sum,
+    gyro_variance: R::Sum,
+    gyro_at_rest: [R; 3],
+    gyro_deviation_squared: R::Sum,
+    /// Squared distances of a sample from the mean of the previous window that end stillness: accelerometers, gyros.
+    jump: [R::Sum; 2],
+}
+
+impl<R: Scalar> Limits<R> {
+    fn new(limits: &StillnessLimits<R::Stored>) -> Self {
+        let jump = R::Stored::from_f64(JUMP * JUMP);
+        Self {
+            window: limits.window,
+            per_window: R::gain((R::Built::ONE / R::Built::from_u32(u32::from(limits.window))).to_f64()),
+            accel_variance: R::sum_of(limits.accel_variance),
+            gyro_variance: R::sum_of(limits.gyro_variance),
+            gyro_at_rest: limits.gyro_at_rest.map(R::of),
+            gyro_deviation_squared: R::sum_of(limits.gyro_deviation * limits.gyro_deviation),
+            jump: [limits.accel_variance, limits.gyro_variance].map(|variance| R::sum_of(jump * variance)),
         }
-        (R::sum_stored(self.sum_of_squares) * per_window - square_of_mean, shift)
     }
 }
 
@@ -99,15 +132,12 @@ impl<R: Scalar> Triad<R> {
 /// sample that is not quiet. Constant memory.
 #[derive(Debug, Clone)]
 pub struct StillnessDetector<R: Scalar> {
-    limits: StillnessLimits<R::Stored>,
-    per_window: R::Stored,
+    limits: Limits<R>,
     accel: Triad<R>,
     gyro: Triad<R>,
     filled: u16,
     quiet_windows: u8,
     still: bool,
-    /// Largest squared distance of a sample from the origin of the window: accelerometers, gyros.
-    jump: [R::Sum; 2],
 }
 
 impl<R: Scalar> StillnessDetector<R> {
@@ -119,14 +149,12 @@ impl<R: Scalar> StillnessDetector<R> {
     pub fn new(limits: StillnessLimits<R::Stored>) -> Result<Self, ModelError> {
         limits.check()?;
         Ok(Self {
-            limits,
-            per_window: R::Stored::ONE / R::Stored::from_u32(u32::from(limits.window)),
+            limits: Limits::new(&limits),
             accel: Triad::EMPTY,
             gyro: Triad::EMPTY,
             filled: 0,
             quiet_windows: 0,
             still: false,
-            jump: [R::sum_of(R::Stored::MAX); 2],
         })
     }
 
@@ -149,7 +177,7 @@ impl<R: Scalar> StillnessDetector<R> {
             self.begin_window(accel, gyro);
         }
         let (accel, gyro) = (self.accel.deviation(accel), self.gyro.deviation(gyro));
-        let [accel_limit, gyro_limit] = self.jump;
+        let [accel_limit, gyro_limit] = if self.still { self.limits.jump } else { [R::LARGEST_SUM; 2] };
         // false for values that are not finite
         if !(accel.1 <= accel_limit && gyro.1 <= gyro_limit) {
             return self.disturbed();
@@ -164,20 +192,15 @@ impl<R: Scalar> StillnessDetector<R> {
         self.still
     }
 
-    /// Sets the origin of a window: the mean of the previous one while the device is still, and then a sample too far from
-    /// it ends stillness; otherwise the first sample, without such a limit.
+    /// Sets the origin of a window: the mean of the previous one while the device is still, otherwise the first sample.
     #[inline(never)]
     fn begin_window(&mut self, accel: [R; 3], gyro: [R; 3]) {
         if self.still {
             self.accel.begin(self.accel.mean);
             self.gyro.begin(self.gyro.mean);
-            let limit = R::Stored::from_f64(JUMP * JUMP);
-            let limits = [self.limits.accel_variance, self.limits.gyro_variance];
-            self.jump = limits.map(|variance| R::sum_of(limit * variance));
         } else {
             self.accel.begin(accel);
             self.gyro.begin(gyro);
-            self.jump = [R::sum_of(R::Stored::MAX); 2];
         }
     }
 
@@ -188,14 +211,18 @@ impl<R: Scalar> StillnessDetector<R> {
     }
 
     fn end_window(&mut self) {
-        let (accel_variance, accel_shift) = self.accel.end(self.per_window);
-        let (gyro_variance, gyro_shift) = self.gyro.end(self.per_window);
         let limits = &self.limits;
-        let from_rest = distance_squared(self.gyro.mean.map(R::stored), limits.gyro_at_rest);
-        let wider = R::Stored::from_f64(if self.still { HYSTERESIS } else { 1.0 });
-        let quiet = accel_variance <= wider * limits.accel_variance
-            && gyro_variance <= wider * limits.gyro_variance
-            && from_rest <= wider * wider * limits.gyro_deviation * limits.gyro_deviation;
+        let (accel_variance, accel_shift) = self.accel.end(limits.per_window);
+        let (gyro_variance, gyro_shift) = self.gyro.end(limits.per_window);
+        let from_rest = length_squared(difference(self.gyro.mean, limits.gyro_at_rest));
+        // hysteresis: stillness ends beyond twice the variances and the deviation
+        let wider = |limit| if self.still { R::plus(limit, limit) } else { limit };
+        // a saturated sum has no variance
+        let bounded = self.accel.sum_of_squares < R::LARGEST_SUM && self.gyro.sum_of_squares < R::LARGEST_SUM;
+        let quiet = bounded
+            && accel_variance <= wider(limits.accel_variance)
+            && gyro_variance <= wider(limits.gyro_variance)
+            && from_rest <= wider(wider(limits.gyro_deviation_squared));
         // the means of two quiet windows differ by far less than the noise within them
         let steady = self.quiet_windows == 0
             || (accel_shift <= limits.accel_variance && gyro_shift <= limits.gyro_variance);
@@ -206,12 +233,6 @@ impl<R: Scalar> StillnessDetector<R> {
         };
         self.still = self.quiet_windows >= QUIET_WINDOWS;
     }
-}
-
-#[inline(always)]
-fn distance_squared<R: Real>([ax, ay, az]: [R; 3], [bx, by, bz]: [R; 3]) -> R {
-    let (x, y, z) = (ax - bx, ay - by, az - bz);
-    x * x + y * y + z * z
 }
 
 #[cfg(feature = "defmt")]

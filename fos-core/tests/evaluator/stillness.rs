@@ -1,6 +1,6 @@
 //! The stillness detector with a phone on a table and in a hand.
 
-use fos_core::{StillnessDetector, StillnessLimits};
+use fos_core::{Fixed, Scalar, StillnessDetector, StillnessLimits};
 use fos_testkit::models::PERIOD_S;
 use fos_testkit::noise::Noise;
 
@@ -220,6 +220,24 @@ fn huge_value_is_motion_and_vanishes() {
             let still: Vec<bool> = (0..3 * WINDOW).map(|_| phone.rest(&mut detector)).collect();
             assert_eq!(still.last(), Some(&true), "{huge}");
         }
+    }
+}
+
+#[test]
+fn a_saturated_sum_is_motion() {
+    // in fixed point a sum of squares saturates at 131,072 (m/s²)²: here it would be less than the square of the mean
+    let limits = StillnessLimits {
+        window: 1000,
+        accel_variance: 0.1,
+        gyro_variance: 0.1,
+        gyro_at_rest: [0.0; 3],
+        gyro_deviation: 0.1,
+    };
+    let mut detector = StillnessDetector::<Fixed>::new(limits).unwrap();
+    for n in 0..3000 {
+        let x = if n % 1000 == 0 { -3.0 } else { 9.0 + 0.5 * f64::from(n % 2) };
+        let still = detector.update([x, 0.0, 0.0].map(Fixed::from_f64), [Fixed::ZERO; 3]);
+        assert!(!still, "{n}");
     }
 }
 

@@ -28,27 +28,28 @@ const SAMPLES: u8 = 64;
 /// |a|² − g², (m/s²)².
 // not inlined: many library calls without an FPU
 #[inline(never)]
-fn excess(force: &[f32; 3]) -> f32 {
-    let [x, y, z] = *force;
-    x * x + y * y + z * z - SQUARE
+fn excess<R: Scalar<Stored = f32>>([x, y, z]: &[R; 3]) -> R::Sum {
+    let square = R::plus(R::plus(x.square(), y.square()), z.square());
+    R::plus(square, R::sum_of(-SQUARE))
 }
 
 /// True if, at rest, the corrected specific force is further from gravity than the measured one by more than the tolerance
 /// of a correct model; m/s². It compares single samples, which contain noise.
 pub fn leads_away(measured: &[f32; 3], corrected: &[f32; 3]) -> bool {
-    is_away(excess(measured), excess(corrected), TOLERANCE)
+    is_away::<f32>(excess(measured), excess(corrected), TOLERANCE)
 }
 
 #[inline]
-fn is_away(measured: f32, corrected: f32, tolerance: f32) -> bool {
-    corrected.abs() > measured.abs() + tolerance
+fn is_away<R: Scalar<Stored = f32>>(measured: R::Sum, corrected: R::Sum, tolerance: f32) -> bool {
+    let magnitude = |sum: R::Sum| if sum < R::NOTHING { -sum } else { sum };
+    magnitude(corrected) > R::plus(magnitude(measured), R::sum_of(tolerance))
 }
 
 /// Sums over the samples of one rest.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Gravity {
-    measured: f32,
-    corrected: f32,
+pub(super) struct Gravity<R: Scalar> {
+    measured: R::Sum,
+    corrected: R::Sum,
     /// Samples until the next decision.
     left: u8,
     away: bool,
@@ -58,9 +59,15 @@ pub(super) struct Gravity {
     attention: bool,
 }
 
-impl Gravity {
-    pub(super) const NEW: Self =
-        Self { measured: 0.0, corrected: 0.0, left: SAMPLES, away: false, due: false, attention: false };
+impl<R: Scalar<Stored = f32>> Gravity<R> {
+    pub(super) const NEW: Self = Self {
+        measured: R::NOTHING,
+        corrected: R::NOTHING,
+        left: SAMPLES,
+        away: false,
+        due: false,
+        attention: false,
+    };
 
     /// Notes a gap of `skipped` ticks before the sample at `tick`; a source with regular gaps could otherwise miss every
     /// check.
@@ -72,7 +79,7 @@ impl Gravity {
 
     /// Processes a sample; at rest one per [`EVERY`] ticks counts. The decision holds until the next one.
     #[inline(always)]
-    pub(super) fn update<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
+    pub(super) fn update(&mut self, output: &mut Output<R>) {
         if !output.still {
             // a mean must not span two rests
             self.left = SAMPLES;
@@ -85,7 +92,7 @@ impl Gravity {
     }
 
     #[cold]
-    fn attend<R: Scalar<Stored = f32>>(&mut self, output: &mut Output<R>) {
+    fn attend(&mut self, output: &mut Output<R>) {
         if core::mem::take(&mut self.due) && output.still {
             self.add(output);
         }
@@ -99,18 +106,18 @@ impl Gravity {
     }
 
     #[inline(never)]
-    fn add<R: Scalar<Stored = f32>>(&mut self, output: &Output<R>) {
+    fn add(&mut self, output: &Output<R>) {
         if self.left == SAMPLES {
-            (self.measured, self.corrected) = (0.0, 0.0);
+            (self.measured, self.corrected) = (R::NOTHING, R::NOTHING);
         }
         // in the frame of the sensor: a calibration leads towards gravity whatever the model does
-        let ([x, y, z, ..], [cx, cy, cz, ..]) = (output.measured, output.uncalibrated());
-        self.measured += excess(&[x, y, z].map(R::stored));
-        self.corrected += excess(&[cx, cy, cz]);
+        let ([x, y, z, ..], [cx, cy, cz, ..]) = (&output.measured, &output.corrections);
+        self.measured = R::plus(self.measured, excess(&[*x, *y, *z]));
+        self.corrected = R::plus(self.corrected, excess(&[cx.corrected, cy.corrected, cz.corrected]));
         self.left -= 1;
         if self.left == 0 {
             self.left = SAMPLES;
-            self.away = is_away(self.measured, self.corrected, f32::from(SAMPLES) * TOLERANCE);
+            self.away = is_away::<R>(self.measured, self.corrected, f32::from(SAMPLES) * TOLERANCE);
             self.attention = self.away;
         }
     }

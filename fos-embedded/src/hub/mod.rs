@@ -107,7 +107,7 @@ pub struct Hub<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R:
     #[cfg(feature = "calibration")]
     calibration: Option<Calibration<R>>,
     /// `None` unless all three accelerometers are in the model.
-    gravity: Option<Gravity>,
+    gravity: Option<Gravity<R>>,
     rate: RateEstimator,
     model_rate_hz: f32,
     rate_off: bool,

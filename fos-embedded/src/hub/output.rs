@@ -50,11 +50,6 @@ impl<R: Scalar<Stored = f32>> Output<R> {
         if let Some(calibrated) = self.calibrated {
             return calibrated.map(R::stored);
         }
-        self.uncalibrated()
-    }
-
-    /// Measured minus predicted error, as the axes lie in the sensor.
-    pub(super) fn uncalibrated(&self) -> [f32; AXES] {
         self.each(|axis| axis.corrected.stored())
     }
 
