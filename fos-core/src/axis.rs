@@ -156,7 +156,7 @@ impl<R: Scalar> RunningAxis<R> {
 
     /// Limits of the remainder, measured or predicted.
     pub(crate) fn limits(parameters: &AxisParameters<R::Stored>) -> Range<R::Stored> {
-        parameters.range.widened(MARGIN)
+        parameters.range.widened(R::Stored::from_f64(MARGIN))
     }
 
     /// Limits p; returns true if p was outside. p is finite, because the inputs are within their limits.

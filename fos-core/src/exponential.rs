@@ -25,8 +25,8 @@ pub(crate) fn exp_m1<R: Real>(x: R) -> R {
         doublings += 1;
     }
     let mut series = R::ONE;
-    for inverse in [1.0 / 8.0, 1.0 / 7.0, 1.0 / 6.0, 1.0 / 5.0, 1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0] {
-        series = R::ONE + a * real(inverse) * series;
+    for divisor in (2..=8).rev() {
+        series = R::ONE + a * (R::ONE / R::from_u32(divisor)) * series;
     }
     let mut result = a * series;
     for _ in 0..doublings {

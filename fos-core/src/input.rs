@@ -49,12 +49,12 @@ pub struct Input<R> {
 impl<R: Real> Input<R> {
     /// Limits of u on the device: the fitted range, widened by 5 % of its width on either side.
     pub fn limits(&self) -> Range<R> {
-        self.range.widened(MARGIN)
+        self.range.widened(R::from_f64(MARGIN))
     }
 
     /// Limits of x, widened in the same way.
     pub(crate) fn source_limits(&self) -> Range<R> {
-        self.source_range.widened(MARGIN)
+        self.source_range.widened(R::from_f64(MARGIN))
     }
 }
 

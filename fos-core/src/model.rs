@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::real::is_positive;
+use crate::real::{is_not_negative, is_positive};
 use crate::{
     Calibration, Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform,
 };
@@ -195,20 +195,19 @@ impl<R: Real> Input<R> {
 impl<R: Real> AxisParameters<R> {
     /// Limits of p on the device: [`physical_range`](Self::physical_range) widened by its width on either side; scaled.
     pub fn physical_limits(&self) -> Range<R> {
-        self.physical_range.widened(PHYSICAL_MARGIN)
+        self.physical_range.widened(R::from_f64(PHYSICAL_MARGIN))
     }
 
     pub(crate) fn check(&self, axis: usize) -> Result<(), ModelError> {
         let finite = [self.reference, self.offset, self.constant, self.innovation.mean];
-        let not_negative = |value: R| value.is_finite() && value >= R::ZERO;
         let correlation = self.innovation.lag_1_correlation;
         let valid = finite.into_iter().all(Scalar::is_finite)
             && is_positive(self.scale)
             && is_positive(R::ONE / self.scale)
             && self.range.is_valid()
             && self.physical_range.is_valid()
-            && not_negative(self.full_scale)
-            && not_negative(self.coast_limit_s)
+            && is_not_negative(self.full_scale)
+            && is_not_negative(self.coast_limit_s)
             && is_positive(self.innovation.variance)
             && correlation.abs() <= R::ONE;
         if valid { Ok(()) } else { Err(ModelError::AxisParameter { axis }) }

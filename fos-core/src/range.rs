@@ -1,11 +1,11 @@
 //! Ranges of the data of a fit: a polynomial is evaluated only within the range that it was fitted on.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::{Real, Scalar};
 
 /// Smallest and largest value of a quantity in the data that a model was fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Range<R> {
     /// Smallest value in the data of the fit.
@@ -53,23 +53,8 @@ impl<R: Scalar> Range<R> {
 impl<R: Real> Range<R> {
     /// The range widened on either side by `share` of its width.
     #[inline(never)]
-    pub(crate) fn widened(&self, share: f64) -> Self {
-        let margin = R::from_f64(share) * (self.high - self.low);
+    pub(crate) fn widened(&self, share: R) -> Self {
+        let margin = share * (self.high - self.low);
         Self { low: self.low - margin, high: self.high + margin }
-    }
-}
-
-/// Not inlined: one copy serves all records with ranges; inlining it into each would double the flash.
-impl<'de, R: Deserialize<'de>> Deserialize<'de> for Range<R> {
-    #[inline(never)]
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(rename = "Range")]
-        struct Ends<R> {
-            low: R,
-            high: R,
-        }
-        let Ends { low, high } = Ends::deserialize(deserializer)?;
-        Ok(Self { low, high })
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Real;
+use crate::real::{is_not_negative, is_positive};
 
 /// A causal transform in constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
 ///
@@ -67,11 +68,9 @@ impl<R: Real> Transform<R> {
             Self::LowPass { tau_s }
             | Self::Rate { tau_s }
             | Self::Variance { tau_s }
-            | Self::Decay { tau_s } => tau_s.is_finite() && tau_s > R::ZERO,
-            Self::Backlash { half_width } => half_width.is_finite() && half_width >= R::ZERO,
-            Self::Sine { frequency_hz } | Self::Cosine { frequency_hz } => {
-                frequency_hz.is_finite() && frequency_hz > R::ZERO
-            }
+            | Self::Decay { tau_s } => is_positive(tau_s),
+            Self::Backlash { half_width } => is_not_negative(half_width),
+            Self::Sine { frequency_hz } | Self::Cosine { frequency_hz } => is_positive(frequency_hz),
         }
     }
 }

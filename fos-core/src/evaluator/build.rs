@@ -69,10 +69,10 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 
     #[inline(never)]
     pub(crate) fn add_input(&mut self, input: &Input<R::Stored>) -> Result<(), ModelError> {
-        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes)?;
         if !cfg!(feature = "transforms") && input.transform != Transform::Identity {
             return Err(ModelError::TransformNotBuilt { input: self.inputs.len() });
         }
+        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes)?;
         if !input.fits::<R>() {
             return Err(ModelError::InputNotInFixedPoint { input: self.inputs.len() });
         }

@@ -3,6 +3,7 @@
 //! docs/MODEL_FORMAT.md describes every byte.
 
 mod read;
+mod records;
 mod unit;
 mod write;
 
@@ -26,9 +27,6 @@ pub const VERSION: u16 = 1;
 /// Flag of an image with a calibration.
 const CALIBRATED: u16 = 1;
 
-/// Bytes of a calibration: 24 numbers.
-const CALIBRATION_LENGTH: usize = 96;
-
 /// Bytes before the body: magic, version, flags, length of the body, length of the information, checksum.
 pub const HEADER_LENGTH: usize = 20;
 
@@ -50,7 +48,8 @@ pub struct Info<'a> {
 }
 
 /// The start of the body.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Deserialize))]
 struct Head {
     period_s: f64,
     fitted_on: FittedOn,
@@ -61,7 +60,8 @@ struct Head {
 }
 
 /// The start of an axis in the body; its terms follow.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Deserialize))]
 struct AxisHead {
     parameters: AxisParameters<f32>,
     n_physical: u8,

@@ -1,23 +1,20 @@
 //! Reads a model from an image. Everything is checked before anything is returned.
 
-use serde::Deserialize;
-
-use super::{
-    AxisHead, CALIBRATED, CALIBRATION_LENGTH, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum,
-};
+use super::records::Records;
+use super::{AxisHead, CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::evaluator::ModelHeader;
 use crate::{
-    AxisParameters, Calibration, Evaluator, Factor, FittedOn, Input, MAX_DEGREE, Predictor, Quantity, Scalar,
-    StillnessLimits, Term, TriadCalibration,
+    AxisParameters, Calibration, Evaluator, FittedOn, Input, Predictor, Quantity, Scalar, StillnessLimits,
+    Term,
 };
 
 /// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image<'a> {
     pub(super) head: Head,
-    /// The calibration; empty if there is none.
-    calibration: &'a [u8],
-    /// The body after these: quantities, inputs, axes.
+    /// The body from the calibration on, if there is one.
+    calibration: Option<Records<'a>>,
+    /// The body from the quantities on: quantities, inputs, axes.
     pub(super) records: Records<'a>,
     pub(super) information: &'a [u8],
 }
@@ -52,36 +49,38 @@ impl<'a> Image<'a> {
         let (header, rest) = bytes
             .split_at_checked(HEADER_LENGTH)
             .ok_or(ImageError::Truncated { needed: HEADER_LENGTH, found: bytes.len() })?;
-        let mut header = Records(header);
-        if header.bytes::<4>()? != MAGIC {
+        let mut header = Records(Some(header));
+        if header.bytes() != MAGIC {
             return Err(ImageError::Magic);
         }
-        let version = u16::from_le_bytes(header.bytes()?);
+        let version = u16::from_le_bytes(header.bytes());
         if version != VERSION {
             return Err(ImageError::UnknownVersion(version));
         }
-        let flags = u16::from_le_bytes(header.bytes()?);
+        let flags = u16::from_le_bytes(header.bytes());
         if flags & !CALIBRATED != 0 {
             return Err(ImageError::UnknownFlags(flags));
         }
-        let body = header.length()?;
-        let needed = HEADER_LENGTH.saturating_add(body).saturating_add(header.length()?);
+        let mut length = || u32::from_le_bytes(header.bytes()) as usize;
+        let body = length();
+        let needed = HEADER_LENGTH.saturating_add(body).saturating_add(length());
         if bytes.len() < needed {
             return Err(ImageError::Truncated { needed, found: bytes.len() });
         }
         if bytes.len() > needed {
             return Err(ImageError::TrailingBytes { count: bytes.len() - needed });
         }
-        let (stored, computed) = (u32::from_le_bytes(header.bytes()?), checksum(bytes));
+        let (stored, computed) = (u32::from_le_bytes(header.bytes()), checksum(bytes));
         if stored != computed {
             return Err(ImageError::Checksum { stored, computed });
         }
         let (body, information) = rest.split_at_checked(body).ok_or(ImageError::Malformed)?;
-        let mut records = Records(body);
-        let head = records.take()?;
-        let length = if flags & CALIBRATED != 0 { CALIBRATION_LENGTH } else { 0 };
-        let (calibration, rest) = records.0.split_at_checked(length).ok_or(ImageError::Malformed)?;
-        records.0 = rest;
+        let mut records = Records(Some(body));
+        let head = records.take();
+        let calibration = (flags & CALIBRATED != 0).then_some(records);
+        if calibration.is_some() {
+            let _: Calibration<f32> = records.take();
+        }
         let image = Self { head, calibration, records, information };
         image.check_form()?;
         Ok(image)
@@ -91,22 +90,20 @@ impl<'a> Image<'a> {
     #[inline(never)]
     fn check_form(&self) -> Result<(), ImageError> {
         let mut records = self.records;
-        for _ in 0..self.head.n_quantities {
-            records.take::<Quantity>()?;
-        }
-        for _ in 0..self.head.n_inputs {
-            records.take::<Input<f32>>()?;
-        }
+        records.skip::<Quantity>(self.head.n_quantities);
+        records.skip::<Input<f32>>(self.head.n_inputs);
         for axis in 0..usize::from(self.head.n_axes) {
-            let head: AxisHead = records.take()?;
+            let head: AxisHead = records.take();
             for term in 0..usize::from(head.n_physical) + usize::from(head.n_stochastic) {
-                records.term()?.ok_or(ImageError::Term { axis, term })?;
+                if records.term().is_none() && records.left().is_some() {
+                    return Err(ImageError::Term { axis, term });
+                }
             }
         }
-        records.end()?;
-        let mut information = Records(self.information);
-        information.take::<Info<'_>>()?;
-        information.end()
+        end(records)?;
+        let mut information = Records(Some(self.information));
+        let _ = information.info();
+        end(information)
     }
 
     /// Sample period T, s.
@@ -125,17 +122,8 @@ impl<'a> Image<'a> {
     }
 
     /// Calibration of the triads, for the corrected values.
-    // without serde, which would take half a kilobyte of flash, and with a stack frame of its own
-    #[inline(never)]
     pub fn calibration(&self) -> Option<Calibration<f32>> {
-        if self.calibration.is_empty() {
-            return None;
-        }
-        let mut records = Records(self.calibration);
-        let mut number = || records.bytes().map_or(f32::NAN, f32::from_le_bytes);
-        let mut three = || [number(), number(), number()];
-        let mut triad = || TriadCalibration { matrix: [three(), three(), three()], bias: three() };
-        Some(Calibration { accel: triad(), gyro: triad() })
+        self.calibration.map(|mut records| records.take())
     }
 
     #[inline(never)]
@@ -145,34 +133,35 @@ impl<'a> Image<'a> {
 
     /// Names of the sensor, its quantities and effects, and the provenance of the model.
     pub fn info(&self) -> Info<'a> {
-        Records(self.information).take().unwrap_or_default()
+        Records(Some(self.information)).info()
     }
 
     /// Logged quantities of a sample, in their order.
     pub fn quantities(&self) -> impl Iterator<Item = Quantity> + 'a {
         let mut records = self.records;
-        (0..self.head.n_quantities).map_while(move |_| records.take().ok())
+        (0..self.head.n_quantities).map(move |_| records.take())
     }
 
     /// Inputs, in the order of the model.
     pub fn inputs(&self) -> impl Iterator<Item = Input<f32>> + 'a {
         let mut records = self.records;
-        for _ in 0..self.head.n_quantities {
-            let _ = records.take::<Quantity>();
-        }
-        (0..self.head.n_inputs).map_while(move |_| records.take().ok())
+        records.skip::<Quantity>(self.head.n_quantities);
+        (0..self.head.n_inputs).map(move |_| records.take())
     }
 
     /// Axes, in the order of the model.
     pub fn axes(&self) -> impl Iterator<Item = AxisImage<'a>> + 'a {
+        let mut records = self.axis_records();
+        (0..self.head.n_axes).map(move |_| axis(&mut records))
+    }
+
+    /// The body from the axes on.
+    #[inline(never)]
+    pub(super) fn axis_records(&self) -> Records<'a> {
         let mut records = self.records;
-        for _ in 0..self.head.n_quantities {
-            let _ = records.take::<Quantity>();
-        }
-        for _ in 0..self.head.n_inputs {
-            let _ = records.take::<Input<f32>>();
-        }
-        (0..self.head.n_axes).map_while(move |_| records.axis())
+        records.skip::<Quantity>(self.head.n_quantities);
+        records.skip::<Input<f32>>(self.head.n_inputs);
+        records
     }
 
     /// A predictor for the model, in f32 as on the device, or in f64.
@@ -270,7 +259,7 @@ impl Iterator for Terms<'_> {
 
     fn next(&mut self) -> Option<Term<f32>> {
         self.left = self.left.checked_sub(1)?;
-        self.records.term().ok().flatten()
+        self.records.term()
     }
 }
 
@@ -299,62 +288,25 @@ impl defmt::Format for Terms<'_> {
     }
 }
 
-/// Bytes that have not been read yet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Records<'a>(&'a [u8]);
-
-impl<'a> Records<'a> {
-    pub(super) fn take<T: Deserialize<'a>>(&mut self) -> Result<T, ImageError> {
-        let (record, rest) = postcard::take_from_bytes(self.0).map_err(|_| ImageError::Malformed)?;
-        self.0 = rest;
-        Ok(record)
-    }
-
-    /// Reads a term; `None` if its factors are invalid.
-    pub(super) fn term(&mut self) -> Result<Option<Term<f32>>, ImageError> {
-        let coefficient = self.take()?;
-        let degree = usize::from(self.take::<u8>()?);
-        let mut factors = [crate::y(0); MAX_DEGREE];
-        let Some(factors) = factors.get_mut(..degree) else { return Ok(None) };
-        for factor in factors.iter_mut() {
-            *factor = self.take::<Factor>()?;
-        }
-        Ok(Term::try_new(coefficient, factors))
-    }
-
-    /// Reads an axis whose form has been checked.
-    #[inline(never)]
-    fn axis(&mut self) -> Option<AxisImage<'a>> {
-        let head: AxisHead = self.take().ok()?;
-        let (physical, stochastic) = (self.terms(head.n_physical), self.terms(head.n_stochastic));
-        Some(AxisImage { parameters: head.parameters, physical, stochastic })
-    }
-
-    #[inline(never)]
-    fn terms(&mut self, count: u8) -> Terms<'a> {
-        let terms = Terms { records: *self, left: count };
-        for _ in 0..count {
-            let _ = self.term();
+/// Reads an axis whose form has been checked.
+#[inline(never)]
+fn axis<'a>(records: &mut Records<'a>) -> AxisImage<'a> {
+    let head: AxisHead = records.take();
+    let [physical, stochastic] = [head.n_physical, head.n_stochastic].map(|left| {
+        let terms = Terms { records: *records, left };
+        for _ in 0..left {
+            let _ = records.term();
         }
         terms
-    }
+    });
+    AxisImage { parameters: head.parameters, physical, stochastic }
+}
 
-    /// Number of bytes that have not been read.
-    pub(super) fn left(&self) -> usize {
-        self.0.len()
-    }
-
-    fn end(&self) -> Result<(), ImageError> {
-        if self.0.is_empty() { Ok(()) } else { Err(ImageError::TrailingBytes { count: self.0.len() }) }
-    }
-
-    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], ImageError> {
-        let (bytes, rest) = self.0.split_first_chunk::<N>().ok_or(ImageError::Malformed)?;
-        self.0 = rest;
-        Ok(*bytes)
-    }
-
-    fn length(&mut self) -> Result<usize, ImageError> {
-        usize::try_from(u32::from_le_bytes(self.bytes()?)).map_err(|_| ImageError::Malformed)
+/// Checks that the records have the form of an image and end here.
+fn end(records: Records<'_>) -> Result<(), ImageError> {
+    match records.left() {
+        Some(0) => Ok(()),
+        Some(count) => Err(ImageError::TrailingBytes { count }),
+        None => Err(ImageError::Malformed),
     }
 }

@@ -8,8 +8,9 @@ use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
+use super::records::Records;
 use super::{AxisHead, CHECKSUM_AT, Image, ImageError, checksum};
-use crate::{Axis, Input, Quantity};
+use crate::Axis;
 
 /// The first four bytes of a record.
 pub const UNIT_MAGIC: [u8; 4] = *b"FOSU";
@@ -236,30 +237,25 @@ impl Image<'_> {
     fn unit_places(&self, length: usize) -> impl Iterator<Item = usize> {
         // every record was read once by `parse`, so no read can fail
         let end = length.saturating_sub(self.information.len());
-        let mut records = self.records;
-        for _ in 0..self.head.n_quantities {
-            let _ = records.take::<Quantity>();
-        }
-        for _ in 0..self.head.n_inputs {
-            let _ = records.take::<Input<f32>>();
-        }
+        let place = move |records: Records<'_>| end.saturating_sub(records.left().unwrap_or(0));
+        let mut records = self.axis_records();
         (0..self.head.n_axes).flat_map(move |_| {
             let mut before_offset = records;
             // axis and reference come before the offset
-            let _ = before_offset.take::<(Axis, f32)>();
-            let head = records.take::<AxisHead>().ok();
+            before_offset.skip::<Axis>(1);
+            before_offset.skip::<f32>(1);
+            let AxisHead { n_physical, n_stochastic, .. } = records.take();
             let mut terms = records;
-            let [n_physical, n_stochastic] = head.map_or([0; 2], |head| [head.n_physical, head.n_stochastic]);
             for _ in 0..u16::from(n_physical) + u16::from(n_stochastic) {
                 let _ = records.term();
             }
             let physical = (0..n_physical).map(move |_| {
                 // the coefficient comes first
-                let place = end.saturating_sub(terms.left());
+                let coefficient = place(terms);
                 let _ = terms.term();
-                place
+                coefficient
             });
-            core::iter::once(end.saturating_sub(before_offset.left())).chain(physical)
+            core::iter::once(place(before_offset)).chain(physical)
         })
     }
 }

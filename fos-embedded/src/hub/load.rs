@@ -67,6 +67,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         loaded
     }
 
+    // not inlined: one copy for both callers
+    #[inline(never)]
     fn unload(&mut self) {
         self.evaluator.clear();
         self.axes.clear();
@@ -170,7 +172,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[inline(never)]
     fn connect_axis(&mut self, index: usize, parameters: &AxisParameters<f32>) -> Option<()> {
         let channel = channel_of(parameters.axis)?;
-        if self.axes.contains(&channel) {
+        // not `contains`, which compares eight at a time with much code
+        if self.axes.iter().any(|modelled| *modelled == channel) {
             return None;
         }
         if index == 0 {
