@@ -324,7 +324,7 @@ impl<R: Scalar> RunningAxis<R> {
         }
         self.missing = 0;
         let (stochastic, validity) = self.limited();
-        self.extrapolate(stochastic, measured, validity | fault, correction);
+        self.extrapolate_faulty(stochastic, measured, validity | fault, correction);
     }
 
     /// Predicts without a sample, for any length of time.
@@ -333,7 +333,7 @@ impl<R: Scalar> RunningAxis<R> {
         let (stochastic, validity) = self.limited();
         // NaN before the first sample
         let fault = self.fault(self.last_measured, self.last_measured);
-        self.extrapolate(stochastic, self.last_measured, validity | fault, correction);
+        self.extrapolate_faulty(stochastic, self.last_measured, validity | fault, correction);
     }
 
     /// Processes a missing sample.
@@ -351,7 +351,7 @@ impl<R: Scalar> RunningAxis<R> {
         } else {
             self.restart(0);
         }
-        self.extrapolate(stochastic, measured, validity | reason, correction);
+        self.extrapolate_faulty(stochastic, measured, validity | reason, correction);
         // also for a model without lagged outputs: inputs computed from the remainder must not run on predictions
         self.known = self.known && coasts;
     }
@@ -436,6 +436,19 @@ impl<R: Scalar> RunningAxis<R> {
             self.corrected = measured - predicted;
         }
         *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
+    }
+
+    /// Same as [`extrapolate`](Self::extrapolate): one copy for all samples that are not on the hot path.
+    #[cold]
+    #[inline(never)]
+    fn extrapolate_faulty(
+        &mut self,
+        stochastic: R,
+        measured: R,
+        reasons: Validity,
+        correction: &mut Correction<R>,
+    ) {
+        self.extrapolate(stochastic, measured, reasons, correction);
     }
 
     /// Counts a coasted sample; beyond the limit it fades the stochastic part and returns true.

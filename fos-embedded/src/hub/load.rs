@@ -19,8 +19,7 @@ pub const PERIOD_TOLERANCE: f32 = 0.1;
 pub fn is_near_period(model_s: f64, sensor_s: f64) -> bool {
     // f32 suffices
     let (model_s, sensor_s) = (model_s as f32, sensor_s as f32);
-    let off = model_s - sensor_s;
-    off.max(-off) <= PERIOD_TOLERANCE * sensor_s
+    (model_s - sensor_s).abs() <= PERIOD_TOLERANCE * sensor_s
 }
 
 impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<Stored = f32>>

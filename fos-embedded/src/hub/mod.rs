@@ -176,8 +176,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         let set_back = self.rate.clock(now_us);
         let was_off = self.rate_off;
         let beyond_tolerance = self.rate.rate_hz().is_some_and(|rate_hz| {
-            let off = rate_hz - self.model_rate_hz;
-            self.model_rate_hz > 0.0 && off.max(-off) > RATE_TOLERANCE * self.model_rate_hz
+            let off = (rate_hz - self.model_rate_hz).abs();
+            self.model_rate_hz > 0.0 && off > RATE_TOLERANCE * self.model_rate_hz
         });
         self.rate_off = beyond_tolerance || set_back;
         if set_back {
