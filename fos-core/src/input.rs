@@ -92,7 +92,7 @@ impl<R: Scalar> RunningInput<R> {
         }
     }
 
-    fn is_of_remainder(&self) -> bool {
+    pub(crate) fn is_of_remainder(&self) -> bool {
         matches!(self.source, Source::Remainder(_))
     }
 

@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::real::{is_not_negative, is_positive};
-use crate::{
-    Calibration, Channel, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform,
-};
+use crate::{Calibration, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -221,32 +219,5 @@ impl<R: Real> InnovationStatistics<R> {
     pub(crate) fn is_bounded(&self, scale: R) -> bool {
         let within = |value: R, low: f64, high: f64| R::from_f64(low) <= value && value <= R::from_f64(high);
         within(self.mean, -1e15, 1e15) && within(self.variance, 1e-38, 1e20) && scale >= R::from_f64(1e-19)
-    }
-}
-
-impl<R: Real> Term<R> {
-    pub(crate) fn check(
-        &self,
-        axis: usize,
-        term: usize,
-        physical: bool,
-        source: impl Fn(u8) -> Option<Source>,
-    ) -> Result<(), ModelError> {
-        if !self.coefficient.is_finite() {
-            return Err(ModelError::CoefficientNotFinite { axis, term });
-        }
-        for factor in self.factors() {
-            let is_output = match factor.channel {
-                Channel::Output => true,
-                Channel::Input(index) => match source(index) {
-                    Some(source) => matches!(source, Source::Remainder(_)),
-                    None => return Err(ModelError::UnknownInput { axis, term }),
-                },
-            };
-            if physical && is_output {
-                return Err(ModelError::OutputInPhysicalPart { axis, term });
-            }
-        }
-        Ok(())
     }
 }

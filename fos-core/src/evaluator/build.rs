@@ -132,24 +132,28 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         let axis = self.axes.len();
         for term in terms {
             let index = bounds.terms;
-            term.check(axis, index, physical, |input| {
-                self.inputs.get(usize::from(input)).map(RunningInput::source)
-            })?;
-            if term.factors().len() > DEGREES {
-                return Err(ModelError::ProductNotBuilt { axis, term: index });
+            if !term.coefficient.is_finite() {
+                return Err(ModelError::CoefficientNotFinite { axis, term: index });
             }
             let mut magnitude: R::Built = scalar(term.coefficient.abs());
             for factor in term.factors() {
                 bounds.depth = bounds.depth.max(factor.lag);
-                let largest = match factor.channel {
-                    Channel::Output => bounds.output,
+                let (largest, is_output) = match factor.channel {
+                    Channel::Output => (bounds.output, true),
                     Channel::Input(input) => {
                         bounds.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
                         let input = self.inputs.get(usize::from(input));
-                        input.map_or(R::Built::MAX, |input| scalar(input.magnitude()))
+                        let input = input.ok_or(ModelError::UnknownInput { axis, term: index })?;
+                        (scalar(input.magnitude()), input.is_of_remainder())
                     }
                 };
+                if physical && is_output {
+                    return Err(ModelError::OutputInPhysicalPart { axis, term: index });
+                }
                 magnitude = magnitude * larger(largest, R::Built::ONE);
+            }
+            if term.factors().len() > DEGREES {
+                return Err(ModelError::ProductNotBuilt { axis, term: index });
             }
             bounds.magnitude = bounds.magnitude + magnitude;
             bounds.terms += 1;

@@ -102,7 +102,7 @@ impl<'a> Image<'a> {
         }
         end(records)?;
         let mut information = Records(Some(self.information));
-        let _ = information.info();
+        information.check_info();
         end(information)
     }
 
