@@ -80,10 +80,12 @@ impl<R: Real> Calibration<R> {
     ///
     /// [`ModelError::Calibration`].
     pub fn check(&self) -> Result<(), ModelError> {
+        // a loop over both, so that there is one copy
         let is_valid = |triad: &TriadCalibration<R>| {
             triad.matrix.iter().flatten().all(|value| value.abs() <= R::from_f64(LARGEST))
                 && triad.bias.iter().all(|value| value.is_finite())
         };
-        if is_valid(&self.accel) && is_valid(&self.gyro) { Ok(()) } else { Err(ModelError::Calibration) }
+        let valid = [&self.accel, &self.gyro].into_iter().all(is_valid);
+        if valid { Ok(()) } else { Err(ModelError::Calibration) }
     }
 }

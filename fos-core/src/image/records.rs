@@ -78,8 +78,8 @@ impl<'a> Records<'a> {
     /// Reads a number of at most `bits` bits, seven in a byte.
     #[inline(never)]
     fn varint(&mut self, bits: u32) -> u32 {
-        let mut number = 0;
-        for shift in (0..bits).step_by(7) {
+        let (mut number, mut shift) = (0, 0);
+        while shift < bits {
             let byte: u8 = self.take();
             let digit = u32::from(byte & 0x7f);
             if digit.unbounded_shr(bits - shift) != 0 {
@@ -89,6 +89,7 @@ impl<'a> Records<'a> {
             if byte & 0x80 == 0 {
                 return number;
             }
+            shift += 7;
         }
         self.violated(0)
     }
@@ -288,17 +289,19 @@ impl Record for Source {
 
 impl Record for Transform<f32> {
     fn read(records: &mut Records<'_>) -> Self {
-        match records.variant() {
+        let variant = records.variant();
+        let parameter = if matches!(variant, 0 | 5 | 7) { 0.0 } else { records.take() };
+        match variant {
             0 => Self::Identity,
-            1 => Self::LowPass { tau_s: records.take() },
-            2 => Self::Rate { tau_s: records.take() },
-            3 => Self::Variance { tau_s: records.take() },
-            4 => Self::Backlash { half_width: records.take() },
+            1 => Self::LowPass { tau_s: parameter },
+            2 => Self::Rate { tau_s: parameter },
+            3 => Self::Variance { tau_s: parameter },
+            4 => Self::Backlash { half_width: parameter },
             5 => Self::Absolute,
-            6 => Self::Decay { tau_s: records.take() },
+            6 => Self::Decay { tau_s: parameter },
             7 => Self::Time,
-            8 => Self::Sine { frequency_hz: records.take() },
-            9 => Self::Cosine { frequency_hz: records.take() },
+            8 => Self::Sine { frequency_hz: parameter },
+            9 => Self::Cosine { frequency_hz: parameter },
             _ => records.violated(Self::Identity),
         }
     }
