@@ -4,8 +4,8 @@ use super::records::Records;
 use super::{AxisHead, CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::evaluator::ModelHeader;
 use crate::{
-    AxisParameters, Calibration, Evaluator, FittedOn, Input, Predictor, Quantity, Scalar, StillnessLimits,
-    Term,
+    AxisParameters, Calibration, Evaluator, FittedOn, Input, ModelError, Predictor, Quantity, Scalar,
+    StillnessLimits, Term,
 };
 
 /// A model image whose checksum and form have been checked. It borrows the bytes and copies nothing.
@@ -126,9 +126,10 @@ impl<'a> Image<'a> {
         self.calibration.map(|mut records| records.take())
     }
 
+    // a separate function, for its stack frame
     #[inline(never)]
-    fn check_calibration(&self) -> Result<(), ImageError> {
-        self.calibration().map_or(Ok(()), |calibration| Ok(calibration.check()?))
+    fn check_calibration(&self) -> Result<(), ModelError> {
+        self.calibration().map_or(Ok(()), |calibration| calibration.check())
     }
 
     /// Names of the sensor, its quantities and effects, and the provenance of the model.
@@ -217,7 +218,7 @@ impl<'a> Image<'a> {
         if loaded.is_err() {
             evaluator.clear();
         }
-        loaded
+        loaded.map_err(ImageError::Model)
     }
 
     // a separate function, so that its stack frame and that of the parsing do not add up
@@ -225,7 +226,7 @@ impl<'a> Image<'a> {
     fn fill<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
         evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
-    ) -> Result<(), ImageError>
+    ) -> Result<(), ModelError>
     where
         R: Scalar,
     {
@@ -239,10 +240,14 @@ impl<'a> Image<'a> {
             limits.check()?;
         }
         self.check_calibration()?;
-        for input in self.inputs() {
+        let mut records = self.records;
+        records.skip::<Quantity>(self.head.n_quantities);
+        for _ in 0..self.head.n_inputs {
+            let input: Input<f32> = records.take();
             evaluator.add_input(&input.convert())?;
         }
-        for axis in self.axes() {
+        for _ in 0..self.head.n_axes {
+            let axis = axis(&mut records);
             let convert = |term: Term<f32>| term.convert();
             evaluator.add_axis(
                 &axis.parameters.convert(),
