@@ -24,10 +24,8 @@ type Thirds<const TERMS: usize> = Vec<u16, 0>;
 pub(crate) struct Part<R> {
     /// Initial value of the sum: 0 or a0.
     start: R,
-    // of degree 1, then 2, then 3
-    n_linear: u16,
-    n_quadratic: u16,
-    n_cubic: u16,
+    /// Terms of degree 1, 2 and 3.
+    counts: [u16; MAX_DEGREE],
     /// Index of the first third factor of its cubic terms.
     first_third: u16,
     pub(crate) is_empty: bool,
@@ -98,38 +96,40 @@ impl<R: Scalar, const TERMS: usize> Program<R, TERMS> {
         self.thirds.clear();
     }
 
-    /// Appends the terms of a part, for a history of `N` values.
-    pub(crate) fn append<const N: usize>(
+    /// A part without terms, whose terms are [pushed](Self::push) next.
+    pub(crate) fn part(&self, start: R) -> Part<R> {
+        const { assert!(TERMS <= u16::MAX as usize, "at most 65535 terms") };
+        let first_third = self.thirds.len() as u16;
+        Part { start, counts: [0; MAX_DEGREE], first_third, is_empty: true, has_products: false }
+    }
+
+    /// Appends a term to the last part, for a history of `N` values. The terms of a part have ascending degrees.
+    pub(crate) fn push<const N: usize>(
         &mut self,
-        start: R,
-        terms: impl Iterator<Item = Term<R::Stored>> + Clone,
+        part: &mut Part<R>,
+        term: &Term<R::Stored>,
         axis: usize,
         layout: Layout,
-    ) -> Result<Part<R>, ModelError> {
-        let too_many = ModelError::TooManyTerms { capacity: TERMS };
-        let first_third = u16::try_from(self.thirds.len()).map_err(|_| too_many)?;
-        let mut counts = [0_u16; MAX_DEGREE];
-        for (count, degree) in counts.iter_mut().zip(1..=DEGREES) {
-            for term in terms.clone().filter(|term| term.factors().len() == degree) {
-                let mut places = [0; MAX_DEGREE];
-                for (place, factor) in places.iter_mut().zip(term.factors()) {
-                    let needed = layout.back(axis, *factor);
-                    let found = Window::<R, N>::place(needed);
-                    *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;
-                }
-                let [a, b, c] = places;
-                let record = Record { coefficient: R::of(term.coefficient), places: [a, b] };
-                self.records.push(record).map_err(|_| too_many)?;
-                if degree > 2 {
-                    self.thirds.push(c).map_err(|_| too_many)?;
-                }
-                *count = count.checked_add(1).ok_or(too_many)?;
-            }
+    ) -> Result<(), ModelError> {
+        let mut places = [0; MAX_DEGREE];
+        for (place, factor) in places.iter_mut().zip(term.factors()) {
+            let needed = layout.back(axis, *factor);
+            let found = Window::<R, N>::place(needed);
+            *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;
         }
-        let [n_linear, n_quadratic, n_cubic] = counts;
-        let has_products = n_quadratic > 0 || n_cubic > 0;
-        let is_empty = n_linear == 0 && !has_products;
-        Ok(Part { start, n_linear, n_quadratic, n_cubic, first_third, is_empty, has_products })
+        let [a, b, c] = places;
+        let record = Record { coefficient: R::of(term.coefficient), places: [a, b] };
+        let too_many = ModelError::TooManyTerms { capacity: TERMS };
+        self.records.push(record).map_err(|_| too_many)?;
+        let degree = term.factors().len();
+        if DEGREES > 2 && degree > 2 {
+            self.thirds.push(c).map_err(|_| too_many)?;
+        }
+        if let Some(count) = part.counts.get_mut(degree.wrapping_sub(1)) {
+            *count += 1;
+        }
+        (part.is_empty, part.has_products) = (false, degree > 1);
+        Ok(())
     }
 
     /// The records of all parts, in the order in which the parts were appended.
@@ -156,7 +156,8 @@ impl<R: Scalar> Part<R> {
         window: Window<'_, R, N>,
     ) -> (R, &'r [Record<R>]) {
         let mut sum = self.start.begin();
-        let Some((linear, rest)) = records.split_at_checked(usize::from(self.n_linear)) else {
+        let [n_linear, ..] = self.counts;
+        let Some((linear, rest)) = records.split_at_checked(usize::from(n_linear)) else {
             cold_path();
             return (R::end(sum), records);
         };
@@ -185,7 +186,7 @@ impl<R: Scalar> Part<R> {
         thirds: &[u16],
         window: Window<'_, [R; LANES], N>,
     ) -> ([R; LANES], &'r [Record<R>]) {
-        let counts = [self.n_linear, self.n_quadratic, self.n_cubic].map(usize::from);
+        let counts = self.counts.map(usize::from);
         let mut sum = [self.start.begin(); LANES];
         let mut left = records;
         let mut parts: [&[Record<R>]; MAX_DEGREE] = [&[]; MAX_DEGREE];
@@ -226,13 +227,14 @@ impl<R: Scalar> Part<R> {
         thirds: &[u16],
         window: Window<'_, R, N>,
     ) -> (R, &'r [Record<R>]) {
-        let Some((quadratic, rest)) = records.split_at_checked(usize::from(self.n_quadratic)) else {
+        let [_, n_quadratic, n_cubic] = self.counts;
+        let Some((quadratic, rest)) = records.split_at_checked(usize::from(n_quadratic)) else {
             return (R::end(sum), records);
         };
         for term in quadratic {
             sum = term.quadratic(sum, window);
         }
-        let Some((cubic, rest)) = rest.split_at_checked(usize::from(self.n_cubic)) else {
+        let Some((cubic, rest)) = rest.split_at_checked(usize::from(n_cubic)) else {
             return (R::end(sum), rest);
         };
         let thirds = thirds.get(usize::from(self.first_third)..).unwrap_or(&[]);

@@ -1,13 +1,15 @@
 //! Loads a model into an evaluator: checks it and compiles it for the step.
 
+use core::borrow::Borrow;
+
 use super::Evaluator;
 use super::building::ModelHeader;
 use crate::axis::{AxisProgram, RunningAxis};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
-use crate::program::{DEGREES, Layout};
+use crate::program::{DEGREES, Layout, Part};
 use crate::real::{is_positive, scalar};
-use crate::{Channel, Input, Model, ModelError, Real, Scalar, Term, Transform};
+use crate::{Channel, Input, MAX_DEGREE, Model, ModelError, Real, Scalar, Term, Transform};
 
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
@@ -42,8 +44,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             self.add_input(input)?;
         }
         for axis in model.axes {
-            let (physical, stochastic) = (axis.physical.iter().copied(), axis.stochastic.iter().copied());
-            self.add_axis(&axis.parameters, physical, stochastic)?;
+            self.add_axis(&axis.parameters, axis.physical.iter(), axis.stochastic.iter())?;
         }
         Ok(())
     }
@@ -84,21 +85,16 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     pub(crate) fn add_axis(
         &mut self,
         parameters: &AxisParameters<R::Stored>,
-        physical: impl Iterator<Item = Term<R::Stored>> + Clone,
-        stochastic: impl Iterator<Item = Term<R::Stored>> + Clone,
+        physical: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
+        stochastic: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
         parameters.check(axis)?;
         let mut bounds = TermBounds::new(parameters);
-        self.check_terms(physical.clone(), true, &mut bounds)?;
-        self.check_terms(stochastic.clone(), false, &mut bounds)?;
-        let TermBounds { depth, inputs_used, .. } = bounds;
+        let physical = self.add_part(R::ZERO, physical, true, &mut bounds)?;
+        let stochastic = self.add_part(R::of(parameters.constant), stochastic, false, &mut bounds)?;
         self.check_bounded(parameters, &bounds)?;
-
-        let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
-        let physical = self.program.append::<HISTORY>(R::ZERO, physical, axis, layout)?;
-        let stochastic =
-            self.program.append::<HISTORY>(R::of(parameters.constant), stochastic, axis, layout)?;
+        let TermBounds { depth, inputs_used, .. } = bounds;
         self.push_axis(parameters, AxisProgram { physical, stochastic, inputs_used, depth })
     }
 
@@ -120,44 +116,67 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(())
     }
 
-    /// Checks the terms of a part and updates the bounds of the axis.
+    /// Checks and compiles the terms of a part: those of one factor first, then of two, then of three.
     // not inlined: one copy for both parts
     #[inline(never)]
-    fn check_terms(
+    fn add_part(
+        &mut self,
+        start: R,
+        terms: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
+        physical: bool,
+        bounds: &mut TermBounds<R>,
+    ) -> Result<Part<R>, ModelError> {
+        let axis = self.axes.len();
+        let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
+        let mut part = self.program.part(start);
+        let first = bounds.terms;
+        for degree in 1..=MAX_DEGREE {
+            for (term, index) in terms.clone().zip(first..) {
+                let term = term.borrow();
+                if term.factors().len() != degree {
+                    continue;
+                }
+                self.check_term(term, index, physical, bounds)?;
+                if degree > DEGREES {
+                    return Err(ModelError::ProductNotBuilt { axis, term: index });
+                }
+                self.program.push::<HISTORY>(&mut part, term, axis, layout)?;
+                bounds.terms += 1;
+            }
+        }
+        Ok(part)
+    }
+
+    /// Checks a term and updates the bounds of the axis.
+    fn check_term(
         &self,
-        terms: impl Iterator<Item = Term<R::Stored>>,
+        term: &Term<R::Stored>,
+        index: usize,
         physical: bool,
         bounds: &mut TermBounds<R>,
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
-        for term in terms {
-            let index = bounds.terms;
-            if !term.coefficient.is_finite() {
-                return Err(ModelError::CoefficientNotFinite { axis, term: index });
-            }
-            let mut magnitude: R::Built = scalar(term.coefficient.abs());
-            for factor in term.factors() {
-                bounds.depth = bounds.depth.max(factor.lag);
-                let (largest, is_output) = match factor.channel {
-                    Channel::Output => (bounds.output, true),
-                    Channel::Input(input) => {
-                        bounds.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
-                        let input = self.inputs.get(usize::from(input));
-                        let input = input.ok_or(ModelError::UnknownInput { axis, term: index })?;
-                        (scalar(input.magnitude()), input.is_of_remainder())
-                    }
-                };
-                if physical && is_output {
-                    return Err(ModelError::OutputInPhysicalPart { axis, term: index });
-                }
-                magnitude = magnitude * larger(largest, R::Built::ONE);
-            }
-            if term.factors().len() > DEGREES {
-                return Err(ModelError::ProductNotBuilt { axis, term: index });
-            }
-            bounds.magnitude = bounds.magnitude + magnitude;
-            bounds.terms += 1;
+        if !term.coefficient.is_finite() {
+            return Err(ModelError::CoefficientNotFinite { axis, term: index });
         }
+        let mut magnitude: R::Built = scalar(term.coefficient.abs());
+        for factor in term.factors() {
+            bounds.depth = bounds.depth.max(factor.lag);
+            let (largest, is_output) = match factor.channel {
+                Channel::Output => (bounds.output, true),
+                Channel::Input(input) => {
+                    bounds.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
+                    let input = self.inputs.get(usize::from(input));
+                    let input = input.ok_or(ModelError::UnknownInput { axis, term: index })?;
+                    (scalar(input.magnitude()), input.is_of_remainder())
+                }
+            };
+            if physical && is_output {
+                return Err(ModelError::OutputInPhysicalPart { axis, term: index });
+            }
+            magnitude = magnitude * larger(largest, R::Built::ONE);
+        }
+        bounds.magnitude = bounds.magnitude + magnitude;
         Ok(())
     }
 
@@ -190,6 +209,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 struct TermBounds<R: Scalar> {
     /// Largest magnitude of the remainder.
     output: R::Built,
+    /// Terms up to now, physical part first.
     terms: usize,
     /// Longest lag, samples.
     depth: u16,
