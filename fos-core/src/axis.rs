@@ -301,7 +301,7 @@ impl<R: Scalar> RunningAxis<R> {
     #[inline(never)]
     fn track_faulty(&mut self, measured: R, remainder: R, correction: &mut Correction<R>) {
         let fault = self.fault(measured, remainder);
-        self.lose(measured, fault, correction);
+        self.coast_over(measured, fault, true, correction);
     }
 
     /// Processes a sample whose true value is not known.
@@ -319,12 +319,8 @@ impl<R: Scalar> RunningAxis<R> {
     #[cold]
     fn coast_faulty(&mut self, measured: R, correction: &mut Correction<R>) {
         let fault = self.fault(measured, measured);
-        if fault.intersects(Validity::NOT_FINITE) {
-            return self.lose(measured, fault, correction);
-        }
-        self.missing = 0;
-        let (stochastic, validity) = self.limited();
-        self.extrapolate_faulty(stochastic, measured, validity | fault, correction);
+        let is_lost = fault.intersects(Validity::NOT_FINITE);
+        self.coast_over(measured, fault, is_lost, correction);
     }
 
     /// Predicts without a sample, for any length of time.
@@ -333,25 +329,29 @@ impl<R: Scalar> RunningAxis<R> {
         let (stochastic, validity) = self.limited();
         // NaN before the first sample
         let fault = self.fault(self.last_measured, self.last_measured);
-        self.extrapolate_faulty(stochastic, self.last_measured, validity | fault, correction);
+        self.extrapolate(stochastic, self.last_measured, validity | fault, correction);
     }
 
     /// Processes a missing sample.
     #[cold]
     pub(crate) fn miss(&mut self, correction: &mut Correction<R>) {
-        self.lose(self.last_measured, Validity::MISSING, correction);
+        self.coast_over(self.last_measured, Validity::MISSING, true, correction);
     }
 
-    /// Coasts over an unusable sample, or restarts beyond the gap limit.
-    fn lose(&mut self, measured: R, reason: Validity, correction: &mut Correction<R>) {
+    /// Coasts over a faulty sample; if it is lost, restarts beyond the gap limit.
+    // not inlined: one copy for all samples that are not on the hot path
+    #[inline(never)]
+    fn coast_over(&mut self, measured: R, reason: Validity, is_lost: bool, correction: &mut Correction<R>) {
         let (stochastic, validity) = self.limited();
-        let coasts = self.missing < self.gap_limit_samples;
-        if coasts {
+        let coasts = !is_lost || self.missing < self.gap_limit_samples;
+        if !coasts {
+            self.restart(0);
+        } else if is_lost {
             self.missing += 1;
         } else {
-            self.restart(0);
+            self.missing = 0;
         }
-        self.extrapolate_faulty(stochastic, measured, validity | reason, correction);
+        self.extrapolate(stochastic, measured, validity | reason, correction);
         // also for a model without lagged outputs: inputs computed from the remainder must not run on predictions
         self.known = self.known && coasts;
     }
@@ -436,19 +436,6 @@ impl<R: Scalar> RunningAxis<R> {
             self.corrected = measured - predicted;
         }
         *correction = Correction { predicted, innovation: None, corrected: self.corrected, validity };
-    }
-
-    /// Same as [`extrapolate`](Self::extrapolate): one copy for all samples that are not on the hot path.
-    #[cold]
-    #[inline(never)]
-    fn extrapolate_faulty(
-        &mut self,
-        stochastic: R,
-        measured: R,
-        reasons: Validity,
-        correction: &mut Correction<R>,
-    ) {
-        self.extrapolate(stochastic, measured, reasons, correction);
     }
 
     /// Counts a coasted sample; beyond the limit it fades the stochastic part and returns true.

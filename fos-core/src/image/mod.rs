@@ -60,8 +60,7 @@ struct Head {
 }
 
 /// The start of an axis in the body; its terms follow.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(test, derive(Deserialize))]
+#[derive(Serialize)]
 struct AxisHead {
     parameters: AxisParameters<f32>,
     n_physical: u8,

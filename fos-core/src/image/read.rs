@@ -1,7 +1,7 @@
 //! Reads a model from an image. Everything is checked before anything is returned.
 
 use super::records::Records;
-use super::{AxisHead, CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use super::{CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
 use crate::evaluator::ModelHeader;
 use crate::{
     AxisParameters, Calibration, Evaluator, FittedOn, Input, ModelError, Predictor, Quantity, Scalar,
@@ -45,6 +45,7 @@ impl<'a> Image<'a> {
     ///
     /// The first fault found; each kind has its own error. The capacities of the device are checked by
     /// [`predictor`](Self::predictor).
+    #[inline(never)]
     pub fn parse(bytes: &'a [u8]) -> Result<Self, ImageError> {
         let (header, rest) = bytes
             .split_at_checked(HEADER_LENGTH)
@@ -93,8 +94,9 @@ impl<'a> Image<'a> {
         records.skip::<Quantity>(self.head.n_quantities);
         records.skip::<Input<f32>>(self.head.n_inputs);
         for axis in 0..usize::from(self.head.n_axes) {
-            let head: AxisHead = records.take();
-            for term in 0..usize::from(head.n_physical) + usize::from(head.n_stochastic) {
+            records.skip::<AxisParameters<f32>>(1);
+            let [n_physical, n_stochastic]: [u8; 2] = records.take();
+            for term in 0..usize::from(n_physical) + usize::from(n_stochastic) {
                 if records.term().is_none() && records.left().is_some() {
                     return Err(ImageError::Term { axis, term });
                 }
@@ -296,15 +298,15 @@ impl defmt::Format for Terms<'_> {
 /// Reads an axis whose form has been checked.
 #[inline(never)]
 fn axis<'a>(records: &mut Records<'a>) -> AxisImage<'a> {
-    let head: AxisHead = records.take();
-    let [physical, stochastic] = [head.n_physical, head.n_stochastic].map(|left| {
+    let parameters = records.take();
+    let [physical, stochastic] = records.take::<[u8; 2]>().map(|left| {
         let terms = Terms { records: *records, left };
         for _ in 0..left {
             let _ = records.term();
         }
         terms
     });
-    AxisImage { parameters: head.parameters, physical, stochastic }
+    AxisImage { parameters, physical, stochastic }
 }
 
 /// Checks that the records have the form of an image and end here.

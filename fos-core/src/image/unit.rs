@@ -9,8 +9,8 @@ use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use super::records::Records;
-use super::{AxisHead, CHECKSUM_AT, Image, ImageError, checksum};
-use crate::Axis;
+use super::{CHECKSUM_AT, Image, ImageError, checksum};
+use crate::{Axis, AxisParameters};
 
 /// The first four bytes of a record.
 pub const UNIT_MAGIC: [u8; 4] = *b"FOSU";
@@ -244,7 +244,8 @@ impl Image<'_> {
             // axis and reference come before the offset
             before_offset.skip::<Axis>(1);
             before_offset.skip::<f32>(1);
-            let AxisHead { n_physical, n_stochastic, .. } = records.take();
+            records.skip::<AxisParameters<f32>>(1);
+            let [n_physical, n_stochastic]: [u8; 2] = records.take();
             let mut terms = records;
             for _ in 0..u16::from(n_physical) + u16::from(n_stochastic) {
                 let _ = records.term();
