@@ -216,7 +216,11 @@ impl Record for Calibration<f32> {
 impl Record for TriadCalibration<f32> {
     #[inline(never)]
     fn read(records: &mut Records<'_>) -> Self {
-        Self { matrix: records.take(), bias: records.take() }
+        let mut triad = Self::IDENTITY;
+        for element in triad.matrix.as_flattened_mut().iter_mut().chain(&mut triad.bias) {
+            *element = records.take();
+        }
+        triad
     }
 }
 

@@ -15,9 +15,7 @@ use core::hint::cold_path;
 
 #[cfg(feature = "calibration")]
 use fos_core::Calibration;
-use fos_core::{
-    Axis, Correction, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity,
-};
+use fos_core::{Axis, Drift, Evaluator, InnovationStatistics, Sample, Scalar, StillnessDetector, Validity};
 // the orientation gate is in fos-core, because the host uses it too
 pub use fos_core::{GRAVITY_MPS2, OTHER_POSE};
 use heapless::Vec;
@@ -299,7 +297,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[inline(never)]
     fn evaluate_reordered(&mut self, tracked: u32) {
         let mut values = [R::ZERO; AXES];
-        let mut corrections = [Correction::NONE; AXES];
+        let mut corrections = self.output.corrections;
         for (channel, value) in self.axes.iter().zip(&mut values) {
             *value = at(&self.output.measured, *channel);
         }
@@ -389,7 +387,8 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
 
     #[inline(never)]
     fn skip_reordered(&mut self, ticks: u32) {
-        self.evaluator.skip(ticks, &mut [Correction::NONE; AXES]);
+        let mut corrections = self.output.corrections;
+        self.evaluator.skip(ticks, &mut corrections);
     }
 
     /// Updates the logged quantities that the sensor itself measures.
