@@ -34,9 +34,10 @@ pub struct StillnessLimits<R> {
 
 impl<R: Real> StillnessLimits<R> {
     pub(crate) fn check(&self) -> Result<(), ModelError> {
-        let positive = [self.accel_variance, self.gyro_variance, self.gyro_deviation];
         let valid = self.window >= 2
-            && positive.into_iter().all(is_positive)
+            && is_positive(self.accel_variance)
+            && is_positive(self.gyro_variance)
+            && is_positive(self.gyro_deviation)
             && self.gyro_at_rest.into_iter().all(Scalar::is_finite);
         if valid { Ok(()) } else { Err(ModelError::Stillness) }
     }
@@ -115,15 +116,19 @@ struct Limits<R: Scalar> {
 
 impl<R: Scalar> Limits<R> {
     fn new(limits: &StillnessLimits<R::Stored>) -> Self {
+        let (accel, gyro, deviation) = (limits.accel_variance, limits.gyro_variance, limits.gyro_deviation);
         let jump = R::Stored::from_f64(JUMP * JUMP);
+        // together, so that fixed point has one copy of the conversion
+        let sums = [accel, gyro, deviation * deviation, jump * accel, jump * gyro].map(R::sum_of);
+        let [accel_variance, gyro_variance, gyro_deviation_squared, jump @ ..] = sums;
         Self {
             window: limits.window,
             per_window: R::gain((R::Built::ONE / R::Built::from_u32(u32::from(limits.window))).to_f64()),
-            accel_variance: R::sum_of(limits.accel_variance),
-            gyro_variance: R::sum_of(limits.gyro_variance),
+            accel_variance,
+            gyro_variance,
             gyro_at_rest: limits.gyro_at_rest.map(R::of),
-            gyro_deviation_squared: R::sum_of(limits.gyro_deviation * limits.gyro_deviation),
-            jump: [limits.accel_variance, limits.gyro_variance].map(|variance| R::sum_of(jump * variance)),
+            gyro_deviation_squared,
+            jump,
         }
     }
 }

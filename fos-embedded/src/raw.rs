@@ -140,10 +140,9 @@ impl Scales {
         ]
     }
 
-    /// Full scale of each axis: accelerometers in m/s², gyros in rad/s.
-    pub(crate) fn full_scale(&self) -> [f32; 6] {
-        let (accel, gyro) = (FULL_SCALE * self.accel_mps2, FULL_SCALE * self.gyro_rads);
-        [accel, accel, accel, gyro, gyro, gyro]
+    /// Full scale of one of the six axes, by index: accelerometers in m/s², gyros in rad/s.
+    pub(crate) fn full_scale(&self, channel: u8) -> f32 {
+        FULL_SCALE * if channel < 3 { self.accel_mps2 } else { self.gyro_rads }
     }
 
     /// Temperature in °C; NaN if there is none.
@@ -174,7 +173,7 @@ mod tests {
     fn full_scale_is_never_rounded_up() {
         for full_scale in [39.226_6, 78.453_2, 156.906_4, 4.363_323, 34.906_585, 1.0, f32::MAX, 1e-30] {
             let scales = Scales::of_full_scale(full_scale, full_scale, 0.005, FittedOn::Raw);
-            for found in scales.full_scale() {
+            for found in (0..6).map(|channel| scales.full_scale(channel)) {
                 assert!(
                     found <= full_scale && f64::from(found) > f64::from(full_scale) * (1.0 - 3e-7),
                     "{full_scale} {found}"

@@ -5,7 +5,7 @@ use fos_core::{
     StillnessLimits,
 };
 
-use super::axes::{Gate, at, channel_of};
+use super::axes::{Gate, channel_of};
 use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
 use super::{Hub, HubError, Output};
@@ -186,8 +186,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         } else {
             self.gates.push(Gate { channel, pose: pose.convert() }).ok()?;
         }
-        let full_scale = at(&self.scales.full_scale(), channel);
-        self.evaluator.limit_full_scale(index, R::of(full_scale));
+        self.evaluator.limit_full_scale(index, R::of(self.scales.full_scale(channel)));
         Some(())
     }
 }

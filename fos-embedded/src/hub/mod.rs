@@ -258,7 +258,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         // an accelerometer measures the same gravity after a rotation about its own axis, so all gates must be open
         self.in_pose = self.gates.iter().all(|gate| gate.is_open_after(&output.corrections));
         if self.axes.len() < AXES {
-            output.pass_others(&self.axes, self.scales.full_scale());
+            output.pass_others(&self.axes, &self.scales);
         }
         if let Some(gravity) = &mut self.gravity {
             gravity.update(output);

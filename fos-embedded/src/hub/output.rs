@@ -5,7 +5,7 @@ use fos_core::Calibration;
 use fos_core::{Correction, Scalar, Validity};
 
 use super::axes::AXES;
-use crate::raw::Faults;
+use crate::raw::{Faults, Scales};
 
 /// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Every corrected and predicted value
 /// is finite. NaN stands for an absent innovation or temperature, and for a measured value that the source did not give.
@@ -101,9 +101,8 @@ impl<R: Scalar<Stored = f32>> Output<R> {
 
     /// Fills in the axes without a model: the measured value, or the last finite one.
     #[inline(never)]
-    pub(super) fn pass_others(&mut self, axes: &[u8], full_scale: [f32; AXES]) {
-        let places = self.corrections.iter_mut().zip(self.measured).zip(full_scale);
-        for (channel, ((correction, measured), full_scale)) in (0..).zip(places) {
+    pub(super) fn pass_others(&mut self, axes: &[u8], scales: &Scales) {
+        for (channel, (correction, measured)) in (0..).zip(self.corrections.iter_mut().zip(self.measured)) {
             if axes.contains(&channel) {
                 continue;
             }
@@ -113,7 +112,7 @@ impl<R: Scalar<Stored = f32>> Output<R> {
             } else {
                 correction.validity |= Validity::NOT_FINITE;
             }
-            if measured.abs() >= R::of(full_scale) {
+            if measured.abs() >= R::of(scales.full_scale(channel)) {
                 correction.validity |= Validity::SATURATED;
             }
         }
