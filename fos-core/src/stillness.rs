@@ -143,6 +143,8 @@ pub struct StillnessDetector<R: Scalar> {
     filled: u16,
     quiet_windows: u8,
     still: bool,
+    /// Largest squared distance of a sample from the origin of the window: accelerometers, gyros.
+    jump: [R::Sum; 2],
 }
 
 impl<R: Scalar> StillnessDetector<R> {
@@ -160,6 +162,7 @@ impl<R: Scalar> StillnessDetector<R> {
             filled: 0,
             quiet_windows: 0,
             still: false,
+            jump: [R::LARGEST_SUM; 2],
         })
     }
 
@@ -182,7 +185,7 @@ impl<R: Scalar> StillnessDetector<R> {
             self.begin_window(accel, gyro);
         }
         let (accel, gyro) = (self.accel.deviation(accel), self.gyro.deviation(gyro));
-        let [accel_limit, gyro_limit] = if self.still { self.limits.jump } else { [R::LARGEST_SUM; 2] };
+        let [accel_limit, gyro_limit] = self.jump;
         // false for values that are not finite
         if !(accel.1 <= accel_limit && gyro.1 <= gyro_limit) {
             return self.disturbed();
@@ -197,15 +200,18 @@ impl<R: Scalar> StillnessDetector<R> {
         self.still
     }
 
-    /// Sets the origin of a window: the mean of the previous one while the device is still, otherwise the first sample.
+    /// Sets the origin of a window: the mean of the previous one while the device is still, and then a sample too far from
+    /// it ends stillness; otherwise the first sample, without such a limit.
     #[inline(never)]
     fn begin_window(&mut self, accel: [R; 3], gyro: [R; 3]) {
         if self.still {
             self.accel.begin(self.accel.mean);
             self.gyro.begin(self.gyro.mean);
+            self.jump = self.limits.jump;
         } else {
             self.accel.begin(accel);
             self.gyro.begin(gyro);
+            self.jump = [R::LARGEST_SUM; 2];
         }
     }
 
