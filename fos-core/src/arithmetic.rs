@@ -23,8 +23,8 @@ pub trait Arithmetic: Copy + Send + Sync {
     /// Limit for values that are squared, so that the square is a value.
     const LARGEST_SQUARED: Self;
 
-    /// True if a value can have this magnitude; a model that needs larger ones is rejected.
-    fn holds(value: f64) -> bool;
+    /// Magnitude that no value reaches; a model that needs larger ones is rejected.
+    const LIMIT: f32;
     /// True for a NaN that comparisons do not catch; always false for floats.
     fn is_absent(self) -> bool;
 
@@ -90,9 +90,8 @@ macro_rules! float {
             const LARGEST_SUM: $float = <$float>::MAX;
             const LARGEST_SQUARED: $float = 1e6;
 
-            fn holds(_: f64) -> bool {
-                true
-            }
+            const LIMIT: f32 = f32::INFINITY;
+
             #[inline(always)]
             fn is_absent(self) -> bool {
                 false

@@ -11,7 +11,7 @@ use crate::{Range, Real, Scalar, Validity};
 /// Widening of the fitted range of the remainder on either side, as a share of its width, before a value is limited:
 /// half the width on either side doubles the range. The extreme of a normal record of 10⁴ samples is 3.9 σ, of 10¹⁰ samples
 /// 6.5 σ: less than twice as far out, so noise alone is never limited.
-const MARGIN: f64 = 0.5;
+pub(crate) const RANGE_MARGIN: f64 = 0.5;
 
 /// Gain below which the fading stochastic part is set to 0, so that the gain never becomes subnormal.
 const FADED: f64 = 1e-6;
@@ -156,7 +156,7 @@ impl<R: Scalar> RunningAxis<R> {
 
     /// Limits of the remainder, measured or predicted.
     pub(crate) fn limits(parameters: &AxisParameters<R::Stored>) -> Range<R::Stored> {
-        parameters.range.widened(R::Stored::from_f64(MARGIN))
+        parameters.range.widened(R::Stored::from_f64(RANGE_MARGIN))
     }
 
     /// Limits p; returns true if p was outside. p is finite, because the inputs are within their limits.

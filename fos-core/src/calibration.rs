@@ -2,10 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ModelError, Real, Scalar};
-
-/// Largest magnitude of an element of the matrix. A sensor in SI units has ones on the diagonal within a few percent.
-const LARGEST: f64 = 4.0;
+use crate::Scalar;
 
 /// Calibration of three axes that measure one vector: corrected = matrix · (value − bias).
 ///
@@ -70,22 +67,5 @@ impl<R: Scalar> Calibration<R> {
     /// The same calibration in another scalar.
     pub fn convert<S: Scalar>(&self) -> Calibration<S> {
         Calibration { accel: self.accel.convert(), gyro: self.gyro.convert() }
-    }
-}
-
-impl<R: Real> Calibration<R> {
-    /// Checks that every number is finite and no element of a matrix too large.
-    ///
-    /// # Errors
-    ///
-    /// [`ModelError::Calibration`].
-    pub fn check(&self) -> Result<(), ModelError> {
-        // a loop over both, so that there is one copy
-        let is_valid = |triad: &TriadCalibration<R>| {
-            triad.matrix.iter().flatten().all(|value| value.abs() <= R::from_f64(LARGEST))
-                && triad.bias.iter().all(|value| value.is_finite())
-        };
-        let valid = [&self.accel, &self.gyro].into_iter().all(is_valid);
-        if valid { Ok(()) } else { Err(ModelError::Calibration) }
     }
 }

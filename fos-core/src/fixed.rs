@@ -4,6 +4,7 @@ use core::fmt;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use crate::arithmetic::Arithmetic;
+use crate::check::FIXED_LIMIT;
 use crate::real::Scalar;
 
 /// Bits after the binary point of a value.
@@ -285,9 +286,8 @@ impl Arithmetic for Fixed {
     // its square is the largest value
     const LARGEST_SQUARED: Self = Self(16 << FRACTION);
 
-    fn holds(value: f64) -> bool {
-        libm::fabs(value) < 256.0
-    }
+    const LIMIT: f32 = FIXED_LIMIT;
+
     #[inline(always)]
     fn is_absent(self) -> bool {
         self == Self::NAN

@@ -12,7 +12,7 @@ use crate::{Range, Real, Scalar, Transform, Validity};
 
 /// Widening of the fitted range of an input on either side, as a share of its width, before a value counts as
 /// outside. It covers the noise and quantisation of a thermometer; it is not meant for extrapolation.
-const MARGIN: f64 = 0.05;
+pub(crate) const INPUT_MARGIN: f64 = 0.05;
 
 /// Source of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,12 +49,12 @@ pub struct Input<R> {
 impl<R: Real> Input<R> {
     /// Limits of u on the device: the fitted range, widened by 5 % of its width on either side.
     pub fn limits(&self) -> Range<R> {
-        self.range.widened(R::from_f64(MARGIN))
+        self.range.widened(R::from_f64(INPUT_MARGIN))
     }
 
     /// Limits of x, widened in the same way.
     pub(crate) fn source_limits(&self) -> Range<R> {
-        self.source_range.widened(R::from_f64(MARGIN))
+        self.source_range.widened(R::from_f64(INPUT_MARGIN))
     }
 }
 

@@ -24,6 +24,7 @@ pub mod align;
 mod arithmetic;
 mod axis;
 mod calibration;
+mod check;
 mod convert;
 mod error;
 mod evaluator;
@@ -52,6 +53,7 @@ mod validity;
 
 pub use axis::Correction;
 pub use calibration::{Calibration, TriadCalibration};
+pub use check::CheckedModel;
 pub use error::ModelError;
 #[cfg(feature = "coasts")]
 pub use evaluator::Coasts;

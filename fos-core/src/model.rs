@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::real::{is_not_negative, is_positive};
-use crate::{Calibration, Input, ModelError, Range, Real, Scalar, Source, StillnessLimits, Term, Transform};
+use crate::{Calibration, Input, Range, Real, StillnessLimits, Term};
 
 /// An axis of the sensor. Units: m/s² for accelerometers, rad/s for gyros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -146,78 +145,11 @@ pub struct Model<'a, R> {
 /// Widening of the fitted range of p on either side before p is limited, in widths of the range. An input of an added
 /// effect may already go one width beyond its fitted range (docs/MATHS.md), and effects that were excited in turn in
 /// the data of the fit may act together later. A model of one input reaches the limit of that input first.
-const PHYSICAL_MARGIN: f64 = 1.0;
-
-/// Largest magnitude of a scaled quantity. Its square, which the windowed variance computes, stays far from overflow
-/// in f32: an infinite sum would stay in the state of the transform for ever.
-const MAX_INPUT: f64 = 1e15;
-
-impl<R: Real> Input<R> {
-    /// Checks the parameters of the input and its source, for a model of `n_quantities` quantities and `n_axes` axes.
-    pub(crate) fn check(&self, input: usize, n_quantities: usize, n_axes: usize) -> Result<(), ModelError> {
-        let numbers = self.transform.is_valid()
-            && self.centre.is_finite()
-            && is_positive(self.scale)
-            && is_positive(R::ONE / self.scale)
-            && self.source_range.is_valid()
-            && self.source_range.magnitude() < R::from_f64(MAX_INPUT)
-            && self.range.is_valid();
-        if !numbers {
-            return Err(ModelError::InputParameter { input });
-        }
-        let source = match self.source {
-            Source::Clock => self.transform.is_clock(),
-            Source::Quantity(index) => !self.transform.is_clock() && usize::from(index) < n_quantities,
-            Source::Remainder(axis) => !self.transform.is_clock() && usize::from(axis) < n_axes,
-        };
-        if source { Ok(()) } else { Err(ModelError::InputSource { input }) }
-    }
-
-    /// True if the scalar `S` can hold every intermediate value of the input, from the logged quantity on.
-    pub(crate) fn fits<S: Scalar<Stored = R>>(&self) -> bool {
-        let (centre, scale) = (self.centre.abs(), self.scale);
-        let x = self.source_limits().magnitude();
-        let logged = match self.source {
-            Source::Quantity(_) => centre + scale * x,
-            Source::Clock | Source::Remainder(_) => R::ZERO,
-        };
-        let own = match self.transform {
-            Transform::Backlash { half_width } => x + half_width / scale,
-            Transform::Time => centre / scale,
-            _ => R::ZERO,
-        };
-        [logged, x, own, self.limits().magnitude()].into_iter().all(|value| S::holds(value.to_f64()))
-    }
-}
+pub(crate) const PHYSICAL_MARGIN: f64 = 1.0;
 
 impl<R: Real> AxisParameters<R> {
     /// Limits of p on the device: [`physical_range`](Self::physical_range) widened by its width on either side; scaled.
     pub fn physical_limits(&self) -> Range<R> {
         self.physical_range.widened(R::from_f64(PHYSICAL_MARGIN))
-    }
-
-    pub(crate) fn check(&self, axis: usize) -> Result<(), ModelError> {
-        let finite = [self.reference, self.offset, self.constant, self.innovation.mean];
-        let correlation = self.innovation.lag_1_correlation;
-        let valid = finite.into_iter().all(Scalar::is_finite)
-            && is_positive(self.scale)
-            && is_positive(R::ONE / self.scale)
-            && self.range.is_valid()
-            && self.physical_range.is_valid()
-            && is_not_negative(self.full_scale)
-            && is_not_negative(self.coast_limit_s)
-            && is_positive(self.innovation.variance)
-            && correlation.abs() <= R::ONE;
-        if valid { Ok(()) } else { Err(ModelError::AxisParameter { axis }) }
-    }
-}
-
-impl<R: Real> InnovationStatistics<R> {
-    /// True if every value that a [`Monitor`](crate::Monitor) computes from the statistics is finite, in f32 too: the
-    /// monitor limits an innovation to 10⁶ standard deviations, so its running variance is at most 4·10¹² times this
-    /// one, and its factors are at most 10³⁸.
-    pub(crate) fn is_bounded(&self, scale: R) -> bool {
-        let within = |value: R, low: f64, high: f64| R::from_f64(low) <= value && value <= R::from_f64(high);
-        within(self.mean, -1e15, 1e15) && within(self.variance, 1e-38, 1e20) && scale >= R::from_f64(1e-19)
     }
 }

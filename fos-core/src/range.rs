@@ -25,12 +25,6 @@ impl<R: Scalar> Range<R> {
         Self { low: R::from_f64(-1e30), high: R::from_f64(1e30) }
     }
 
-    /// True if both ends are finite and `low ≤ high`.
-    #[inline(never)]
-    pub fn is_valid(&self) -> bool {
-        self.low.is_finite() && self.high.is_finite() && self.low <= self.high
-    }
-
     /// Largest magnitude in the range.
     pub(crate) fn magnitude(&self) -> R {
         let (low, high) = (self.low.abs(), self.high.abs());

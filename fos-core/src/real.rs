@@ -140,19 +140,6 @@ macro_rules! float {
 float!(f32, libm::sqrtf);
 float!(f64, libm::sqrt);
 
-/// True if the value is finite and above 0.
-// not inlined, as the next: models have many numbers to check
-#[inline(never)]
-pub(crate) fn is_positive<R: Real>(value: R) -> bool {
-    value > R::ZERO && value <= R::MAX
-}
-
-/// True if the value is finite and not below 0.
-#[inline(never)]
-pub(crate) fn is_not_negative<R: Real>(value: R) -> bool {
-    value >= R::ZERO && value <= R::MAX
-}
-
 /// The nearest value in another scalar. An f32 stays unchanged, without 64-bit arithmetic.
 #[inline]
 pub(crate) fn scalar<S: Scalar, R: Scalar>(value: S) -> R {

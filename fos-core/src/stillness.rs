@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::real::is_positive;
-use crate::{ModelError, Real, Scalar};
+use crate::{ModelError, Scalar};
 
 /// Number of consecutive quiet windows after which the device counts as still.
 const QUIET_WINDOWS: u8 = 2;
@@ -30,17 +29,6 @@ pub struct StillnessLimits<R> {
     /// Largest distance of the mean rate of a window from `gyro_at_rest`, rad/s. A slow steady rotation has no variance;
     /// this limit and the change of gravity between windows distinguish it from a bias.
     pub gyro_deviation: R,
-}
-
-impl<R: Real> StillnessLimits<R> {
-    pub(crate) fn check(&self) -> Result<(), ModelError> {
-        let valid = self.window >= 2
-            && is_positive(self.accel_variance)
-            && is_positive(self.gyro_variance)
-            && is_positive(self.gyro_deviation)
-            && self.gyro_at_rest.into_iter().all(Scalar::is_finite);
-        if valid { Ok(()) } else { Err(ModelError::Stillness) }
-    }
 }
 
 /// Sums of one triad over the current window. Values are taken relative to an origin, so that f32 keeps its digits: the
@@ -154,7 +142,7 @@ impl<R: Scalar> StillnessDetector<R> {
     ///
     /// [`ModelError::Stillness`] if a limit is not positive or the window has fewer than two samples.
     pub fn new(limits: StillnessLimits<R::Stored>) -> Result<Self, ModelError> {
-        limits.check()?;
+        limits.convert::<f32>().check()?;
         Ok(Self {
             limits: Limits::new(&limits),
             accel: Triad::EMPTY,

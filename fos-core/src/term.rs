@@ -96,6 +96,16 @@ impl<R: Copy> Term<R> {
         Term { coefficient, factors: self.factors, degree: self.degree }
     }
 
+    /// Number of factors.
+    pub(crate) const fn degree(&self) -> usize {
+        self.degree as usize
+    }
+
+    /// A factor by its index below [`MAX_DEGREE`].
+    pub(crate) const fn factor(&self, index: usize) -> Factor {
+        self.factors[index]
+    }
+
     /// Factors, in the order of multiplication.
     pub fn factors(&self) -> &[Factor] {
         self.factors.get(..usize::from(self.degree)).unwrap_or(&[])

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Real;
-use crate::real::{is_not_negative, is_positive};
-
 /// A causal transform in constant memory. `x` is the logged quantity, centred and scaled; T the sample period.
 ///
 /// Time constants are in seconds and frequencies in hertz; they become coefficients when the model is built.
@@ -55,22 +52,9 @@ pub enum Transform<R> {
     },
 }
 
-impl<R: Real> Transform<R> {
+impl<R> Transform<R> {
     /// True if the transform depends on time alone and takes no logged quantity.
-    pub fn is_clock(&self) -> bool {
+    pub const fn is_clock(&self) -> bool {
         matches!(self, Self::Decay { .. } | Self::Time | Self::Sine { .. } | Self::Cosine { .. })
-    }
-
-    /// True if the parameter, if there is one, is finite and positive (a half width may be 0).
-    pub fn is_valid(&self) -> bool {
-        match *self {
-            Self::Identity | Self::Absolute | Self::Time => true,
-            Self::LowPass { tau_s }
-            | Self::Rate { tau_s }
-            | Self::Variance { tau_s }
-            | Self::Decay { tau_s } => is_positive(tau_s),
-            Self::Backlash { half_width } => is_not_negative(half_width),
-            Self::Sine { frequency_hz } | Self::Cosine { frequency_hz } => is_positive(frequency_hz),
-        }
     }
 }

@@ -5,11 +5,12 @@ use core::borrow::Borrow;
 use super::Evaluator;
 use super::building::ModelHeader;
 use crate::axis::{AxisProgram, RunningAxis};
+use crate::check::{Series, TermBounds, check_header};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
 use crate::program::{DEGREES, Layout, Part};
-use crate::real::{is_positive, scalar};
-use crate::{Channel, Input, MAX_DEGREE, Model, ModelError, Real, Scalar, Term, Transform};
+use crate::real::scalar;
+use crate::{AxisModel, Channel, CheckedModel, Input, MAX_DEGREE, Model, ModelError, Scalar, Term};
 
 impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
     Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
@@ -21,6 +22,23 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     /// The first fault of the model, or the first capacity that it exceeds; the evaluator is then [empty](Self::empty).
     pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
         let loaded = self.fill(model);
+        self.settle(loaded)
+    }
+
+    /// Compiles a model that the compiler has checked; otherwise the same as [`load`](Self::load).
+    ///
+    /// # Errors
+    ///
+    /// The first capacity that the model exceeds, or that it does not suit fixed point.
+    pub fn load_checked(&mut self, model: &CheckedModel<'_>) -> Result<(), ModelError>
+    where
+        R: Scalar<Stored = f32>,
+    {
+        let loaded = self.fill_checked(model);
+        self.settle(loaded)
+    }
+
+    pub(crate) fn settle(&mut self, loaded: Result<(), ModelError>) -> Result<(), ModelError> {
         if loaded.is_err() {
             self.clear();
         }
@@ -28,35 +46,43 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 
     fn fill(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
-        self.begin(ModelHeader {
-            period_s: model.period_s,
-            n_quantities: model.quantities.len(),
-            n_inputs: model.inputs.len(),
-            n_axes: model.axes.len(),
-        })?;
+        check_header(model.period_s, model.axes.len())?;
+        self.begin(ModelHeader::of(model))?;
         if let Some(calibration) = &model.calibration {
-            calibration.check()?;
+            calibration.convert::<f32>().check()?;
         }
         if let Some(limits) = &model.stillness {
-            limits.check()?;
+            limits.convert::<f32>().check()?;
         }
+        for input in model.inputs {
+            self.check_input(&input.convert())?;
+            self.add_input(input)?;
+        }
+        for AxisModel { parameters, physical, stochastic } in model.axes {
+            let in_f32 = parameters.convert();
+            self.add_axis::<true>(&in_f32, parameters, physical.iter(), stochastic.iter())?;
+        }
+        Ok(())
+    }
+
+    fn fill_checked(&mut self, checked: &CheckedModel<'_>) -> Result<(), ModelError>
+    where
+        R: Scalar<Stored = f32>,
+    {
+        checked.fits(R::LIMIT)?;
+        let model = checked.model();
+        self.begin(ModelHeader::of(model))?;
         for input in model.inputs {
             self.add_input(input)?;
         }
-        for axis in model.axes {
-            self.add_axis(&axis.parameters, axis.physical.iter(), axis.stochastic.iter())?;
+        for AxisModel { parameters, physical, stochastic } in model.axes {
+            self.add_axis::<false>(parameters, parameters, physical.iter(), stochastic.iter())?;
         }
         Ok(())
     }
 
     /// Starts a model without inputs and axes; add all of them before the first step.
     pub(crate) fn begin(&mut self, header: ModelHeader) -> Result<(), ModelError> {
-        if !is_positive(scalar::<_, R::Built>(header.period_s)) {
-            return Err(ModelError::Period);
-        }
-        if header.n_axes == 0 {
-            return Err(ModelError::NoAxis);
-        }
         if header.n_axes > AXES {
             return Err(ModelError::TooManyAxes { found: header.n_axes, capacity: AXES });
         }
@@ -68,33 +94,39 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(())
     }
 
+    /// Checks the next input.
+    #[inline(never)]
+    pub(crate) fn check_input(&self, input: &Input<f32>) -> Result<(), ModelError> {
+        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes, R::LIMIT)
+    }
+
+    /// Adds an input that was checked.
     #[inline(never)]
     pub(crate) fn add_input(&mut self, input: &Input<R::Stored>) -> Result<(), ModelError> {
-        if !cfg!(feature = "transforms") && input.transform != Transform::Identity {
-            return Err(ModelError::TransformNotBuilt { input: self.inputs.len() });
-        }
-        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes)?;
-        if !input.fits::<R>() {
-            return Err(ModelError::InputNotInFixedPoint { input: self.inputs.len() });
-        }
         let too_many = ModelError::TooManyInputs { found: self.header.n_inputs, capacity: INPUTS };
         self.inputs.push(RunningInput::new(input, self.header.period_s)).map_err(|_| too_many)
     }
 
+    /// Adds an axis, with `CHECK` after its checks, which compute with the parameters in f32.
     #[inline(never)]
-    pub(crate) fn add_axis(
+    pub(crate) fn add_axis<const CHECK: bool>(
         &mut self,
+        in_f32: &AxisParameters<f32>,
         parameters: &AxisParameters<R::Stored>,
         physical: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
         stochastic: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
     ) -> Result<(), ModelError> {
         let axis = self.axes.len();
-        parameters.check(axis)?;
-        let mut bounds = TermBounds::new(parameters);
-        let physical = self.add_part(R::ZERO, physical, true, &mut bounds)?;
-        let stochastic = self.add_part(R::of(parameters.constant), stochastic, false, &mut bounds)?;
-        self.check_bounded(parameters, &bounds)?;
-        let TermBounds { depth, inputs_used, .. } = bounds;
+        if CHECK {
+            in_f32.check(axis)?;
+        }
+        let mut terms = AxisTerms { n: 0, depth: 0, inputs_used: 0, bounds: TermBounds::new(axis, in_f32) };
+        let physical = self.add_part::<CHECK>(R::ZERO, physical, true, &mut terms)?;
+        let stochastic = self.add_part::<CHECK>(R::of(parameters.constant), stochastic, false, &mut terms)?;
+        let AxisTerms { depth, inputs_used, bounds, .. } = terms;
+        if CHECK {
+            bounds.check(in_f32, R::LIMIT)?;
+        }
         self.push_axis(parameters, AxisProgram { physical, stochastic, inputs_used, depth })
     }
 
@@ -116,119 +148,62 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(())
     }
 
-    /// Checks and compiles the terms of a part: those of one factor first, then of two, then of three.
+    /// Compiles the terms of a part, with `CHECK` after their checks: those of one factor first, then of two, then of three.
     // not inlined: one copy for both parts
     #[inline(never)]
-    fn add_part(
+    fn add_part<const CHECK: bool>(
         &mut self,
         start: R,
         terms: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
-        physical: bool,
-        bounds: &mut TermBounds<R>,
+        is_physical: bool,
+        added: &mut AxisTerms,
     ) -> Result<Part<R>, ModelError> {
         let axis = self.axes.len();
         let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
         let mut part = self.program.part(start);
-        let first = bounds.terms;
-        for degree in 1..=MAX_DEGREE {
+        let first = added.n;
+        // the check rejects degrees that are not built
+        for degree in 1..=if CHECK { MAX_DEGREE } else { DEGREES } {
             for (term, index) in terms.clone().zip(first..) {
                 let term = term.borrow();
                 if term.factors().len() != degree {
                     continue;
                 }
-                self.check_term(term, index, physical, bounds)?;
-                if degree > DEGREES {
-                    return Err(ModelError::ProductNotBuilt { axis, term: index });
+                if CHECK {
+                    let mut series = [Series::None; MAX_DEGREE];
+                    for (series, factor) in series.iter_mut().zip(term.factors()) {
+                        *series = self.series(factor.channel);
+                    }
+                    added.bounds.add(index, scalar(term.coefficient), is_physical, series)?;
+                }
+                for factor in term.factors() {
+                    added.depth = added.depth.max(factor.lag);
+                    if let Channel::Input(input) = factor.channel {
+                        added.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
+                    }
                 }
                 self.program.push::<HISTORY>(&mut part, term, axis, layout)?;
-                bounds.terms += 1;
+                added.n += 1;
             }
         }
         Ok(part)
     }
 
-    /// Checks a term and updates the bounds of the axis.
-    fn check_term(
-        &self,
-        term: &Term<R::Stored>,
-        index: usize,
-        physical: bool,
-        bounds: &mut TermBounds<R>,
-    ) -> Result<(), ModelError> {
-        let axis = self.axes.len();
-        if !term.coefficient.is_finite() {
-            return Err(ModelError::CoefficientNotFinite { axis, term: index });
-        }
-        let mut magnitude: R::Built = scalar(term.coefficient.abs());
-        for factor in term.factors() {
-            bounds.depth = bounds.depth.max(factor.lag);
-            let (largest, is_output) = match factor.channel {
-                Channel::Output => (bounds.output, true),
-                Channel::Input(input) => {
-                    bounds.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
-                    let input = self.inputs.get(usize::from(input));
-                    let input = input.ok_or(ModelError::UnknownInput { axis, term: index })?;
-                    (scalar(input.magnitude()), input.is_of_remainder())
-                }
-            };
-            if physical && is_output {
-                return Err(ModelError::OutputInPhysicalPart { axis, term: index });
-            }
-            magnitude = magnitude * larger(largest, R::Built::ONE);
-        }
-        bounds.magnitude = bounds.magnitude + magnitude;
-        Ok(())
-    }
-
-    /// Rejects a model whose sums could overflow, so that the step needs no test for it: every partial product and sum
-    /// stays below 10³⁰ while inputs, p and remainder stay within their limits, which the step enforces. Rejects
-    /// innovation statistics with which a monitor could overflow, too.
-    fn check_bounded(
-        &self,
-        parameters: &AxisParameters<R::Stored>,
-        bounds: &TermBounds<R>,
-    ) -> Result<(), ModelError> {
-        let built = |value: R::Stored| -> R::Built { scalar(value) };
-        // if 0 is outside its limits, p is limited to the end nearest to 0
-        let nearest = parameters.physical_limits().limit(R::Stored::ZERO).abs();
-        let scaled = bounds.output + built(parameters.constant.abs()) + built(nearest) + bounds.magnitude;
-        let scale = built(parameters.scale);
-        let axis = self.axes.len();
-        let steady = built(parameters.offset.abs()) + built(parameters.reference.abs());
-        let fits = R::holds(scaled.to_f64()) && R::holds((steady + scale * scaled).to_f64());
-        match steady + larger(scale, R::Built::ONE) * scaled < R::Built::from_f64(BOUND) {
-            true if !fits => Err(ModelError::AxisNotInFixedPoint { axis }),
-            true if parameters.innovation.is_bounded(parameters.scale) => Ok(()),
-            true => Err(ModelError::Innovation { axis }),
-            false => Err(ModelError::Unbounded { axis }),
-        }
+    fn series(&self, channel: Channel) -> Series {
+        let Channel::Input(input) = channel else { return Series::Output };
+        self.inputs.get(usize::from(input)).map_or(Series::Unknown, |input| Series::Input {
+            magnitude: scalar(input.magnitude().stored()),
+            is_remainder: input.is_of_remainder(),
+        })
     }
 }
 
-/// Bounds over the terms of an axis.
-struct TermBounds<R: Scalar> {
-    /// Largest magnitude of the remainder.
-    output: R::Built,
-    /// Terms up to now, physical part first.
-    terms: usize,
+/// The terms of an axis up to now, physical part first.
+struct AxisTerms {
+    n: usize,
     /// Longest lag, samples.
     depth: u16,
     /// Bit i is set if a term uses input i.
     inputs_used: u32,
-    /// Largest sum of the magnitudes of the terms, with inputs and remainder within their limits.
-    magnitude: R::Built,
-}
-
-impl<R: Scalar> TermBounds<R> {
-    fn new(parameters: &AxisParameters<R::Stored>) -> Self {
-        let output = scalar(RunningAxis::<R>::limits(parameters).magnitude());
-        Self { output, terms: 0, depth: 0, inputs_used: 0, magnitude: R::Built::ZERO }
-    }
-}
-
-/// Upper bound on any intermediate sum of an accepted model.
-const BOUND: f64 = 1e30;
-
-fn larger<R: Real>(a: R, b: R) -> R {
-    if a > b { a } else { b }
+    bounds: TermBounds,
 }

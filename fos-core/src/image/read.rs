@@ -2,6 +2,7 @@
 
 use super::records::Records;
 use super::{CALIBRATED, HEADER_LENGTH, Head, ImageError, Info, MAGIC, VERSION, checksum};
+use crate::check::check_header;
 use crate::evaluator::ModelHeader;
 use crate::{
     AxisParameters, Calibration, Evaluator, FittedOn, Input, ModelError, Predictor, Quantity, Scalar,
@@ -217,10 +218,7 @@ impl<'a> Image<'a> {
         R: Scalar,
     {
         let loaded = self.fill(evaluator);
-        if loaded.is_err() {
-            evaluator.clear();
-        }
-        loaded.map_err(ImageError::Model)
+        evaluator.settle(loaded).map_err(ImageError::Model)
     }
 
     // a separate function, so that its stack frame and that of the parsing do not add up
@@ -232,6 +230,7 @@ impl<'a> Image<'a> {
     where
         R: Scalar,
     {
+        check_header(self.head.period_s, usize::from(self.head.n_axes))?;
         evaluator.begin(ModelHeader {
             period_s: self.head.period_s,
             n_quantities: usize::from(self.head.n_quantities),
@@ -246,12 +245,14 @@ impl<'a> Image<'a> {
         records.skip::<Quantity>(self.head.n_quantities);
         for _ in 0..self.head.n_inputs {
             let input: Input<f32> = records.take();
+            evaluator.check_input(&input)?;
             evaluator.add_input(&input.convert())?;
         }
         for _ in 0..self.head.n_axes {
             let axis = axis(&mut records);
             let convert = |term: Term<f32>| term.convert();
-            evaluator.add_axis(
+            evaluator.add_axis::<true>(
+                &axis.parameters,
                 &axis.parameters.convert(),
                 axis.physical.map(convert),
                 axis.stochastic.map(convert),

@@ -1,11 +1,11 @@
 //! Loads a model into the hub: maps its axes and quantities to those of the sensor.
 
 use fos_core::{
-    AxisParameters, Calibration, FittedOn, Image, Model, PoseGate, Quantity, Scalar, StillnessDetector,
-    StillnessLimits,
+    AxisParameters, Calibration, CheckedModel, Evaluator, FittedOn, Image, Model, ModelError, PoseGate,
+    Quantity, Scalar, StillnessDetector, StillnessLimits,
 };
 
-use super::axes::{Gate, channel_of};
+use super::axes::{AXES, Gate, channel_of};
 use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
 use super::{Hub, HubError, Output};
@@ -42,14 +42,26 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.settle(loaded)
     }
 
-    /// Loads a compiled-in model, as written by `fos export --rust`; otherwise the same as [`load`](Self::load).
+    /// Loads a model that is not an image; otherwise the same as [`load`](Self::load).
     ///
     /// # Errors
     ///
     /// The model is invalid, too large, or not for this sensor. The hub then has no model, as after [`load`](Self::load).
     pub fn load_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
         self.unload();
-        let loaded = self.take_model(model);
+        let loaded = self.take_model(model, |evaluator| evaluator.load(model));
+        self.settle(loaded)
+    }
+
+    /// Loads a compiled-in model, as written by `fos export --rust`: the compiler has checked it. Otherwise the same as
+    /// [`load`](Self::load).
+    ///
+    /// # Errors
+    ///
+    /// The model is too large, or not for this sensor. The hub then has no model, as after [`load`](Self::load).
+    pub fn load_checked(&mut self, model: &CheckedModel<'_>) -> Result<(), HubError> {
+        self.unload();
+        let loaded = self.take_model(model.model(), |evaluator| evaluator.load_checked(model));
         self.settle(loaded)
     }
 
@@ -95,9 +107,13 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.connect(image.period_s(), axes, image.quantities(), image.stillness())
     }
 
-    fn take_model(&mut self, model: &Model<'_, f32>) -> Result<(), HubError> {
+    fn take_model(
+        &mut self,
+        model: &Model<'_, f32>,
+        load: impl FnOnce(&mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> Result<(), ModelError>,
+    ) -> Result<(), HubError> {
         self.check_fitted_on(model.fitted_on)?;
-        self.evaluator.load(model).map_err(|error| HubError::Image(error.into()))?;
+        load(&mut self.evaluator).map_err(|error| HubError::Image(error.into()))?;
         self.take_calibration(|| model.calibration)?;
         let axes = model.axes.iter().map(|axis| axis.parameters);
         self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)

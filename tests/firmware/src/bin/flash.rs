@@ -3,7 +3,7 @@
 //!
 //! - `flash-hub`: decodes a stored model, then corrects, sample by sample.
 //! - `flash-fixed`: the same in fixed point.
-//! - `flash-compiled-in`: the model is compiled in, and nothing is decoded.
+//! - `flash-compiled-in`: the model is compiled in: nothing is decoded, and nothing is checked that the compiler has checked.
 //!
 //! For the target; on the host it does nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -12,7 +12,10 @@
 mod firmware {
     use core::hint::black_box;
 
-    use fos_core::{FittedOn, Fixed, Model, Scalar};
+    use fos_core::{
+        Axis, AxisModel, AxisParameters, CheckedModel, FittedOn, Fixed, InnovationStatistics, Model, Range,
+        Scalar,
+    };
     use fos_embedded::hub::{Hub, HubError};
     use fos_embedded::raw::{RawSample, Scales};
 
@@ -41,15 +44,34 @@ mod firmware {
         }
     }
 
-    static MODEL: Model<'static, f32> = Model {
+    static AXES: [AxisModel<'static, f32>; 1] = [AxisModel {
+        parameters: AxisParameters {
+            axis: Axis::Gz,
+            reference: 0.0,
+            offset: 0.01,
+            scale: 0.002,
+            constant: 0.0,
+            range: Range::new(-4.0, 4.0),
+            physical_range: Range::new(0.0, 0.0),
+            full_scale: 4.36,
+            stuck_after_repeats: 50,
+            gap_limit_samples: 20,
+            coast_limit_s: 10.0,
+            innovation: InnovationStatistics { mean: 0.0, variance: 0.2, lag_1_correlation: 0.0 },
+        },
+        physical: &[],
+        stochastic: &[],
+    }];
+
+    static MODEL: CheckedModel<'static> = CheckedModel::new(Model {
         period_s: 0.005,
         fitted_on: FittedOn::Raw,
         stillness: None,
         calibration: None,
         quantities: &[],
         inputs: &[],
-        axes: &[],
-    };
+        axes: &AXES,
+    });
 
     #[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
     #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
@@ -59,7 +81,7 @@ mod firmware {
         } else if cfg!(feature = "flash-fixed") {
             with_hub::<Fixed>(|hub| hub.load(black_box(&[0; 64])))
         } else if cfg!(feature = "flash-compiled-in") {
-            with_hub::<f32>(|hub| hub.load_model(black_box(&MODEL)))
+            with_hub::<f32>(|hub| hub.load_checked(black_box(&MODEL)))
         } else {
             loop {
                 black_box(([0.0_f32; 6], [0.0_f32; 2], true));
