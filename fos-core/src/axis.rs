@@ -4,7 +4,7 @@ use core::hint::cold_path;
 
 use crate::exponential::exp_m1;
 use crate::model::AxisParameters;
-use crate::program::Part;
+use crate::program::{Part, Uses};
 use crate::real::scalar;
 use crate::{Range, Real, Scalar, Validity};
 
@@ -97,12 +97,11 @@ pub(crate) struct RunningAxis<R: Scalar> {
     corrected: R,
 }
 
-/// The compiled terms of an axis, the inputs they use and their longest lag.
+/// The compiled terms of an axis.
 pub(crate) struct AxisProgram<R> {
     pub(crate) physical: Part<R>,
     pub(crate) stochastic: Part<R>,
-    pub(crate) inputs_used: u32,
-    pub(crate) depth: u16,
+    pub(crate) uses: Uses,
 }
 
 impl<R: Scalar> RunningAxis<R> {
@@ -120,8 +119,8 @@ impl<R: Scalar> RunningAxis<R> {
         Self {
             physical: program.physical,
             stochastic: program.stochastic,
-            inputs_used: program.inputs_used,
-            depth: program.depth,
+            inputs_used: program.uses.inputs,
+            depth: program.uses.depth,
             reference: R::of(parameters.reference),
             offset: R::of(parameters.offset),
             scale: R::gain(scale.to_f64()),

@@ -8,8 +8,8 @@ use crate::input::INPUT_MARGIN;
 use crate::model::PHYSICAL_MARGIN;
 use crate::program::DEGREES;
 use crate::{
-    AxisModel, AxisParameters, Calibration, Channel, Input, MAX_DEGREE, Model, ModelError, Range, Source,
-    StillnessLimits, Term, Transform, TriadCalibration,
+    AxisModel, AxisParameters, Calibration, Channel, Input, Model, ModelError, Range, Source,
+    StillnessLimits, Transform, TriadCalibration,
 };
 
 /// Largest magnitude of a scaled quantity. Its square, which the windowed variance computes, stays far from overflow
@@ -165,12 +165,18 @@ const fn check_axis(
     let mut term = 0;
     while term < n_physical + model.stochastic.len() {
         let is_physical = term < n_physical;
-        let (coefficient, series) = if is_physical {
-            model.physical[term].series(inputs)
-        } else {
-            model.stochastic[term - n_physical].series(inputs)
-        };
-        if let Err(error) = bounds.add(term, coefficient, is_physical, series) {
+        let checked = if is_physical { &model.physical[term] } else { &model.stochastic[term - n_physical] };
+        if let Err(error) = bounds.begin(term, checked.coefficient, is_physical) {
+            return Err(error);
+        }
+        let mut factor = 0;
+        while factor < checked.degree() {
+            if let Err(error) = bounds.factor(series(checked.factor(factor).channel, inputs)) {
+                return Err(error);
+            }
+            factor += 1;
+        }
+        if let Err(error) = bounds.end() {
             return Err(error);
         }
         term += 1;
@@ -178,24 +184,15 @@ const fn check_axis(
     bounds.check(&model.parameters, limit)
 }
 
-impl Term<f32> {
-    /// Coefficient, and the series of each factor.
-    const fn series(&self, inputs: &[Input<f32>]) -> (f32, [Series; MAX_DEGREE]) {
-        let mut series = [Series::None; MAX_DEGREE];
-        let mut factor = 0;
-        while factor < self.degree() {
-            series[factor] = match self.factor(factor).channel {
-                Channel::Output => Series::Output,
-                Channel::Input(input) if (input as usize) < inputs.len() => {
-                    let Input { range, source, .. } = inputs[input as usize];
-                    let is_remainder = matches!(source, Source::Remainder(_));
-                    Series::Input { magnitude: magnitude(widened(range, INPUT_MARGIN as f32)), is_remainder }
-                }
-                Channel::Input(_) => Series::Unknown,
-            };
-            factor += 1;
+const fn series(channel: Channel, inputs: &[Input<f32>]) -> Series {
+    match channel {
+        Channel::Output => Series::Output,
+        Channel::Input(input) if (input as usize) < inputs.len() => {
+            let Input { range, source, .. } = inputs[input as usize];
+            let magnitude = magnitude(widened(range, INPUT_MARGIN as f32));
+            Series::Input { magnitude, is_remainder: matches!(source, Source::Remainder(_)) }
         }
-        (self.coefficient, series)
+        Channel::Input(_) => Series::Unknown,
     }
 }
 
@@ -289,10 +286,7 @@ impl AxisParameters<f32> {
 }
 
 /// Series that a factor delays.
-#[derive(Clone, Copy)]
 pub(crate) enum Series {
-    /// No factor.
-    None,
     Output,
     Input {
         /// Largest magnitude.
@@ -310,47 +304,56 @@ pub(crate) struct TermBounds {
     output: f32,
     /// Largest sum of the magnitudes of the terms, with inputs and remainder within their limits.
     sum: f32,
+    /// The term whose factors are added: its index, part, magnitude and degree.
+    term: usize,
+    is_physical: bool,
+    magnitude: f32,
+    degree: usize,
 }
 
 impl TermBounds {
     pub(crate) const fn new(axis: usize, parameters: &AxisParameters<f32>) -> Self {
-        Self { axis, output: magnitude(widened(parameters.range, RANGE_MARGIN as f32)), sum: 0.0 }
+        let output = magnitude(widened(parameters.range, RANGE_MARGIN as f32));
+        Self { axis, output, sum: 0.0, term: 0, is_physical: false, magnitude: 0.0, degree: 0 }
     }
 
-    /// Checks a term and adds it to the bounds.
-    pub(crate) const fn add(
+    /// Begins a term; add its factors next.
+    pub(crate) const fn begin(
         &mut self,
         term: usize,
         coefficient: f32,
         is_physical: bool,
-        series: [Series; MAX_DEGREE],
     ) -> Result<(), ModelError> {
-        let axis = self.axis;
-        if !coefficient.is_finite() {
-            return Err(ModelError::CoefficientNotFinite { axis, term });
+        (self.term, self.is_physical, self.magnitude, self.degree) =
+            (term, is_physical, coefficient.abs(), 0);
+        if coefficient.is_finite() {
+            Ok(())
+        } else {
+            Err(ModelError::CoefficientNotFinite { axis: self.axis, term })
         }
-        let mut product = coefficient.abs();
-        let (mut factor, mut degree) = (0, 0);
-        while factor < MAX_DEGREE {
-            let (magnitude, is_output) = match series[factor] {
-                Series::None => (1.0, false),
-                Series::Output => (self.output, true),
-                Series::Input { magnitude, is_remainder } => (magnitude, is_remainder),
-                Series::Unknown => return Err(ModelError::UnknownInput { axis, term }),
-            };
-            if is_physical && is_output {
-                return Err(ModelError::OutputInPhysicalPart { axis, term });
-            }
-            if !matches!(series[factor], Series::None) {
-                degree += 1;
-            }
-            product *= larger(magnitude, 1.0);
-            factor += 1;
+    }
+
+    pub(crate) const fn factor(&mut self, series: Series) -> Result<(), ModelError> {
+        let (axis, term) = (self.axis, self.term);
+        let (magnitude, is_output) = match series {
+            Series::Output => (self.output, true),
+            Series::Input { magnitude, is_remainder } => (magnitude, is_remainder),
+            Series::Unknown => return Err(ModelError::UnknownInput { axis, term }),
+        };
+        if self.is_physical && is_output {
+            return Err(ModelError::OutputInPhysicalPart { axis, term });
         }
-        if degree > DEGREES {
-            return Err(ModelError::ProductNotBuilt { axis, term });
+        self.magnitude *= larger(magnitude, 1.0);
+        self.degree += 1;
+        Ok(())
+    }
+
+    /// Ends a term.
+    pub(crate) const fn end(&mut self) -> Result<(), ModelError> {
+        self.sum += self.magnitude;
+        if self.degree > DEGREES {
+            return Err(ModelError::ProductNotBuilt { axis: self.axis, term: self.term });
         }
-        self.sum += product;
         Ok(())
     }
 

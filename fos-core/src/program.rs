@@ -68,6 +68,26 @@ pub(crate) struct Program<R, const TERMS: usize> {
     thirds: Thirds<TERMS>,
 }
 
+/// Inputs and lags that the terms of an axis use.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Uses {
+    /// Bit i is set if a term uses input i.
+    pub(crate) inputs: u32,
+    /// Longest lag, samples.
+    pub(crate) depth: u16,
+}
+
+impl Uses {
+    pub(crate) const NOTHING: Self = Self { inputs: 0, depth: 0 };
+
+    fn add(&mut self, factor: Factor) {
+        self.depth = self.depth.max(factor.lag);
+        if let Channel::Input(input) = factor.channel {
+            self.inputs |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
+        }
+    }
+}
+
 /// Layout of a sample in the history: inputs first, then the remainders of the axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Layout {
@@ -110,9 +130,11 @@ impl<R: Scalar, const TERMS: usize> Program<R, TERMS> {
         term: &Term<R::Stored>,
         axis: usize,
         layout: Layout,
+        uses: &mut Uses,
     ) -> Result<(), ModelError> {
         let mut places = [0; MAX_DEGREE];
         for (place, factor) in places.iter_mut().zip(term.factors()) {
+            uses.add(*factor);
             let needed = layout.back(axis, *factor);
             let found = Window::<R, N>::place(needed);
             *place = found.ok_or(ModelError::LagTooDeep { axis, needed, capacity: N })?;

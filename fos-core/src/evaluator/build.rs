@@ -8,7 +8,7 @@ use crate::axis::{AxisProgram, RunningAxis};
 use crate::check::{Series, TermBounds, check_header};
 use crate::input::RunningInput;
 use crate::model::AxisParameters;
-use crate::program::{DEGREES, Layout, Part};
+use crate::program::{DEGREES, Layout, Part, Uses};
 use crate::real::scalar;
 use crate::{AxisModel, Channel, CheckedModel, Input, MAX_DEGREE, Model, ModelError, Scalar, Term};
 
@@ -120,14 +120,13 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         if CHECK {
             in_f32.check(axis)?;
         }
-        let mut terms = AxisTerms { n: 0, depth: 0, inputs_used: 0, bounds: TermBounds::new(axis, in_f32) };
-        let physical = self.add_part::<CHECK>(R::ZERO, physical, true, &mut terms)?;
-        let stochastic = self.add_part::<CHECK>(R::of(parameters.constant), stochastic, false, &mut terms)?;
-        let AxisTerms { depth, inputs_used, bounds, .. } = terms;
+        let mut added = Added { terms: 0, uses: Uses::NOTHING, bounds: TermBounds::new(axis, in_f32) };
+        let physical = self.add_part::<CHECK>(R::ZERO, physical, true, &mut added)?;
+        let stochastic = self.add_part::<CHECK>(R::of(parameters.constant), stochastic, false, &mut added)?;
         if CHECK {
-            bounds.check(in_f32, R::LIMIT)?;
+            added.bounds.check(in_f32, R::LIMIT)?;
         }
-        self.push_axis(parameters, AxisProgram { physical, stochastic, inputs_used, depth })
+        self.push_axis(parameters, AxisProgram { physical, stochastic, uses: added.uses })
     }
 
     // a separate function, so that its stack frame and that of the terms do not add up
@@ -156,54 +155,57 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         start: R,
         terms: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
         is_physical: bool,
-        added: &mut AxisTerms,
+        added: &mut Added,
     ) -> Result<Part<R>, ModelError> {
         let axis = self.axes.len();
         let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
         let mut part = self.program.part(start);
-        let first = added.n;
+        let first = added.terms;
         // the check rejects degrees that are not built
         for degree in 1..=if CHECK { MAX_DEGREE } else { DEGREES } {
-            for (term, index) in terms.clone().zip(first..) {
+            let mut index = first;
+            for term in terms.clone() {
                 let term = term.borrow();
-                if term.factors().len() != degree {
-                    continue;
-                }
-                if CHECK {
-                    let mut series = [Series::None; MAX_DEGREE];
-                    for (series, factor) in series.iter_mut().zip(term.factors()) {
-                        *series = self.series(factor.channel);
+                if term.factors().len() == degree {
+                    if CHECK {
+                        self.check_term(term, index, is_physical, &mut added.bounds)?;
                     }
-                    added.bounds.add(index, scalar(term.coefficient), is_physical, series)?;
+                    self.program.push::<HISTORY>(&mut part, term, axis, layout, &mut added.uses)?;
+                    added.terms += 1;
                 }
-                for factor in term.factors() {
-                    added.depth = added.depth.max(factor.lag);
-                    if let Channel::Input(input) = factor.channel {
-                        added.inputs_used |= 1_u32.checked_shl(u32::from(input)).unwrap_or(0);
-                    }
-                }
-                self.program.push::<HISTORY>(&mut part, term, axis, layout)?;
-                added.n += 1;
+                index += 1;
             }
         }
         Ok(part)
     }
 
-    fn series(&self, channel: Channel) -> Series {
-        let Channel::Input(input) = channel else { return Series::Output };
-        self.inputs.get(usize::from(input)).map_or(Series::Unknown, |input| Series::Input {
-            magnitude: scalar(input.magnitude().stored()),
-            is_remainder: input.is_of_remainder(),
-        })
+    fn check_term(
+        &self,
+        term: &Term<R::Stored>,
+        index: usize,
+        is_physical: bool,
+        bounds: &mut TermBounds,
+    ) -> Result<(), ModelError> {
+        bounds.begin(index, scalar(term.coefficient), is_physical)?;
+        for factor in term.factors() {
+            bounds.factor(match factor.channel {
+                Channel::Output => Series::Output,
+                Channel::Input(input) => match self.inputs.get(usize::from(input)) {
+                    Some(input) => Series::Input {
+                        magnitude: scalar(input.magnitude().stored()),
+                        is_remainder: input.is_of_remainder(),
+                    },
+                    None => Series::Unknown,
+                },
+            })?;
+        }
+        bounds.end()
     }
 }
 
-/// The terms of an axis up to now, physical part first.
-struct AxisTerms {
-    n: usize,
-    /// Longest lag, samples.
-    depth: u16,
-    /// Bit i is set if a term uses input i.
-    inputs_used: u32,
+/// The terms of an axis that were added.
+struct Added {
+    terms: usize,
+    uses: Uses,
     bounds: TermBounds,
 }
