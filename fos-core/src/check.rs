@@ -165,8 +165,9 @@ const fn check_axis(
     let mut term = 0;
     while term < n_physical + model.stochastic.len() {
         let is_physical = term < n_physical;
-        let checked = if is_physical { &model.physical[term] } else { &model.stochastic[term - n_physical] };
-        if let Err(error) = bounds.begin(term, checked.coefficient, is_physical) {
+        let index = if is_physical { term } else { term - n_physical };
+        let checked = if is_physical { &model.physical[index] } else { &model.stochastic[index] };
+        if let Err(error) = bounds.begin(index, checked.coefficient, is_physical) {
             return Err(error);
         }
         let mut factor = 0;
@@ -304,6 +305,8 @@ pub(crate) struct TermBounds {
     output: f32,
     /// Largest sum of the magnitudes of the terms, with inputs and remainder within their limits.
     sum: f32,
+    /// Terms of the physical part.
+    n_physical: usize,
     /// The term whose factors are added: its index, part, magnitude and degree.
     term: usize,
     is_physical: bool,
@@ -314,16 +317,18 @@ pub(crate) struct TermBounds {
 impl TermBounds {
     pub(crate) const fn new(axis: usize, parameters: &AxisParameters<f32>) -> Self {
         let output = magnitude(widened(parameters.range, RANGE_MARGIN as f32));
-        Self { axis, output, sum: 0.0, term: 0, is_physical: false, magnitude: 0.0, degree: 0 }
+        Self { axis, output, sum: 0.0, n_physical: 0, term: 0, is_physical: false, magnitude: 0.0, degree: 0 }
     }
 
-    /// Begins a term; add its factors next.
+    /// Begins a term, by its index in its part; add its factors next. The terms of the physical part come first.
     pub(crate) const fn begin(
         &mut self,
-        term: usize,
+        index: usize,
         coefficient: f32,
         is_physical: bool,
     ) -> Result<(), ModelError> {
+        let term = if is_physical { index } else { self.n_physical + index };
+        self.n_physical += is_physical as usize;
         (self.term, self.is_physical, self.magnitude, self.degree) =
             (term, is_physical, coefficient.abs(), 0);
         if coefficient.is_finite() {

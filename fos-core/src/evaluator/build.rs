@@ -55,8 +55,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             limits.convert::<f32>().check()?;
         }
         for input in model.inputs {
-            self.check_input(&input.convert())?;
-            self.add_input(input)?;
+            self.add_input::<true>(&input.convert(), input)?;
         }
         for AxisModel { parameters, physical, stochastic } in model.axes {
             let in_f32 = parameters.convert();
@@ -73,7 +72,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         let model = checked.model();
         self.begin(ModelHeader::of(model))?;
         for input in model.inputs {
-            self.add_input(input)?;
+            self.add_input::<false>(input, input)?;
         }
         for AxisModel { parameters, physical, stochastic } in model.axes {
             self.add_axis::<false>(parameters, parameters, physical.iter(), stochastic.iter())?;
@@ -94,15 +93,17 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(())
     }
 
-    /// Checks the next input.
+    /// Adds an input, with `CHECK` after its check, which computes with the input in f32.
     #[inline(never)]
-    pub(crate) fn check_input(&self, input: &Input<f32>) -> Result<(), ModelError> {
-        input.check(self.inputs.len(), self.header.n_quantities, self.header.n_axes, R::LIMIT)
-    }
-
-    /// Adds an input that was checked.
-    #[inline(never)]
-    pub(crate) fn add_input(&mut self, input: &Input<R::Stored>) -> Result<(), ModelError> {
+    pub(crate) fn add_input<const CHECK: bool>(
+        &mut self,
+        in_f32: &Input<f32>,
+        input: &Input<R::Stored>,
+    ) -> Result<(), ModelError> {
+        if CHECK {
+            let ModelHeader { n_quantities, n_axes, .. } = self.header;
+            in_f32.check(self.inputs.len(), n_quantities, n_axes, R::LIMIT)?;
+        }
         let too_many = ModelError::TooManyInputs { found: self.header.n_inputs, capacity: INPUTS };
         self.inputs.push(RunningInput::new(input, self.header.period_s)).map_err(|_| too_many)
     }
@@ -120,13 +121,14 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         if CHECK {
             in_f32.check(axis)?;
         }
-        let mut added = Added { terms: 0, uses: Uses::NOTHING, bounds: TermBounds::new(axis, in_f32) };
-        let physical = self.add_part::<CHECK>(R::ZERO, physical, true, &mut added)?;
-        let stochastic = self.add_part::<CHECK>(R::of(parameters.constant), stochastic, false, &mut added)?;
+        let (mut bounds, mut uses) = (TermBounds::new(axis, in_f32), Uses::NOTHING);
+        let physical = self.add_part::<CHECK>(R::ZERO, physical, true, &mut bounds, &mut uses)?;
+        let start = R::of(parameters.constant);
+        let stochastic = self.add_part::<CHECK>(start, stochastic, false, &mut bounds, &mut uses)?;
         if CHECK {
-            added.bounds.check(in_f32, R::LIMIT)?;
+            bounds.check(in_f32, R::LIMIT)?;
         }
-        self.push_axis(parameters, AxisProgram { physical, stochastic, uses: added.uses })
+        self.push_axis(parameters, AxisProgram { physical, stochastic, uses })
     }
 
     // a separate function, so that its stack frame and that of the terms do not add up
@@ -155,25 +157,22 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         start: R,
         terms: impl Iterator<Item: Borrow<Term<R::Stored>>> + Clone,
         is_physical: bool,
-        added: &mut Added,
+        bounds: &mut TermBounds,
+        uses: &mut Uses,
     ) -> Result<Part<R>, ModelError> {
         let axis = self.axes.len();
         let layout = Layout { n_inputs: self.header.n_inputs, n_axes: self.header.n_axes };
         let mut part = self.program.part(start);
-        let first = added.terms;
         // the check rejects degrees that are not built
         for degree in 1..=if CHECK { MAX_DEGREE } else { DEGREES } {
-            let mut index = first;
-            for term in terms.clone() {
+            for (index, term) in terms.clone().enumerate() {
                 let term = term.borrow();
                 if term.factors().len() == degree {
                     if CHECK {
-                        self.check_term(term, index, is_physical, &mut added.bounds)?;
+                        self.check_term(term, index, is_physical, bounds)?;
                     }
-                    self.program.push::<HISTORY>(&mut part, term, axis, layout, &mut added.uses)?;
-                    added.terms += 1;
+                    self.program.push::<HISTORY>(&mut part, term, axis, layout, uses)?;
                 }
-                index += 1;
             }
         }
         Ok(part)
@@ -201,11 +200,4 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         }
         bounds.end()
     }
-}
-
-/// The terms of an axis that were added.
-struct Added {
-    terms: usize,
-    uses: Uses,
-    bounds: TermBounds,
 }

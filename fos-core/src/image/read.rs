@@ -245,8 +245,7 @@ impl<'a> Image<'a> {
         records.skip::<Quantity>(self.head.n_quantities);
         for _ in 0..self.head.n_inputs {
             let input: Input<f32> = records.take();
-            evaluator.check_input(&input)?;
-            evaluator.add_input(&input.convert())?;
+            evaluator.add_input::<true>(&input, &input.convert())?;
         }
         for _ in 0..self.head.n_axes {
             let axis = axis(&mut records);

@@ -1,5 +1,7 @@
 //! Loads a model into the hub: maps its axes and quantities to those of the sensor.
 
+use core::borrow::Borrow;
+
 use fos_core::{
     AxisParameters, Calibration, CheckedModel, Evaluator, FittedOn, Image, Model, ModelError, PoseGate,
     Quantity, Scalar, StillnessDetector, StillnessLimits,
@@ -115,7 +117,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.check_fitted_on(model.fitted_on)?;
         load(&mut self.evaluator).map_err(|error| HubError::Image(error.into()))?;
         self.take_calibration(|| model.calibration)?;
-        let axes = model.axes.iter().map(|axis| axis.parameters);
+        let axes = model.axes.iter().map(|axis| &axis.parameters);
         self.connect(model.period_s, axes, model.quantities.iter().copied(), model.stillness)
     }
 
@@ -146,7 +148,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     fn connect(
         &mut self,
         model: f64,
-        axes: impl Iterator<Item = AxisParameters<f32>>,
+        axes: impl Iterator<Item: Borrow<AxisParameters<f32>>>,
         quantities: impl Iterator<Item = Quantity>,
         stillness: Option<StillnessLimits<f32>>,
     ) -> Result<(), HubError> {
@@ -156,8 +158,9 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         }
         self.model_rate_hz = 1.0 / model as f32;
         for (index, parameters) in axes.enumerate() {
-            self.connect_axis(index, &parameters).ok_or(HubError::Axis(index))?;
-            self.watch.add(&parameters, model);
+            let parameters = parameters.borrow();
+            self.connect_axis(index, parameters).ok_or(HubError::Axis(index))?;
+            self.watch.add(parameters, model);
         }
         self.in_pose = self.gates.is_empty();
         self.gravity = self.gates.is_full().then_some(Gravity::NEW);
