@@ -86,21 +86,13 @@ impl<'a> CheckedModel<'a> {
     /// At compile time, in a constant: if the model is invalid. [`Evaluator::load`](crate::Evaluator::load) of the same
     /// model returns the reason.
     pub const fn new(model: Model<'a, f32>) -> Self {
-        match Self::try_new(model) {
-            Ok(checked) => checked,
-            Err(_) => panic!("the model is invalid; Evaluator::load returns the reason"),
-        }
-    }
-
-    /// Checks a model.
-    ///
-    /// # Errors
-    ///
-    /// The first fault of the model. The capacities of a device are checked when it loads the model.
-    pub const fn try_new(model: Model<'a, f32>) -> Result<Self, ModelError> {
         match check(&model, f32::INFINITY) {
-            Ok(()) => Ok(Self { model, in_fixed_point: check(&model, FIXED_LIMIT) }),
-            Err(error) => Err(error),
+            Ok(()) => Self { model, in_fixed_point: check(&model, FIXED_LIMIT) },
+            Err(ModelError::TransformNotBuilt { .. }) => {
+                panic!("an input has a transform: feature `transforms`")
+            }
+            Err(ModelError::ProductNotBuilt { .. }) => panic!("a term is a product: feature `products`"),
+            Err(_) => panic!("the model is invalid; Evaluator::load returns the reason"),
         }
     }
 

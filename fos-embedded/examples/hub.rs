@@ -6,7 +6,7 @@
 //! cargo run -p fos-embedded --example hub --target riscv32imafc-unknown-none-elf  # and on RISC-V
 //! ```
 //!
-//! The model is compiled in, in the form that `fos export --rust` writes. A model image, from flash or over the air, is
+//! The model is compiled in, in the form that `fos export --rust` writes, and the compiler checks it. A model image, from flash or over the air, is
 //! loaded with [`Hub::load`].
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -16,8 +16,8 @@ mod board;
 #[cfg(target_os = "none")]
 use board::println;
 use fos_core::{
-    Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Input, Model, Quantity, Range, Source,
-    StillnessLimits, Term, Transform, u,
+    Axis, AxisModel, AxisParameters, CheckedModel, FittedOn, InnovationStatistics, Input, Model, Quantity,
+    Range, Source, StillnessLimits, Term, Transform, u,
 };
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::{RawSample, Scales};
@@ -66,7 +66,7 @@ static TEMPERATURE: Input<f32> = Input {
     range: Range::new(-2.0, 2.0),
 };
 
-static MODEL: Model<'_, f32> = Model {
+static MODEL: CheckedModel<'_> = CheckedModel::new(Model {
     period_s: 0.005,
     fitted_on: FittedOn::Raw,
     stillness: Some(StillnessLimits {
@@ -80,7 +80,7 @@ static MODEL: Model<'_, f32> = Model {
     quantities: &[Quantity::Temperature],
     inputs: &[TEMPERATURE],
     axes: &[GYRO_Z],
-};
+});
 
 /// A sample at rest or during a rotation about z, while the sensor warms from 25 °C to 35 °C in 20 s.
 fn sample(n: u16, rate_rads: f32) -> RawSample {
@@ -96,7 +96,7 @@ fn sample(n: u16, rate_rads: f32) -> RawSample {
 fn run() {
     // room for 1 input, 1 term, 4 values of history; may be a `static`
     let mut hub: Hub<1, 1, 4> = Hub::new(SCALES);
-    hub.load_model(&MODEL).expect("it has the room, and is of this sensor");
+    hub.load_checked(&MODEL).expect("it has the room, and is of this sensor");
     let (mut measured, mut corrected) = (0.0_f32, 0.0_f32);
     for n in 0..4000 {
         let rate_rads = if n < 2000 { 0.0 } else { 0.5 };

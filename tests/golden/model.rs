@@ -1,7 +1,7 @@
 // host-fit, a model for tests
 #[allow(unused_imports)]
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Calibration, FittedOn, InnovationStatistics, Input, Model,
+    Axis, AxisModel, AxisParameters, Calibration, CheckedModel, FittedOn, InnovationStatistics, Input, Model,
     Quantity, Range, Source, StillnessLimits, Term, Transform, TriadCalibration, u, y,
 };
 
@@ -99,8 +99,8 @@ static AXES: [AxisModel<'static, f32>; 2] = [
     },
 ];
 
-/// The fitted model: inputs, terms and scaling of 2 axes.
-pub static MODEL: Model<'static, f32> = Model {
+/// The fitted model: inputs, terms and scaling of 2 axes. The compiler checks it.
+pub static MODEL: CheckedModel<'static> = CheckedModel::new(Model {
     period_s: 0.005,
     fitted_on: FittedOn::Raw,
     stillness: Some(StillnessLimits { window: 100, accel_variance: 0.001, gyro_variance: 1e-5, gyro_at_rest: [0.01, -0.02, 0.0], gyro_deviation: 0.02 }),
@@ -111,7 +111,7 @@ pub static MODEL: Model<'static, f32> = Model {
     quantities: &[Quantity::Temperature, Quantity::Supply, Quantity::Measured(Axis::Az)],
     inputs: &INPUTS,
     axes: &AXES,
-};
+});
 
 // From here on fos-embedded is needed; leave it out where only fos-core is used.
 
@@ -130,7 +130,7 @@ pub type ModelHub = Hub<13, 19, 64>;
 /// Index of the first sample of which one bit deviates; or why the hub does not take the model.
 pub fn check() -> Result<(), CheckError> {
     let mut hub = ModelHub::new(TEST_VECTOR.scales);
-    hub.load_model(&MODEL)?;
+    hub.load_checked(&MODEL)?;
     TEST_VECTOR.run(&mut hub).map_err(CheckError::Deviates)
 }
 

@@ -1,4 +1,4 @@
-//! The model as Rust source: statics in flash, with terms that are checked at compile time.
+//! The model as Rust source: statics in flash, checked at compile time.
 
 use std::fmt::{self, Display, Formatter, Write};
 
@@ -59,7 +59,7 @@ impl Display for TestItems<'_> {
         )?;
         writeln!(f, "pub fn check() -> Result<(), CheckError> {{")?;
         writeln!(f, "    let mut hub = ModelHub::new(TEST_VECTOR.scales);")?;
-        writeln!(f, "    hub.load_model(&MODEL)?;")?;
+        writeln!(f, "    hub.load_checked(&MODEL)?;")?;
         writeln!(f, "    TEST_VECTOR.run(&mut hub).map_err(CheckError::Deviates)")?;
         writeln!(f, "}}\n")?;
         writeln!(f, "#[cfg(test)]\n#[test]")?;
@@ -123,7 +123,7 @@ impl Display for Items<'_> {
         writeln!(f, "use fos_core::{{")?;
         writeln!(
             f,
-            "    Axis, AxisModel, AxisParameters, Calibration, FittedOn, InnovationStatistics, Input, Model,"
+            "    Axis, AxisModel, AxisParameters, Calibration, CheckedModel, FittedOn, InnovationStatistics, Input, Model,"
         )?;
         writeln!(
             f,
@@ -144,8 +144,12 @@ impl Display for Items<'_> {
             write_axis(f, index, axis)?;
         }
         writeln!(f, "];\n")?;
-        writeln!(f, "/// The fitted model: inputs, terms and scaling of {} axes.", model.axes.len())?;
-        writeln!(f, "pub static MODEL: Model<'static, f32> = Model {{")?;
+        writeln!(
+            f,
+            "/// The fitted model: inputs, terms and scaling of {} axes. The compiler checks it.",
+            model.axes.len()
+        )?;
+        writeln!(f, "pub static MODEL: CheckedModel<'static> = CheckedModel::new(Model {{")?;
         writeln!(f, "    period_s: {:?},", model.period_s)?;
         writeln!(f, "    fitted_on: FittedOn::{:?},", model.fitted_on)?;
         match &model.stillness {
@@ -159,7 +163,7 @@ impl Display for Items<'_> {
         writeln!(f, "    quantities: &[{}],", List(model.quantities.iter().map(quantity)))?;
         writeln!(f, "    inputs: &INPUTS,")?;
         writeln!(f, "    axes: &AXES,")?;
-        writeln!(f, "}};")
+        writeln!(f, "}});")
     }
 }
 

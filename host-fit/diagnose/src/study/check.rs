@@ -100,7 +100,7 @@ fn check_model(model: &UnitModel) -> Result<(), String> {
     }
     // last, because it needs ranges that were checked
     match model.device_calibration() {
-        Some(calibration) => calibration.check().map_err(|error| error.to_string()),
+        Some(calibration) => calibration.convert::<f32>().check().map_err(|error| error.to_string()),
         None => Ok(()),
     }
 }

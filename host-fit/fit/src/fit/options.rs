@@ -217,7 +217,7 @@ impl FromStr for InputSpec {
                 ));
             }
         };
-        if !transform.is_valid() {
+        if !transform.convert::<f32>().is_valid() {
             return Err(format!("{text:?}: the parameter must be positive"));
         }
         let is_clock = column == "clock";

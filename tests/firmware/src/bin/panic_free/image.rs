@@ -19,6 +19,12 @@ use fos_embedded::test_log::{
 };
 use fos_embedded::test_vector::TestVector;
 
+/// A model as `fos export --rust` writes it.
+#[allow(dead_code, unreachable_pub, reason = "only the model is used")]
+mod exported {
+    include!("../../../../golden/model.rs");
+}
+
 type Device = Predictor<f32, 6, 16, 128, 256>;
 
 unsafe extern "C" {
@@ -258,6 +264,7 @@ fn hub<R: Scalar<Stored = f32>>(bytes: &[u8], scales: Scales) -> Hub<16, 128, 25
     black_box(hub.load(bytes).is_ok());
     with_model(|model| {
         black_box(hub.load_model(model).is_ok());
+        black_box(hub.load_checked(black_box(&exported::MODEL)).is_ok());
     });
     black_box(hub.give(black_box(Quantity::Supply), black_box(1.0)));
     black_box(hub.give_application(black_box(1), black_box(1.0)));
