@@ -131,8 +131,6 @@ pub struct StillnessDetector<R: Scalar> {
     filled: u16,
     quiet_windows: u8,
     still: bool,
-    /// Largest squared distance of a sample from the origin of the window: accelerometers, gyros.
-    jump: [R::Sum; 2],
 }
 
 impl<R: Scalar> StillnessDetector<R> {
@@ -150,7 +148,6 @@ impl<R: Scalar> StillnessDetector<R> {
             filled: 0,
             quiet_windows: 0,
             still: false,
-            jump: [R::LARGEST_SUM; 2],
         })
     }
 
@@ -173,7 +170,7 @@ impl<R: Scalar> StillnessDetector<R> {
             self.begin_window(accel, gyro);
         }
         let (accel, gyro) = (self.accel.deviation(accel), self.gyro.deviation(gyro));
-        let [accel_limit, gyro_limit] = self.jump;
+        let [accel_limit, gyro_limit] = if self.still { self.limits.jump } else { [R::LARGEST_SUM; 2] };
         // false for values that are not finite
         if !(accel.1 <= accel_limit && gyro.1 <= gyro_limit) {
             return self.disturbed();
@@ -188,18 +185,15 @@ impl<R: Scalar> StillnessDetector<R> {
         self.still
     }
 
-    /// Sets the origin of a window: the mean of the previous one while the device is still, and then a sample too far from
-    /// it ends stillness; otherwise the first sample, without such a limit.
+    /// Sets the origin of a window: the mean of the previous one while the device is still, otherwise the first sample.
     #[inline(never)]
     fn begin_window(&mut self, accel: [R; 3], gyro: [R; 3]) {
         if self.still {
             self.accel.begin(self.accel.mean);
             self.gyro.begin(self.gyro.mean);
-            self.jump = self.limits.jump;
         } else {
             self.accel.begin(accel);
             self.gyro.begin(gyro);
-            self.jump = [R::LARGEST_SUM; 2];
         }
     }
 
