@@ -1,7 +1,9 @@
 //! A hub in fixed point compared with one in f32.
 
 use crate::models::{self, MADE, Made, Random, SCALES, SPREAD, TestHub, image, limits};
-use fos_core::{Axis, AxisModel, FittedOn, Fixed, Input, Model, ModelError, Quantity, Scalar, Validity};
+use fos_core::{
+    Axis, AxisModel, CheckedModel, FittedOn, Fixed, Input, Model, ModelError, Quantity, Scalar, Validity,
+};
 use fos_embedded::hub::{AXES, Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use fos_embedded::telemetry::Snapshot;
@@ -185,6 +187,34 @@ fn rejected_model_leaves_the_hub_without_a_model() {
     assert_eq!(TestHub::new(SCALES).load_model(&model(&pressure, &axes)), Ok(()), "f32 has it");
     let output = hub.update(&Random(1).at_rest());
     assert!(output.validity().iter().all(|validity| *validity == Validity::NOT_MODELLED));
+}
+
+#[test]
+fn checked_model_runs_to_the_bits_of_the_same_model() {
+    fn agrees<R: Scalar<Stored = f32>>(model: &Model<'_, f32>) {
+        let (mut checked, mut other): (Hub<8, 64, 128, R>, Hub<8, 64, 128, R>) =
+            (Hub::new(SCALES), Hub::new(SCALES));
+        assert_eq!(checked.load_checked(&CheckedModel::new(*model)), other.load_model(model));
+        let mut random = Random(11);
+        for _ in 0..2000 {
+            let raw = random.at_rest();
+            let (a, b) = (checked.update(&raw), other.update(&raw));
+            assert_eq!(a.corrected().map(f32::to_bits), b.corrected().map(f32::to_bits));
+            assert_eq!(a.validity(), b.validity());
+        }
+    }
+    let [temperature, supply] = models::inputs();
+    let axes = models::SIX.map(|axis| AxisModel {
+        parameters: models::parameters(axis),
+        physical: &models::PHYSICAL,
+        stochastic: &models::STOCHASTIC,
+    });
+    // in hPa it exceeds the range of fixed point
+    for supply in [supply, Input { centre: 1013.0, ..supply }] {
+        let inputs = [temperature, supply];
+        agrees::<f32>(&model(&inputs, &axes));
+        agrees::<Fixed>(&model(&inputs, &axes));
+    }
 }
 
 fn model<'a>(inputs: &'a [Input<f32>], axes: &'a [AxisModel<'a, f32>]) -> Model<'a, f32> {
