@@ -190,7 +190,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[inline(never)]
     fn connect_axis(&mut self, index: usize, parameters: &AxisParameters<f32>) -> Option<()> {
         let channel = channel_of(parameters.axis)?;
-        // not `contains`, which compares eight at a time with much code
+        #[expect(clippy::manual_contains, reason = "`contains` compares eight at a time with much code")]
         if self.axes.iter().any(|modelled| *modelled == channel) {
             return None;
         }
