@@ -96,6 +96,11 @@ impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
         let ([first, second], []) = frame.as_chunks::<{ FRAME / 2 }>() else { return };
         let ([ax, ay, az, gx], [gy, gz, temperature, stamp]) = (words(first), words(second));
         let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
+        if [[0, 0], [-1, -1]].contains(&[temperature, stamp]) {
+            // nobody drove the line until the end of the frame
+            batch.tear();
+            return;
+        }
         if ax == NO_ACCEL || gx == NO_GYRO || (accel == [NOTHING; 3] && gyro == [NOTHING; 3]) {
             if self.started {
                 batch.tear();

@@ -275,8 +275,11 @@ impl Assembler {
                 let [code, ..] = axes;
                 (self.temperature, self.temperature_age) = (Some(code), 0);
             }
-            // no other tags are batched; an empty FIFO holds less than its level states
-            _ => batch.tear(),
+            // no other tags are batched: the FIFO holds less than its level states, or the word before was cut short
+            _ => {
+                self.discard(batch);
+                batch.tear();
+            }
         }
         self.complete(batch);
     }
@@ -286,10 +289,16 @@ impl Assembler {
         if self.slot.counter == Some(counter) && !has(&self.slot) {
             return;
         }
+        self.discard(batch);
+        self.slot = Slot::new(counter);
+    }
+
+    /// Discards the words of an instant that remains incomplete.
+    fn discard(&mut self, batch: &mut Batch) {
         if self.slot.has_data() && self.in_step {
             batch.tear();
         }
-        self.slot = Slot::new(counter);
+        self.slot = Slot::EMPTY;
     }
 
     /// Adds a frame to the batch once it is complete.

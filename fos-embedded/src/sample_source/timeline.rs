@@ -95,6 +95,10 @@ impl Timeline {
         if ticks < 1 {
             return None;
         }
+        // the newest frame of a FIFO may be old if the sensor has stopped since; its clock is never an eighth slow
+        let step_us = (ticks as u64).saturating_mul(clock.period_us());
+        let latest_us = before_us.saturating_add(step_us).saturating_add(step_us / 8);
+        let at_us = if self.stamp.is_some() { at_us.min(latest_us) } else { at_us };
         (self.at_us, self.stamp) = (Some(at_us), Some(stamp));
         Some(u32::try_from(ticks).unwrap_or(u32::MAX))
     }
@@ -174,6 +178,20 @@ mod tests {
         assert_eq!(line.step(&LONG, 235, 1_205_000, false), Some(1));
         line.restart();
         assert_eq!(line.step(&LONG, 5, 0, false), Some(1), "a clock that was set back");
+    }
+
+    #[test]
+    fn samples_of_a_stopped_sensor_are_not_younger_than_its_clock_shows() {
+        for clock in [SHORT, LONG] {
+            let mut line = Timeline::new();
+            for n in 0..15 {
+                // the application reads ten frames, then five that are 25 ms old
+                let at_us = if n < 10 { n * 5000 } else { n * 5000 + 25_000 };
+                assert_eq!(line.step(&clock, stamp(&clock, n, 1.0), at_us, false), Some(1));
+            }
+            line.restart();
+            assert_eq!(line.step(&clock, 0, 200_000, false), Some(26));
+        }
     }
 
     #[test]

@@ -1,7 +1,6 @@
-//! Both parts, simulated at the level of registers and FIFO, with selectable faults.
+//! The parts of fos-parts behind the buses of embedded-hal, which take time.
 
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::rc::Rc;
 
 use embedded_hal::delay::DelayNs;
@@ -9,73 +8,18 @@ use embedded_hal::i2c::{self, I2c};
 use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::Blocking;
 use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
+use fos_parts::{Codes, Fault, Part};
 
-/// Sample period of the sensor by its own clock, µs.
-pub(crate) const PERIOD_US: f64 = 5000.0;
+/// I2C address of the parts.
+const ADDRESS: u8 = 0x6b;
 
-/// Codes at tick `n`, independent of all other ticks: bias, noise of 8 codes, and 1 g on z.
-pub(crate) fn codes(n: u64) -> ([i16; 3], [i16; 3]) {
-    let code = |axis: u64| {
-        let mut noise = 0.0;
-        for draw in 0..12 {
-            let mut hash = (n * 6 + axis) * 12 + draw + 1;
-            for _ in 0..2 {
-                hash = (hash ^ (hash >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            }
-            noise += (hash >> 40) as f64 / 16_777_216.0 - 0.5;
-        }
-        (BIAS[axis as usize] + 8.0 * noise).round() as i16
-    };
-    ([code(0), code(1), code(2)], [code(3), code(4), code(5)])
-}
-
-/// Mean codes at rest, in the order of axes of a hub.
-pub(crate) const BIAS: [f64; 6] = [60.0, -40.0, 8192.0, 25.0, -35.0, 10.0];
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Kind {
-    Lsm6dsv16x,
-    Bmi323,
-}
-
-/// Faults of the sensor or of the bus.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Trouble {
-    /// Number of following transfers that fail.
-    pub(crate) failing: u32,
-    /// Number of following FIFO bursts that end early and lose the rest.
-    pub(crate) short: u32,
-    /// The identity is that of another part.
-    pub(crate) other_part: bool,
-    /// The codes are stuck.
-    pub(crate) stuck: bool,
-    /// The thermometer has no valid value.
-    pub(crate) no_temperature: bool,
-    /// The FIFO stays empty.
-    pub(crate) silent: bool,
-    /// Registers do not hold written values.
-    pub(crate) forgetful: bool,
-}
-
-/// A sensor with its bus and the time.
-#[derive(Debug)]
-pub(crate) struct Chip {
-    kind: Kind,
-    pub(crate) now_us: f64,
-    /// Rate of its clock relative to the nominal one.
-    pub(crate) fast: f64,
-    next_tick_us: f64,
-    /// Ticks since its creation.
-    pub(crate) tick: u64,
-    /// Ticks since the last reset.
-    since_reset: u64,
-    /// Samples since the start; the first ones have no data.
-    since_start: u32,
-    registers: [u16; 256],
-    fifo: VecDeque<Vec<u8>>,
-    overrun: bool,
-    held: Option<([i16; 3], [i16; 3])>,
-    pub(crate) trouble: Trouble,
+/// A part with its bus and the time.
+pub(crate) struct Board {
+    part: Box<dyn Part>,
+    now_ns: u64,
+    /// Number of following SPI transfers that the host's own peripheral fails.
+    spi_fails: u32,
+    is_spi: bool,
     /// Transfers so far.
     pub(crate) transfers: u64,
 }
@@ -83,158 +27,114 @@ pub(crate) struct Chip {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NoAnswer;
 
-pub(crate) type Shared = Rc<RefCell<Chip>>;
+pub(crate) type Shared = Rc<RefCell<Board>>;
 
-impl Chip {
-    pub(crate) fn new(kind: Kind) -> Shared {
-        let mut chip = Self {
-            kind,
-            now_us: 0.0,
-            fast: 1.0,
-            next_tick_us: 0.0,
-            tick: 0,
-            since_reset: 0,
-            since_start: 0,
-            registers: [0; 256],
-            fifo: VecDeque::new(),
-            overrun: false,
-            held: None,
-            trouble: Trouble::default(),
-            transfers: 0,
-        };
-        chip.reset();
-        Rc::new(RefCell::new(chip))
+impl Board {
+    pub(crate) fn new<P: Simulated>() -> Shared {
+        let part = fos_parts::new(P::PART, ADDRESS, Codes::Generated).expect("a part with this name");
+        Rc::new(RefCell::new(Self { part, now_ns: 0, spi_fails: 0, is_spi: P::IS_SPI, transfers: 0 }))
     }
 
-    /// Returns to the state at power-on.
-    pub(crate) fn reset(&mut self) {
-        self.registers = [0; 256];
-        self.registers[0x12] = 0x04;
-        (self.since_reset, self.since_start) = (0, 0);
-        self.overrun = false;
-        self.fifo.clear();
+    pub(crate) fn now_us(&self) -> f64 {
+        self.now_ns as f64 * 1e-3
     }
 
     /// Lets time pass.
     pub(crate) fn pass(&mut self, us: f64) {
-        self.now_us += us;
-        while self.next_tick_us <= self.now_us {
-            self.next_tick_us += PERIOD_US / self.fast;
-            if self.is_running() && !self.trouble.silent {
-                self.sample();
-            }
-            self.tick += 1;
-            self.since_reset += 1;
+        self.now_ns += (us * 1e3).round() as u64;
+        self.part.advance_to(self.now_ns);
+    }
+
+    /// Number of the sensor's present tick.
+    pub(crate) fn tick(&self) -> u64 {
+        self.part.tick()
+    }
+
+    pub(crate) fn fault(&mut self, fault: Fault, value: f64) {
+        self.part.fault(fault, value);
+    }
+
+    /// Lets the following transfers fail.
+    pub(crate) fn fail(&mut self, transfers: u32) {
+        if self.is_spi {
+            self.spi_fails = transfers;
+        } else {
+            self.part.fault(Fault::Nack, transfers.into());
         }
     }
 
-    fn is_running(&self) -> bool {
-        let register = |address: usize| self.registers[address];
-        match self.kind {
-            Kind::Lsm6dsv16x => {
-                let stamps = register(0x50) == 0x40;
-                stamps && [0x10, 0x11, 0x13, 0x62, 0x0a].map(register) == [0x17, 0x17, 0x08, 2, 0x66]
-            }
-            Kind::Bmi323 => [0x20, 0x21, 0x36].map(register) == [0x7019, 0x7029, 0x0f00],
-        }
+    /// A byte on I2C at 400 kHz.
+    fn i2c_byte(&mut self) {
+        self.pass(22.5 + self.part.stretch_ns() as f64 * 1e-3);
     }
 
-    fn sample(&mut self) {
-        let (accel, gyro) = match self.held {
-            Some(held) if self.trouble.stuck => held,
-            _ => codes(self.tick),
-        };
-        self.held = Some((accel, gyro));
-        let starts = self.since_start < 3;
-        self.since_start += 1;
-        let bytes = |codes: [i16; 3]| codes.map(i16::to_le_bytes).concat();
-        match self.kind {
-            Kind::Lsm6dsv16x => {
-                let tag = |sensor: u8| vec![sensor << 3 | (self.since_reset as u8 & 3) << 1];
-                let stamp = (self.since_reset as f64 * 230.4) as u64 as u32;
-                let gyro = if starts { [0x7ffe; 3] } else { gyro };
-                let mut words = vec![[tag(1), bytes(gyro)].concat(), [tag(2), bytes(accel)].concat()];
-                if self.since_reset.is_multiple_of(13) && !self.trouble.no_temperature {
-                    words.push([tag(3), bytes([256, 0, 0])].concat());
+    fn i2c(&mut self, address: u8, operations: &mut [i2c::Operation<'_>]) -> Result<(), NoAnswer> {
+        let mut reading = None;
+        for operation in operations {
+            let read = matches!(operation, i2c::Operation::Read(_));
+            if reading != Some(read) {
+                self.i2c_byte();
+                if !self.part.i2c_start(address, read) {
+                    return Err(NoAnswer);
                 }
-                words.push([tag(4), stamp.to_le_bytes().to_vec(), vec![0, 0]].concat());
-                words.into_iter().for_each(|word| self.push(word, 256));
+                reading = Some(read);
             }
-            Kind::Bmi323 => {
-                let temperature = if self.trouble.no_temperature { i16::MIN } else { 1024 };
-                let stamp = (self.since_reset * 128 + 9) as u16;
-                let rest = bytes([temperature, stamp as i16, 0]);
-                let mut frame = [bytes(accel), bytes(gyro), rest[..4].to_vec()].concat();
-                if starts {
-                    frame[..2].copy_from_slice(&0x7f01_u16.to_le_bytes());
+            match operation {
+                i2c::Operation::Write(bytes) => {
+                    for byte in *bytes {
+                        self.i2c_byte();
+                        if !self.part.i2c_write(*byte) {
+                            return Err(NoAnswer);
+                        }
+                    }
                 }
-                self.push(frame, 128);
+                i2c::Operation::Read(bytes) => {
+                    let last = bytes.len().saturating_sub(1);
+                    for (place, byte) in bytes.iter_mut().enumerate() {
+                        self.i2c_byte();
+                        *byte = self.part.i2c_read(place < last);
+                    }
+                }
             }
-        }
-    }
-
-    fn push(&mut self, item: Vec<u8>, room: usize) {
-        if self.fifo.len() == room {
-            self.fifo.pop_front();
-            self.overrun = true;
-        }
-        self.fifo.push_back(item);
-    }
-
-    /// Reads bytes from the FIFO, filled up with `nothing`.
-    fn burst(&mut self, bytes: &mut [u8], item: usize, nothing: &[u8]) {
-        let n = bytes.len() / item;
-        let whole = if self.trouble.short > 0 { n / 2 } else { n };
-        self.trouble.short = self.trouble.short.saturating_sub(1);
-        for (index, chunk) in bytes.chunks_mut(item).enumerate() {
-            let taken = self.fifo.pop_front().filter(|_| index < whole);
-            let taken = taken.unwrap_or_else(|| nothing.repeat(item / nothing.len()));
-            chunk.copy_from_slice(&taken[..chunk.len()]);
-        }
-    }
-
-    fn transfer(&mut self, bytes: usize) -> Result<(), NoAnswer> {
-        self.transfers += 1;
-        let us_per_byte = if self.kind == Kind::Bmi323 { 1.0 } else { 22.5 };
-        self.pass(bytes as f64 * us_per_byte);
-        if self.trouble.failing > 0 {
-            self.trouble.failing -= 1;
-            return Err(NoAnswer);
         }
         Ok(())
     }
 
-    fn write(&mut self, register: u8, value: u16) {
-        let reset = match self.kind {
-            Kind::Lsm6dsv16x => register == 0x01 && value & 0x04 != 0,
-            Kind::Bmi323 => register == 0x7e && value == 0xdeaf,
-        };
-        let flush = self.kind == Kind::Bmi323 && register == 0x37;
-        if reset {
-            self.reset();
-        } else if flush {
-            self.fifo.clear();
-        } else if !self.trouble.forgetful {
-            self.registers[usize::from(register)] = value;
-        }
+    /// Exchanges a byte on SPI at 8 MHz.
+    fn spi_byte(&mut self, byte: u8) -> u8 {
+        self.pass(1.0);
+        self.part.spi_exchange(byte)
     }
 
-    fn read(&self, register: u8) -> u16 {
-        let level = self.fifo.len() as u16;
-        match (self.kind, register) {
-            (Kind::Lsm6dsv16x, 0x0f) => 0x70 + u16::from(self.trouble.other_part),
-            (Kind::Lsm6dsv16x, 0x1b) => level & 0xff,
-            (Kind::Lsm6dsv16x, 0x1c) => level >> 8 | u16::from(self.overrun) << 3,
-            (Kind::Bmi323, 0x00) => 0x43 + u16::from(self.trouble.other_part),
-            (Kind::Bmi323, 0x15) => level * 8,
-            _ => self.registers[usize::from(register)],
+    fn spi(&mut self, operation: &mut spi::Operation<'_, u8>) {
+        match operation {
+            spi::Operation::Write(bytes) => {
+                bytes.iter().for_each(|byte| {
+                    self.spi_byte(*byte);
+                });
+            }
+            spi::Operation::Read(bytes) => bytes.iter_mut().for_each(|byte| *byte = self.spi_byte(0)),
+            spi::Operation::Transfer(read, written) => {
+                for (read, written) in read.iter_mut().zip(*written) {
+                    *read = self.spi_byte(*written);
+                }
+            }
+            spi::Operation::TransferInPlace(bytes) => {
+                bytes.iter_mut().for_each(|byte| *byte = self.spi_byte(*byte));
+            }
+            spi::Operation::DelayNs(ns) => self.pass(f64::from(*ns) * 1e-3),
         }
     }
 }
 
-/// The bus of the LSM6DSV16X.
 #[derive(Debug, Clone)]
-pub(crate) struct I2cBus(pub(crate) Shared);
+pub(crate) struct I2cBus(Shared);
+
+impl std::fmt::Debug for Board {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Board at {} ns", self.now_ns)
+    }
+}
 
 impl i2c::Error for NoAnswer {
     fn kind(&self) -> i2c::ErrorKind {
@@ -248,37 +148,16 @@ impl i2c::ErrorType for I2cBus {
 
 impl I2c for I2cBus {
     fn transaction(&mut self, address: u8, operations: &mut [i2c::Operation<'_>]) -> Result<(), NoAnswer> {
-        assert_eq!(address, 0x6b);
-        let mut chip = self.0.borrow_mut();
-        match operations {
-            [i2c::Operation::Write([register, values @ ..])] => {
-                chip.transfer(2 + values.len())?;
-                for (place, value) in (*register..).zip(values.iter()) {
-                    chip.write(place, u16::from(*value));
-                }
-            }
-            [i2c::Operation::Write([register]), i2c::Operation::Read(bytes)] => {
-                chip.transfer(3 + bytes.len())?;
-                if *register == 0x78 {
-                    chip.burst(bytes, 7, &[0]);
-                } else {
-                    for (place, byte) in (*register..).zip(bytes.iter_mut()) {
-                        *byte = chip.read(place) as u8;
-                    }
-                    if *register == 0x1b {
-                        chip.overrun = false;
-                    }
-                }
-            }
-            other => panic!("{other:?}"),
-        }
-        Ok(())
+        let mut board = self.0.borrow_mut();
+        board.transfers += 1;
+        let result = board.i2c(address, operations);
+        board.part.i2c_stop();
+        result
     }
 }
 
-/// The bus of the BMI323.
 #[derive(Debug, Clone)]
-pub(crate) struct SpiBus(pub(crate) Shared);
+pub(crate) struct SpiBus(Shared);
 
 impl spi::Error for NoAnswer {
     fn kind(&self) -> spi::ErrorKind {
@@ -292,69 +171,61 @@ impl spi::ErrorType for SpiBus {
 
 impl SpiDevice for SpiBus {
     fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), NoAnswer> {
-        let mut chip = self.0.borrow_mut();
-        match operations {
-            [spi::Operation::Write([register, low, high])] => {
-                chip.transfer(3)?;
-                chip.write(*register, u16::from_le_bytes([*low, *high]));
-            }
-            [spi::Operation::Write([command]), spi::Operation::Read(bytes)] => {
-                chip.transfer(1 + bytes.len())?;
-                let register = *command & 0x7f;
-                let (dummy, data) = bytes.split_at_mut(1);
-                dummy[0] = 0xa5;
-                if register == 0x16 {
-                    chip.burst(data, 16, &[0x00, 0x80]);
-                } else {
-                    for (place, word) in (register..).zip(data.chunks_mut(2)) {
-                        word.copy_from_slice(&chip.read(place).to_le_bytes());
-                    }
-                }
-            }
-            other => panic!("{other:?}"),
+        let mut board = self.0.borrow_mut();
+        board.transfers += 1;
+        if board.spi_fails > 0 {
+            board.spi_fails -= 1;
+            return Err(NoAnswer);
         }
+        board.part.spi_select(0);
+        operations.iter_mut().for_each(|operation| board.spi(operation));
+        board.part.spi_deselect();
         Ok(())
     }
 }
 
 /// A delay during which the sensor continues.
 #[derive(Debug, Clone)]
-pub(crate) struct Delay(pub(crate) Shared);
+pub(crate) struct Delay(Shared);
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {
-        self.0.borrow_mut().pass(f64::from(ns) / 1000.0);
+        self.0.borrow_mut().pass(f64::from(ns) * 1e-3);
     }
 }
 
 pub(crate) type SimulatedLsm6dsv16x = Lsm6dsv16x<Blocking<I2cBus>, Blocking<Delay>>;
 pub(crate) type SimulatedBmi323 = Bmi323<Blocking<SpiBus>, Blocking<Delay>>;
 
-/// A simulated part.
+/// A driver of a simulated part.
 pub(crate) trait Simulated: Imu<BusError = NoAnswer> + Sized {
-    const KIND: Kind;
+    /// Name of the part in fos-parts.
+    const PART: &'static str;
+    const IS_SPI: bool;
 
-    fn new(chip: &Shared) -> Self;
+    fn new(board: &Shared) -> Self;
 
     fn source() -> (Shared, SampleSource<Self>) {
-        let chip = Chip::new(Self::KIND);
-        let source = SampleSource::new(Self::new(&chip));
-        (chip, source)
+        let board = Board::new::<Self>();
+        let source = SampleSource::new(Self::new(&board));
+        (board, source)
     }
 }
 
 impl Simulated for SimulatedLsm6dsv16x {
-    const KIND: Kind = Kind::Lsm6dsv16x;
+    const PART: &'static str = "lsm6dsv16x";
+    const IS_SPI: bool = false;
 
-    fn new(chip: &Shared) -> Self {
-        Self::new(Blocking(I2cBus(chip.clone())), Address::High, Blocking(Delay(chip.clone())))
+    fn new(board: &Shared) -> Self {
+        Self::new(Blocking(I2cBus(board.clone())), Address::High, Blocking(Delay(board.clone())))
     }
 }
 
 impl Simulated for SimulatedBmi323 {
-    const KIND: Kind = Kind::Bmi323;
+    const PART: &'static str = "bmi323";
+    const IS_SPI: bool = true;
 
-    fn new(chip: &Shared) -> Self {
-        Self::new(Blocking(SpiBus(chip.clone())), Blocking(Delay(chip.clone())))
+    fn new(board: &Shared) -> Self {
+        Self::new(Blocking(SpiBus(board.clone())), Blocking(Delay(board.clone())))
     }
 }
