@@ -2,8 +2,8 @@
 //!
 //! # Contents
 //!
-//! - [`sample_source`]: complete samples from a six-axis sensor, with fault handling; drivers for two parts behind the
-//!   features `bmi323` and `lsm6dsv16x`.
+//! - [`sample_source`]: complete samples from a six-axis sensor, with fault handling; drivers for four parts behind the
+//!   features `bmi323`, `icm42688`, `lsm6dso` and `lsm6dsv16x`.
 //! - [`hub`]: six axes over shared inputs, the interface for an application.
 //! - [`raw`]: raw codes of a sensor and their scales.
 //! - [`streams`]: resampling of gyros, accelerometers and thermometer with separate timestamps, as in a phone.

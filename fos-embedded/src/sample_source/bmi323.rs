@@ -5,9 +5,10 @@ use bmi323_driver::{
     FifoConfig, GyroConfig, GyroMode, GyroRange, OutputDataRate, SpiTransport,
 };
 use embedded_hal_async::delay::DelayNs;
-use embedded_hal_async::spi::{Operation, SpiDevice};
+use embedded_hal_async::spi::SpiDevice;
 use fos_core::FittedOn;
 
+use super::spi_fifo::{FRAME, is_released, read_frames};
 use super::{Batch, Imu, SensorClock, SourceError};
 use crate::raw::Scales;
 
@@ -44,16 +45,10 @@ const CONFIGURATION: [(u8, u16); 4] =
 
 /// Command that reads the FIFO (§5.7; §7.2.3: read bit and `fifo_data`). It bypasses `read_fifo_words` of the driver, which
 /// checks a length at run time and so links a panic, even though it never occurs.
-const READ_FIFO: [u8; 1] = [0x80 | 0x16];
+const READ_FIFO: u8 = 0x80 | 0x16;
 
 /// Dummy bytes before the data of a read (§7.2.3).
 const DUMMY: usize = 1;
-
-/// Bytes of a frame: accelerometers, gyros, temperature, time; words, the low byte first.
-const FRAME: usize = 16;
-
-/// Frames per transfer: 0.1 ms at 10 MHz.
-const FRAMES: usize = 8;
 
 /// Words of a frame and of the FIFO, 2 kB (§5.7). With at most one frame free it counts as full: the oldest frame may have
 /// been overwritten.
@@ -91,23 +86,21 @@ impl<S: SpiDevice, D: DelayNs> Bmi323<S, D> {
     fn driver(&mut self) -> Driver<SpiTransport<&mut S>> {
         Driver::new_spi(&mut self.spi)
     }
+}
 
-    fn take(&mut self, frame: &[u8; FRAME], batch: &mut Batch) {
-        let ([first, second], []) = frame.as_chunks::<{ FRAME / 2 }>() else { return };
-        let ([ax, ay, az, gx], [gy, gz, temperature, stamp]) = (words(first), words(second));
-        let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
-        if [[0, 0], [-1, -1]].contains(&[temperature, stamp]) {
-            // nobody drove the line until the end of the frame
-            batch.tear();
-            return;
-        }
-        if ax == NO_ACCEL || gx == NO_GYRO || (accel == [NOTHING; 3] && gyro == [NOTHING; 3]) {
-            if self.started {
-                batch.tear();
-            }
-            return;
-        }
-        self.started = true;
+/// Takes a frame: words, the low byte first.
+fn take(frame: &[u8; FRAME], started: &mut bool, batch: &mut Batch) {
+    let ([first, second], []) = frame.as_chunks::<{ FRAME / 2 }>() else { return };
+    let ([ax, ay, az, gx], [gy, gz, temperature, stamp]) = (words(first), words(second));
+    let (accel, gyro) = ([ax, ay, az], [gx, gy, gz]);
+    let is_starting = ax == NO_ACCEL || gx == NO_GYRO || (accel == [NOTHING; 3] && gyro == [NOTHING; 3]);
+    let [.., end] = second.as_chunks::<4>().0 else { return };
+    if is_released(end) || (is_starting && *started) {
+        batch.tear();
+        return;
+    }
+    if !is_starting {
+        *started = true;
         let temperature = Some(temperature).filter(|code| *code != NOTHING);
         batch.push(accel, gyro, temperature, u32::from(stamp as u16));
     }
@@ -163,21 +156,9 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
         let level = self.driver().fifo_fill_level().await?;
         batch.overrun |= level >= FIFO_WORDS - FRAME_WORDS;
         batch.left = level / FRAME_WORDS;
-        for _ in 0..super::MAX_SAMPLES / FRAMES {
-            let frames = usize::from(batch.left).min(batch.room()).min(FRAMES);
-            let mut bytes = [0; DUMMY + FRAMES * FRAME];
-            let bytes = bytes.get_mut(..DUMMY + frames * FRAME).unwrap_or_default();
-            if frames == 0 {
-                break;
-            }
-            let mut burst = [Operation::Write(&READ_FIFO), Operation::Read(bytes)];
-            self.spi.transaction(&mut burst).await.map_err(SourceError::Bus)?;
-            batch.left = batch.left.saturating_sub(frames as u16);
-            for frame in bytes.get(DUMMY..).unwrap_or_default().as_chunks().0 {
-                self.take(frame, batch);
-            }
-        }
-        Ok(())
+        let Self { spi, started, .. } = self;
+        let take = |frame: &[u8; FRAME], batch: &mut Batch| take(frame, started, batch);
+        read_frames(spi, READ_FIFO, DUMMY, batch, take).await.map_err(SourceError::Bus)
     }
 
     async fn wait_ms(&mut self, ms: u32) {

@@ -1,8 +1,8 @@
 //! Complete samples from a six-axis sensor, an [`Imu`], with fault handling.
 //!
-//! Two parts are supported through maintained drivers over embedded-hal 1.0, each behind the feature of its name:
-//! `Lsm6dsv16x` over I2C and `Bmi323` over SPI, both in FIFO mode at 200 Hz with temperature and sensor time. Blocking
-//! buses and delays need the adapter [`Blocking`](crate::blocking::Blocking).
+//! Four parts are supported over embedded-hal 1.0, each behind the feature of its name: `Lsm6dsv16x` and `Lsm6dso` over
+//! I2C, `Bmi323` and `Icm42688` over SPI, all in FIFO mode at 200 Hz (LSM6DSO: 208 Hz) with temperature and sensor time.
+//! Blocking buses and delays need the adapter [`Blocking`](crate::blocking::Blocking).
 //!
 //! Call [`poll`](SampleSource::poll) at least every 250 ms: otherwise the FIFO overruns and samples are lost, flagged and
 //! counted. docs/faults.md describes each fault and its recovery time.
@@ -41,9 +41,17 @@ mod bmi323;
 mod counts;
 mod error;
 mod frame;
+#[cfg(feature = "icm42688")]
+mod icm42688;
+#[cfg(feature = "lsm6dso")]
+mod lsm6dso;
 #[cfg(feature = "lsm6dsv16x")]
 mod lsm6dsv16x;
 mod repeats;
+#[cfg(any(feature = "bmi323", feature = "icm42688"))]
+mod spi_fifo;
+#[cfg(any(feature = "lsm6dso", feature = "lsm6dsv16x"))]
+mod st;
 mod timeline;
 
 use core::fmt::Debug;
@@ -56,9 +64,15 @@ pub use bmi323::Bmi323;
 pub use counts::Counts;
 pub use error::SourceError;
 pub use frame::{Batch, FifoFrame, MAX_SAMPLES};
+#[cfg(feature = "icm42688")]
+pub use icm42688::Icm42688;
+#[cfg(feature = "lsm6dso")]
+pub use lsm6dso::Lsm6dso;
 #[cfg(feature = "lsm6dsv16x")]
-pub use lsm6dsv16x::{Address, Lsm6dsv16x};
+pub use lsm6dsv16x::Lsm6dsv16x;
 use repeats::Repeats;
+#[cfg(any(feature = "lsm6dso", feature = "lsm6dsv16x"))]
+pub use st::Address;
 pub use timeline::SensorClock;
 use timeline::Timeline;
 
@@ -70,7 +84,7 @@ const RETRY_AFTER_MS: [u32; 2] = [1, 2];
 /// Longest rest of a repeatedly failing sensor, polls.
 const MAX_BACK_OFF: u8 = 64;
 
-/// Time without a sample after which a sensor is set up again, µs; the gyros of both parts start within a third of it.
+/// Time without a sample after which a sensor is set up again, µs; the gyros of all parts start within a third of it.
 const SILENT_US: u64 = 250_000;
 
 /// A six-axis sensor with a FIFO, behind its driver.

@@ -8,6 +8,8 @@
 //! |---|---|---|
 //! | BMI323 | BST-BMI323-DS000 | SPI, I2C |
 //! | LSM6DSV16X | DS13510 | SPI, I2C |
+//! | LSM6DSO | DS12140 | SPI, I2C |
+//! | ICM-42688-P | DS-000347 | SPI, I2C |
 //!
 //! Modelled are the registers of the data path: identity, reset, power modes, rates, ranges, FIFO, interrupts, temperature
 //! and time. Embedded functions (steps, taps, self-test) only store what is written to them.
@@ -21,6 +23,8 @@ mod clock;
 mod codes;
 mod faults;
 mod fifo;
+mod icm42688;
+mod lsm6dso;
 mod lsm6dsv16x;
 mod sampler;
 mod st;
@@ -76,13 +80,15 @@ pub trait Part {
 }
 
 /// Names of the parts that [`new`] creates.
-pub const NAMES: [&str; 2] = ["bmi323", "lsm6dsv16x"];
+pub const NAMES: [&str; 4] = ["bmi323", "lsm6dsv16x", "lsm6dso", "icm42688"];
 
 /// Creates a part at power-on by its name in small letters, with its I2C address; `None` for an unknown name.
 pub fn new(name: &str, address: u8, codes: Codes) -> Option<Box<dyn Part>> {
     Some(match name {
         "bmi323" => Box::new(Model::<bmi323::Bmi323>::new(address, codes)),
         "lsm6dsv16x" => Box::new(Model::<st::St<lsm6dsv16x::Lsm6dsv16x>>::new(address, codes)),
+        "lsm6dso" => Box::new(Model::<st::St<lsm6dso::Lsm6dso>>::new(address, codes)),
+        "icm42688" => Box::new(Model::<icm42688::Icm42688>::new(address, codes)),
         _ => return None,
     })
 }

@@ -14,7 +14,10 @@ use fos_embedded::raw::{Faults, Scales};
 use fos_embedded::sample_source::{Batch, Imu, SampleSource, SensorClock, SourceError};
 use fos_parts::{BIAS, Fault as PartFault, generated};
 
-use super::simulated::{Board, NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedLsm6dsv16x};
+use super::simulated::{
+    Board, NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedIcm42688, SimulatedLsm6dso,
+    SimulatedLsm6dsv16x, for_every_part,
+};
 
 /// Interval between polls, µs: ten samples.
 const POLL_US: f64 = 50_000.0;
@@ -212,7 +215,7 @@ fn run<P: Imu<BusError = NoAnswer>>(
     let mut hub: Hub<2, 32, 128> = Hub::new(P::scales());
     hub.load(&image(&P::scales())).map_err(|error| error.to_string())?;
     hub.set_motion(Some(Motion::Still));
-    let known: HashMap<_, u64> = (0..12_500).map(|tick| (generated(tick), tick)).collect();
+    let known: HashMap<_, u64> = (0..13_000).map(|tick| (generated(tick), tick)).collect();
     let mut run = Run { outputs: Vec::new(), errors: Vec::new(), fault: [u64::MAX; 2] };
     let [begins_us, ends_us] = [CLEAN_US, CLEAN_US + fault.lasts_us];
     let end_us = ends_us + fault.after_s * 1e6;
@@ -426,21 +429,28 @@ fn image(scales: &Scales) -> Vec<u8> {
 const BEGIN: &str = "<!-- table: cargo test -p fos-embedded --test device sample_source:: -->\n";
 const END: &str = "<!-- end of table -->\n";
 
+/// Name of a part, and its row for every fault.
+fn rows<P: Simulated>() -> (&'static str, Vec<Result<Row, String>>) {
+    let clean = undisturbed::<P>();
+    (P::NAME, FAULTS.iter().map(|fault| assess(P::source(), fault, &clean)).collect())
+}
+
 #[test]
 fn every_fault_is_flagged_bounded_and_recovered_from() {
-    let clean = (undisturbed::<SimulatedLsm6dsv16x>(), undisturbed::<SimulatedBmi323>());
     let mut table = String::from(
         "| fault | part | flagged as; error | polls with an error | ticks with a flag | valid again after (ticks) | \
          ticks miscounted | furthest from the truth (m/s², rad/s) |\n|---|---|---|---|---|---|---|---|\n",
     );
     let mut wrong = String::new();
-    for fault in &FAULTS {
-        let rows = [
-            (SimulatedLsm6dsv16x::NAME, assess(SimulatedLsm6dsv16x::source(), fault, &clean.0)),
-            (SimulatedBmi323::NAME, assess(SimulatedBmi323::source(), fault, &clean.1)),
-        ];
-        for (part, row) in rows {
-            match row {
+    let rows = [
+        rows::<SimulatedLsm6dsv16x>(),
+        rows::<SimulatedLsm6dso>(),
+        rows::<SimulatedBmi323>(),
+        rows::<SimulatedIcm42688>(),
+    ];
+    for (index, fault) in FAULTS.iter().enumerate() {
+        for (part, rows) in &rows {
+            match &rows[index] {
                 Ok(Row { flagged, errors, ticks, recovered, miscounted, furthest: [accel, gyro] }) => {
                     let (name, furthest) = (fault.name, format!("{accel:.3}, {gyro:.4}"));
                     let _ = writeln!(
@@ -575,7 +585,6 @@ fn assert_defects_are_detected<P: Simulated>() {
 }
 
 #[test]
-fn detects_defects_of_both_drivers() {
-    assert_defects_are_detected::<SimulatedLsm6dsv16x>();
-    assert_defects_are_detected::<SimulatedBmi323>();
+fn detects_defects_of_all_drivers() {
+    for_every_part!(assert_defects_are_detected());
 }

@@ -7,7 +7,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, I2c};
 use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::Blocking;
-use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
+use fos_embedded::sample_source::{Address, Bmi323, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, SampleSource};
 use fos_parts::{Codes, Fault, Part};
 
 /// I2C address of the parts.
@@ -195,7 +195,9 @@ impl DelayNs for Delay {
 }
 
 pub(crate) type SimulatedLsm6dsv16x = Lsm6dsv16x<Blocking<I2cBus>, Blocking<Delay>>;
+pub(crate) type SimulatedLsm6dso = Lsm6dso<Blocking<I2cBus>, Blocking<Delay>>;
 pub(crate) type SimulatedBmi323 = Bmi323<Blocking<SpiBus>, Blocking<Delay>>;
+pub(crate) type SimulatedIcm42688 = Icm42688<Blocking<SpiBus>, Blocking<Delay>>;
 
 /// A driver of a simulated part.
 pub(crate) trait Simulated: Imu<BusError = NoAnswer> + Sized {
@@ -212,20 +214,34 @@ pub(crate) trait Simulated: Imu<BusError = NoAnswer> + Sized {
     }
 }
 
-impl Simulated for SimulatedLsm6dsv16x {
-    const PART: &'static str = "lsm6dsv16x";
-    const IS_SPI: bool = false;
+/// Defines the parts on a bus.
+macro_rules! simulated {
+    ($($name:literal: $part:ident, $is_spi:literal, $bus:ident $(, $address:expr)?;)*) => {$(
+        impl Simulated for $part<Blocking<$bus>, Blocking<Delay>> {
+            const PART: &'static str = $name;
+            const IS_SPI: bool = $is_spi;
 
-    fn new(board: &Shared) -> Self {
-        Self::new(Blocking(I2cBus(board.clone())), Address::High, Blocking(Delay(board.clone())))
-    }
+            fn new(board: &Shared) -> Self {
+                Self::new(Blocking($bus(board.clone())), $($address,)? Blocking(Delay(board.clone())))
+            }
+        }
+    )*};
 }
 
-impl Simulated for SimulatedBmi323 {
-    const PART: &'static str = "bmi323";
-    const IS_SPI: bool = true;
-
-    fn new(board: &Shared) -> Self {
-        Self::new(Blocking(SpiBus(board.clone())), Blocking(Delay(board.clone())))
-    }
+simulated! {
+    "lsm6dsv16x": Lsm6dsv16x, false, I2cBus, Address::High;
+    "lsm6dso": Lsm6dso, false, I2cBus, Address::High;
+    "bmi323": Bmi323, true, SpiBus;
+    "icm42688": Icm42688, true, SpiBus;
 }
+
+/// Calls a generic function for every part.
+macro_rules! for_every_part {
+    ($function:ident($($argument:expr),*)) => {
+        $function::<SimulatedLsm6dsv16x>($($argument),*);
+        $function::<SimulatedLsm6dso>($($argument),*);
+        $function::<SimulatedBmi323>($($argument),*);
+        $function::<SimulatedIcm42688>($($argument),*);
+    };
+}
+pub(crate) use for_every_part;

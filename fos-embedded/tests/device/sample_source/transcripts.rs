@@ -1,6 +1,8 @@
 //! Bus traffic, byte by byte, in blocking and asynchronous form.
 
 mod bmi323;
+mod icm42688;
+mod lsm6dso;
 mod lsm6dsv16x;
 
 use core::fmt::Debug;
@@ -12,7 +14,9 @@ use embedded_hal::{i2c, spi};
 use embedded_hal_mock::eh1;
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::raw::{Faults, RawSample};
-use fos_embedded::sample_source::{Address, Bmi323, Counts, Imu, Lsm6dsv16x, SampleSource, SourceError};
+use fos_embedded::sample_source::{
+    Address, Bmi323, Counts, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, SampleSource, SourceError,
+};
 
 /// A bus transfer or delay.
 #[derive(Debug, Clone)]
@@ -68,8 +72,7 @@ fn spi_bus(steps: &[Step]) -> eh1::spi::Mock<u8> {
         Read(register, bytes) => vec![
             Transaction::transaction_start(),
             Transaction::write_vec(vec![0x80 | *register]),
-            // a dummy byte comes first
-            Transaction::read_vec([vec![0xa5], bytes.clone()].concat()),
+            Transaction::read_vec(bytes.clone()),
             Transaction::transaction_end(),
         ],
         NoAnswer(..) => panic!("SPI has no acknowledge"),
@@ -192,35 +195,30 @@ fn yielding<P: Imu>(part: P, polls: usize, steps: usize) -> (P, Polls, Counts) {
     (source.release(), polls, counts)
 }
 
-fn lsm6dsv16x(polls: usize, steps: &[Step]) -> (Polls, Counts) {
-    let part = Lsm6dsv16x::new(Blocking(i2c_bus(steps)), Address::Low, Blocking(delay(steps)));
-    let (part, result, counts) = blocking(part, polls);
-    let (Blocking(mut bus), Blocking(mut waits)) = part.release();
-    bus.done();
-    waits.done();
-    let part = Lsm6dsv16x::new(Yielding(i2c_bus(steps)), Address::Low, Yielding(delay(steps)));
-    let (part, again, counts_again) = yielding(part, polls, steps.len());
-    let (Yielding(mut bus), Yielding(mut waits)) = part.release();
-    bus.done();
-    waits.done();
-    assert_eq!((&result, counts), (&again, counts_again));
-    (result, counts)
+/// Defines a function that polls a part in both forms and returns the result, which is the same.
+macro_rules! in_both_forms {
+    ($name:ident: $part:ident, $bus:ident $(, $address:expr)?) => {
+        fn $name(polls: usize, steps: &[Step]) -> (Polls, Counts) {
+            let part = $part::new(Blocking($bus(steps)), $($address,)? Blocking(delay(steps)));
+            let (part, result, counts) = blocking(part, polls);
+            let (Blocking(mut bus), Blocking(mut waits)) = part.release();
+            bus.done();
+            waits.done();
+            let part = $part::new(Yielding($bus(steps)), $($address,)? Yielding(delay(steps)));
+            let (part, again, counts_again) = yielding(part, polls, steps.len());
+            let (Yielding(mut bus), Yielding(mut waits)) = part.release();
+            bus.done();
+            waits.done();
+            assert_eq!((&result, counts), (&again, counts_again));
+            (result, counts)
+        }
+    };
 }
 
-fn bmi323(polls: usize, steps: &[Step]) -> (Polls, Counts) {
-    let part = Bmi323::new(Blocking(spi_bus(steps)), Blocking(delay(steps)));
-    let (part, result, counts) = blocking(part, polls);
-    let (Blocking(mut bus), Blocking(mut waits)) = part.release();
-    bus.done();
-    waits.done();
-    let part = Bmi323::new(Yielding(spi_bus(steps)), Yielding(delay(steps)));
-    let (part, again, counts_again) = yielding(part, polls, steps.len());
-    let (Yielding(mut bus), Yielding(mut waits)) = part.release();
-    bus.done();
-    waits.done();
-    assert_eq!((&result, counts), (&again, counts_again));
-    (result, counts)
-}
+in_both_forms!(lsm6dsv16x: Lsm6dsv16x, i2c_bus, Address::Low);
+in_both_forms!(lsm6dso: Lsm6dso, i2c_bus, Address::Low);
+in_both_forms!(bmi323: Bmi323, spi_bus);
+in_both_forms!(icm42688: Icm42688, spi_bus);
 
 /// A sample without faults, encoded by the words below.
 fn sample(n: i16) -> RawSample {

@@ -2,26 +2,31 @@
 
 use super::{Faults, Polls, RawSample, Read, SourceError, Step, Wait, Write, bmi323, bytes, sample};
 
+/// A read, whose data follow a dummy byte.
+fn read(register: u8, data: Vec<u8>) -> Step {
+    Read(register, [vec![0xa5], data].concat())
+}
+
 fn id(id: u8) -> Vec<Step> {
-    let id = Read(0x00, vec![id, 0]);
+    let id = read(0x00, vec![id, 0]);
     vec![Write(0x7e, vec![0xaf, 0xde]), Wait(2000), id.clone(), Wait(250), id]
 }
 
 /// `acc_conf` and `gyr_conf`: high performance, ±4 g, ±500 dps, 200 Hz; `fifo_watermark` and `fifo_conf`: all four.
 fn watch() -> [Step; 4] {
     [
-        Read(0x20, vec![0x19, 0x70]),
-        Read(0x21, vec![0x29, 0x70]),
-        Read(0x35, vec![0, 0]),
-        Read(0x36, vec![0x00, 0x0f]),
+        read(0x20, vec![0x19, 0x70]),
+        read(0x21, vec![0x29, 0x70]),
+        read(0x35, vec![0, 0]),
+        read(0x36, vec![0x00, 0x0f]),
     ]
 }
 
 fn set_up() -> Vec<Step> {
     let mut steps = id(0x43);
     steps.extend([
-        Read(0x01, vec![0, 0]),
-        Read(0x02, vec![1, 0]),
+        read(0x01, vec![0, 0]),
+        read(0x02, vec![1, 0]),
         Write(0x35, vec![0, 0]),
         Write(0x36, vec![0x00, 0x0f]),
         Write(0x20, vec![0x19, 0x70]),
@@ -47,13 +52,13 @@ fn frame(n: i16) -> Vec<u8> {
 }
 
 fn level(frames: u16) -> Step {
-    Read(0x15, (frames * 8).to_le_bytes().to_vec())
+    read(0x15, (frames * 8).to_le_bytes().to_vec())
 }
 
 fn burst(frames: Vec<u8>) -> Vec<Step> {
     let mut steps = watch().to_vec();
     steps.push(level((frames.len() / 16) as u16));
-    steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    steps.extend(frames.chunks(128).map(|chunk| read(0x16, chunk.to_vec())));
     steps
 }
 
@@ -96,7 +101,7 @@ fn at_most_8_frames_per_transfer_and_32_samples_per_poll() {
     let mut steps = watch().to_vec();
     steps.push(level(41));
     let (now, later) = frames.split_at(32 * 16);
-    steps.extend(now.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    steps.extend(now.chunks(128).map(|chunk| read(0x16, chunk.to_vec())));
     steps.extend(burst(later.to_vec()));
     let (result, _) = polls(2, steps);
     assert_eq!(result, [Ok((1..=32).map(sample).collect()), Ok((33..=41).map(sample).collect())]);
@@ -125,7 +130,7 @@ fn overrun_gap_is_counted_by_the_sensor_clock() {
     let frames: Vec<u8> = (21..=52).flat_map(frame).collect();
     let mut steps = watch().to_vec();
     steps.push(level(128));
-    steps.extend(frames.chunks(128).map(|chunk| Read(0x16, chunk.to_vec())));
+    steps.extend(frames.chunks(128).map(|chunk| read(0x16, chunk.to_vec())));
     let (result, counts) = polls(1, steps);
     let Ok(samples) = &result[0] else { panic!("{result:?}") };
     let faults = Faults::OVERRUN | Faults::GAP;
@@ -145,7 +150,7 @@ fn another_part_is_an_error() {
 fn reports_registers_that_do_not_hold_their_value() {
     let mut steps = set_up();
     steps.truncate(steps.len() - 3);
-    steps.push(Read(0x21, vec![0x39, 0x70]));
+    steps.push(read(0x21, vec![0x39, 0x70]));
     let (result, counts) = bmi323(1, &steps);
     assert_eq!(result, [Err(SourceError::NotKept { register: 0x21, written: 0x7029, read: 0x7039 })]);
     assert_eq!(counts.not_kept, 1);
@@ -173,7 +178,7 @@ fn flags_invalid_temperatures() {
 #[test]
 fn sets_up_a_reset_sensor_at_once() {
     // two checks, because the first may be damaged
-    let reset = vec![Read(0x20, vec![0; 2]); 2];
+    let reset = vec![read(0x20, vec![0; 2]); 2];
     let steps = [reset, set_up(), burst(frame(20))].concat();
     let (result, counts) = polls(2, steps);
     let faults = Faults::RESET | Faults::GAP;

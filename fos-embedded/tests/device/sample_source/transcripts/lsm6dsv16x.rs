@@ -28,9 +28,9 @@ fn set_up() -> Vec<Step> {
     steps
 }
 
-/// Check of the registers FIFO_CTRL1 to CTRL9.
+/// Check of the registers FIFO_CTRL1 to CTRL10.
 fn watch() -> Step {
-    let mut registers = [0; 18];
+    let mut registers = [0; 19];
     registers[0x0f - 0x07] = 0x70;
     for (register, value) in CONFIGURATION {
         if let Some(place) = registers.get_mut(usize::from(register).wrapping_sub(0x07)) {
@@ -135,7 +135,7 @@ fn at_most_32_words_per_transfer_and_32_samples_per_poll() {
 
 #[test]
 fn repeats_unanswered_transfers_after_1_and_2_ms() {
-    let mut steps = vec![NoAnswer(0x07, 18), Wait(1000), watch(), NoAnswer(0x1b, 2), Wait(2000)];
+    let mut steps = vec![NoAnswer(0x07, 19), Wait(1000), watch(), NoAnswer(0x1b, 2), Wait(2000)];
     steps.extend(burst(all(1)));
     let (result, counts) = polls(1, steps);
     assert_eq!(result, [Ok(vec![RawSample { faults: Faults::BUS, ..sample(1) }])]);
@@ -144,7 +144,7 @@ fn repeats_unanswered_transfers_after_1_and_2_ms() {
 
 #[test]
 fn sets_up_again_with_increasing_delays() {
-    let fail = [NoAnswer(0x07, 18), Wait(1000), NoAnswer(0x07, 18), Wait(2000), NoAnswer(0x07, 18)];
+    let fail = [NoAnswer(0x07, 19), Wait(1000), NoAnswer(0x07, 19), Wait(2000), NoAnswer(0x07, 19)];
     let no_id = NoAnswer(0x0f, 1);
     let mut steps = fail.to_vec();
     steps.extend([no_id.clone(), no_id.clone()]);
@@ -246,7 +246,7 @@ fn temperature_is_valid_for_one_second() {
 
 #[test]
 fn sets_up_a_reset_sensor_at_once() {
-    let mut reset = [0; 18];
+    let mut reset = [0; 19];
     (reset[0x0f - 0x07], reset[0x12 - 0x07]) = (0x70, 0x04);
     let check = Read(0x07, reset.to_vec());
     // two checks, because the first may be damaged
