@@ -21,7 +21,8 @@ use fos_embedded::c_api;
 use fos_embedded::hub::{Hub, HubError, Motion, Output};
 use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use fos_embedded::sample_source::{
-    self, Address, Batch, Bmi323, Counts, Lsm6dsv16x, SampleSource, SensorClock, SourceError,
+    self, Address, Batch, Bmi323, Counts, Icm42688, Lsm6dso, Lsm6dsv16x, SampleSource, SensorClock,
+    SourceError,
 };
 use fos_embedded::store::{ModelStore, StoreError};
 use fos_embedded::streams::{Periods, StampedSample, StreamCounts, Streams};
@@ -165,9 +166,11 @@ fn loggable() -> BTreeSet<String> {
         named::<SourceError<u8>>("fos-embedded/sample_source/error.rs"),
         named::<Batch>("fos-embedded/sample_source/frame.rs"),
         named::<sample_source::FifoFrame>("fos-embedded/sample_source/frame.rs"),
-        named::<Address>("fos-embedded/sample_source/lsm6dsv16x.rs"),
-        named::<Part>("fos-embedded/sample_source/lsm6dsv16x.rs"),
+        named::<Icm42688<(), ()>>("fos-embedded/sample_source/icm42688.rs"),
+        named::<Lsm6dso<(), ()>>("fos-embedded/sample_source/lsm6dso.rs"),
+        named::<Lsm6dsv16x<(), ()>>("fos-embedded/sample_source/lsm6dsv16x.rs"),
         named::<SampleSource<Part>>("fos-embedded/sample_source/mod.rs"),
+        named::<Address>("fos-embedded/sample_source/st.rs"),
         named::<SensorClock>("fos-embedded/sample_source/timeline.rs"),
         named::<ModelStore<NoFlash, 2048>>("fos-embedded/store.rs"),
         named::<StoreError<u8>>("fos-embedded/store.rs"),

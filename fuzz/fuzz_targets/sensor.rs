@@ -4,7 +4,7 @@
 //!
 //! The input has the part first, then the events: before a poll the time since the last one, at a transfer its fault.
 #![no_main]
-#![allow(dead_code, reason = "the simulated parts have more for others")]
+#![allow(dead_code, unused_macros, unused_imports, reason = "the simulated parts have more for others")]
 
 #[path = "../../fos-embedded/tests/device/sample_source/simulated.rs"]
 mod simulated;
@@ -18,9 +18,12 @@ use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::hub::Hub;
 use fos_embedded::raw::RawSample;
-use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, MAX_SAMPLES, SampleSource};
+use fos_embedded::sample_source::{
+    Address, Bmi323, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, MAX_SAMPLES, SampleSource,
+};
+use fos_parts::{Fault, generated};
 use libfuzzer_sys::fuzz_target;
-use simulated::{Chip, Delay, I2cBus, Kind, NoAnswer, Shared, SpiBus, codes};
+use simulated::{Board, Delay, I2cBus, NoAnswer, Shared, Simulated, SpiBus};
 
 /// Polls until recovery: a source that has given up retries after 64 polls at most, and the sensor starts within two.
 const RECOVERED_AFTER: usize = 80;
@@ -112,29 +115,42 @@ impl SpiDevice for HostileSpi {
 fuzz_target!(|bytes: &[u8]| {
     let Some((part, script)) = bytes.split_first() else { return };
     let script = Rc::new(RefCell::new(script.iter().copied().collect()));
-    if part.is_multiple_of(2) {
-        let chip = Chip::new(Kind::Lsm6dsv16x);
-        let bus = Hostile { bus: I2cBus(chip.clone()), script: script.clone() };
-        let delay = Delay(chip.clone());
-        follow(&chip, &script, Lsm6dsv16x::new(Blocking(bus), Address::High, Blocking(delay)));
-    } else {
-        let chip = Chip::new(Kind::Bmi323);
-        let bus = HostileSpi(Hostile { bus: SpiBus(chip.clone()), script: script.clone() });
-        follow(&chip, &script, Bmi323::new(Blocking(bus), Blocking(Delay(chip.clone()))));
+    let i2c = |board: &Shared| Blocking(Hostile { bus: I2cBus(board.clone()), script: script.clone() });
+    let spi = |board: &Shared| {
+        Blocking(HostileSpi(Hostile { bus: SpiBus(board.clone()), script: script.clone() }))
+    };
+    let delay = |board: &Shared| Blocking(Delay(board.clone()));
+    match part % 4 {
+        0 => {
+            let board = Board::new::<simulated::SimulatedLsm6dsv16x>();
+            follow(&board, &script, Lsm6dsv16x::new(i2c(&board), Address::High, delay(&board)));
+        }
+        1 => {
+            let board = Board::new::<simulated::SimulatedBmi323>();
+            follow(&board, &script, Bmi323::new(spi(&board), delay(&board)));
+        }
+        2 => {
+            let board = Board::new::<simulated::SimulatedLsm6dso>();
+            follow(&board, &script, Lsm6dso::new(i2c(&board), Address::High, delay(&board)));
+        }
+        _ => {
+            let board = Board::new::<simulated::SimulatedIcm42688>();
+            follow(&board, &script, Icm42688::new(spi(&board), delay(&board)));
+        }
     }
 });
 
 /// Polls as long as there are faults, and until the source must have recovered.
-fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
+fn follow<P: Imu>(board: &Shared, script: &Script, part: P) {
     let mut hub: Hub<8, 64, 128> = Hub::new(P::scales());
     let mut source = SampleSource::new(part);
     let mut poll = |after_ms: u8| -> Vec<RawSample> {
-        chip.borrow_mut().pass(f64::from(after_ms) * 1000.0);
-        let (now_us, transfers) = (chip.borrow().now_us as u64, chip.borrow().transfers);
+        board.borrow_mut().pass(f64::from(after_ms) * 1000.0);
+        let (now_us, transfers) = (board.borrow().now_us() as u64, board.borrow().transfers);
         let samples =
             poll_once(source.poll(now_us)).expect("done at once").map(<[_]>::to_vec).unwrap_or_default();
         assert!(samples.len() <= MAX_SAMPLES);
-        assert!(chip.borrow().transfers - transfers <= TRANSFERS_A_POLL, "a poll has no end");
+        assert!(board.borrow().transfers - transfers <= TRANSFERS_A_POLL, "a poll has no end");
         for sample in &samples {
             let output = hub.update(sample);
             assert!(output.corrected().iter().all(|value| value.is_finite()));
@@ -146,7 +162,7 @@ fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
     };
     while let Some(after_ms) = next(script) {
         if after_ms == 255 {
-            chip.borrow_mut().reset();
+            board.borrow_mut().fault(Fault::Reset, 1.0);
         }
         poll(after_ms);
     }
@@ -156,11 +172,11 @@ fn follow<P: Imu>(chip: &Shared, script: &Script, part: P) {
     for _ in 0..COMPARED {
         let samples = poll(50);
         assert!(samples.len() >= 9, "{} samples in 50 ms: the source does not recover", samples.len());
-        let tick = chip.borrow().tick;
-        let first = (0..tick).rev().take(64).find(|n| codes(*n) == (samples[0].accel, samples[0].gyro));
+        let tick = board.borrow().tick() + 1;
+        let first = (0..tick).rev().take(64).find(|n| generated(*n) == (samples[0].accel, samples[0].gyro));
         let first = first.expect("a sample that the sensor has not given");
         for (n, sample) in (first..).zip(&samples) {
-            assert_eq!((sample.accel, sample.gyro), codes(n), "a sample that the sensor has not given");
+            assert_eq!((sample.accel, sample.gyro), generated(n), "a sample that the sensor has not given");
             assert_eq!((sample.skipped, sample.faults.bits()), (0, 0), "{sample:?}");
         }
     }

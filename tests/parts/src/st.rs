@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use crate::bus::Chip;
-use crate::codes::at_range;
+use crate::codes::{Sample, at_range};
 use crate::sampler::Sampler;
 
 /// Registers at the same address in all of them.
@@ -155,7 +155,7 @@ impl<V: Variant> St<V> {
         Some(batch_ns.max(setting?.period_ns))
     }
 
-    fn batch(&mut self, sampler: &mut Sampler, settled: [bool; 2]) {
+    fn batch(&mut self, sampler: &mut Sampler, mut codes: Sample, settled: [bool; 2]) {
         let [accel, gyro] = [V::accel(&self.registers), V::gyro(&self.registers)];
         let control = self.registers[FIFO_CTRL4];
         let Some(period_ns) = self.period_ns().filter(|_| control & FIFO_MODE != 0) else { return };
@@ -168,14 +168,14 @@ impl<V: Variant> St<V> {
         let stamp_due = stamp_every > 0 && is_due(fastest_ns.map(|ns| ns * stamp_every));
         let temperature_ns = V::TEMPERATURE_BATCH_NS[usize::from(control >> 4 & 3)];
         let temperature_due = temperature_ns > 0 && is_due(Some(temperature_ns));
-        let (tick, mut codes) = (sampler.tick(), sampler.sample(V::THERMOMETER_NS));
         if sampler.faults.silent {
             return;
         }
         codes.accel = at_range(codes.accel, accel.map_or(0.0, |setting| setting.ratio));
         codes.gyro = at_range(codes.gyro, gyro.map_or(0.0, |setting| setting.ratio));
         self.instant = self.instant.wrapping_add(1);
-        let row = (accel_due && gyro_due && settled == [true; 2]).then(|| sampler.fifo.record(tick, codes));
+        let row = (accel_due && gyro_due && settled == [true; 2])
+            .then(|| sampler.fifo.record(sampler.tick(), codes));
         let bytes = |codes: [i16; 3]| {
             let [[a, b], [c, d], [e, f]] = codes.map(i16::to_le_bytes);
             [a, b, c, d, e, f]
@@ -344,7 +344,7 @@ impl<V: Variant> Chip for St<V> {
         if sampler.is_due(V::THERMOMETER_NS, self.period_ns().unwrap_or(V::THERMOMETER_NS)) {
             self.registers[STATUS] |= 4;
         }
-        self.batch(sampler, settled);
+        self.batch(sampler, codes, settled);
     }
 
     /// INT1_CTRL and INT2_CTRL: data ready, FIFO watermark, overrun and full.

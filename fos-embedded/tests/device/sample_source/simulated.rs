@@ -128,7 +128,7 @@ impl Board {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct I2cBus(Shared);
+pub(crate) struct I2cBus(pub(crate) Shared);
 
 impl std::fmt::Debug for Board {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -157,7 +157,7 @@ impl I2c for I2cBus {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct SpiBus(Shared);
+pub(crate) struct SpiBus(pub(crate) Shared);
 
 impl spi::Error for NoAnswer {
     fn kind(&self) -> spi::ErrorKind {
@@ -186,7 +186,7 @@ impl SpiDevice for SpiBus {
 
 /// A delay during which the sensor continues.
 #[derive(Debug, Clone)]
-pub(crate) struct Delay(Shared);
+pub(crate) struct Delay(pub(crate) Shared);
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {

@@ -16,7 +16,7 @@ mod image {
     use embedded_hal::delay::DelayNs;
     use embedded_hal::{i2c, spi};
     use fos_embedded::blocking::{Blocking, poll_once};
-    use fos_embedded::sample_source::{Address, Bmi323, Imu, Lsm6dsv16x, SampleSource};
+    use fos_embedded::sample_source::{Address, Bmi323, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, SampleSource};
 
     unsafe extern "C" {
         /// Defined nowhere: an image in which a panic can be reached does not link.
@@ -32,7 +32,9 @@ mod image {
     #[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
     fn main() -> ! {
         run(Lsm6dsv16x::new(Blocking(Bus), Address::Low, Blocking(Wait)));
+        run(Lsm6dso::new(Blocking(Bus), Address::Low, Blocking(Wait)));
         run(Bmi323::new(Blocking(Bus), Blocking(Wait)));
+        run(Icm42688::new(Blocking(Bus), Blocking(Wait)));
         loop {}
     }
 
