@@ -2,7 +2,7 @@
 
 use super::FifoFrame;
 
-/// Consecutive samples with the same six codes from which a sensor counts as stuck, 0.1 s. The noise of each axis of both
+/// Consecutive samples with the same six codes from which a sensor counts as stuck, 0.1 s. The noise of each axis of all
 /// parts exceeds one code, so two samples agree in all six by chance less than once in 10⁵, twenty never.
 const STUCK_AFTER: u8 = 20;
 

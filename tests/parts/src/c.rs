@@ -1,9 +1,9 @@
 //! The models as a C library, `libfos_parts.so`, for emulators in other languages.
 //!
 //! ```c
-//! // Creates a part at power-on: "bmi323", "lsm6dsv16x", "lsm6dso", "icm42688". `log` has `rows` rows of 7 codes: accelerometers x, y, z at ±4 g,
-//! // gyros x, y, z at ±500 °/s, temperature; one row per sample period; repeated at its end; copied. NULL: generated codes.
-//! // Returns NULL for an unknown name.
+//! // Creates a part at power-on: "bmi323", "lsm6dsv16x", "lsm6dso", "icm42688". `log` has `rows` rows of 7 codes:
+//! // accelerometers x, y, z at ±4 g, gyros x, y, z at ±500 °/s, temperature; one row per sample period; repeated at its
+//! // end; copied. NULL: generated codes. Returns NULL for an unknown name.
 //! Part *parts_new(const char *name, uint8_t i2c_address, const int16_t *log, size_t rows);
 //! void parts_free(Part *part);
 //!

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::codes::Sample;
 
-/// What became of the codes of a tick.
+/// Fate of the codes of a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
     /// Still in the FIFO.
@@ -22,7 +22,7 @@ pub struct Delivered {
     pub tick: u64,
     /// Codes at the range in force, and the latest code of the thermometer.
     pub codes: Sample,
-    /// What became of them.
+    /// Queued, read or lost.
     pub fate: Fate,
     /// Items in the FIFO that hold them.
     items: u8,

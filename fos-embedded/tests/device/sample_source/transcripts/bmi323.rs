@@ -118,6 +118,16 @@ fn fewer_frames_than_announced_are_missing() {
 }
 
 #[test]
+fn frame_that_is_cut_short_is_dropped() {
+    let mut cut = frame(2);
+    cut[9..].fill(0xff);
+    let (result, counts) = polls(1, burst([frame(1), cut, vec![0xff; 16], vec![0; 16], frame(3)].concat()));
+    let after = RawSample { skipped: 1, faults: Faults::BUS | Faults::GAP, ..sample(3) };
+    assert_eq!(result, [Ok(vec![sample(1), after])]);
+    assert_eq!((counts.torn, counts.gaps), (3, 1));
+}
+
+#[test]
 fn duplicate_frame_is_one_sample() {
     let (result, counts) = polls(1, burst([frame(1), frame(1), frame(2)].concat()));
     let after = RawSample { faults: Faults::BUS, ..sample(2) };

@@ -181,6 +181,17 @@ fn fewer_words_than_announced_damage_a_sample() {
 }
 
 #[test]
+fn word_that_is_cut_short_is_dropped_with_its_sample() {
+    let mut cut = accel(2);
+    cut[5..].fill(0xff);
+    let words = [all(1), gyro(2), cut, vec![0xff; 7], all(3)];
+    let (result, counts) = polls(1, burst(words.concat()).to_vec());
+    let faults = Faults::BUS | Faults::GAP;
+    assert_eq!(result, [Ok(vec![sample(1), RawSample { skipped: 1, faults, ..sample(3) }])]);
+    assert_eq!((counts.torn, counts.gaps), (2, 1));
+}
+
+#[test]
 fn overrun_gap_is_counted_by_the_sensor_clock() {
     // the overwriting stopped in the middle of tick 21
     let words = [accel(21), stamp(21), all(22)].concat();
