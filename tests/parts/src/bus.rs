@@ -1,10 +1,10 @@
 //! Bytes on SPI and I2C, the same for all parts.
 
-use crate::Part;
 use crate::clock::Clock;
 use crate::codes::Codes;
 use crate::faults::{Fault, Faults};
 use crate::fifo::Delivered;
+use crate::part::Part;
 use crate::sampler::Sampler;
 
 /// Registers and sampling of a part.
