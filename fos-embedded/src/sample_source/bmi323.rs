@@ -6,7 +6,7 @@ use bmi323_driver::{
 };
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::spi::SpiDevice;
-use fos_core::FittedOn;
+use fos_core::{FittedOn, GRAVITY_MPS2};
 
 use super::spi_fifo::{FRAME, is_released, read_frames};
 use super::{Batch, Imu, SensorClock, SourceError};
@@ -123,7 +123,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
 
     fn scales() -> Scales {
         Scales {
-            accel_mps2: ACCEL.range.scale_g_per_lsb() * 9.806_65,
+            accel_mps2: ACCEL.range.scale_g_per_lsb() * GRAVITY_MPS2,
             gyro_rads: GYRO.range.scale_dps_per_lsb().to_radians(),
             // §5.6.3
             temperature_k: 1.0 / 512.0,

@@ -2,8 +2,9 @@
 
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::spi::{Operation, SpiDevice};
-use fos_core::FittedOn;
+use fos_core::{FittedOn, GRAVITY_MPS2};
 
+use super::registers::{Setting, are_set};
 use super::spi_fifo::{FRAME, is_released, read_frames};
 use super::{Batch, Imu, SensorClock, SourceError};
 use crate::raw::Scales;
@@ -27,7 +28,7 @@ const IDENTITY: u8 = 0x47;
 const RATE: u8 = 7;
 
 /// Registers and values of the set-up, in this order: the sensors after their settings, the FIFO last.
-const CONFIGURATION: [(u8, u8); 9] = [
+const CONFIGURATION: [Setting; 9] = [
     // big-endian data and counts, no I2C
     (INTF_CONFIG0, 0x33),
     // GYRO_CONFIG0: ±500 dps
@@ -134,7 +135,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Icm42688<S, D> {
 
     fn scales() -> Scales {
         Scales {
-            accel_mps2: ACCEL_G * 9.806_65,
+            accel_mps2: ACCEL_G * GRAVITY_MPS2,
             gyro_rads: GYRO_DPS.to_radians(),
             // §4.13
             temperature_k: 1.0 / 132.48,
@@ -178,11 +179,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Icm42688<S, D> {
     async fn is_set_up(&mut self) -> Result<bool, SourceError<S::Error>> {
         let mut read = [0; WATCHED];
         self.read_registers(INTF_CONFIG0, &mut read).await?;
-        Ok(CONFIGURATION.iter().all(|(register, written)| {
-            let place = register.checked_sub(INTF_CONFIG0);
-            // registers outside this range are not checked
-            place.and_then(|place| read.get(usize::from(place))).is_none_or(|read| read == written)
-        }))
+        Ok(are_set(&CONFIGURATION, INTF_CONFIG0, &read))
     }
 
     async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<S::Error>> {

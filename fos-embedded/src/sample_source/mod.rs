@@ -47,6 +47,8 @@ mod icm42688;
 mod lsm6dso;
 #[cfg(feature = "lsm6dsv16x")]
 mod lsm6dsv16x;
+#[cfg(any(feature = "icm42688", feature = "lsm6dso", feature = "lsm6dsv16x"))]
+mod registers;
 mod repeats;
 #[cfg(any(feature = "bmi323", feature = "icm42688"))]
 mod spi_fifo;

@@ -3,6 +3,7 @@
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::i2c::I2c;
 
+use super::registers::{Setting, are_set};
 use super::{Batch, SourceError};
 
 /// Registers at the same address in all of these parts.
@@ -54,12 +55,12 @@ pub enum Address {
 pub(super) struct Registers {
     pub(super) identity: u8,
     /// Writes that reset the part.
-    pub(super) reset: &'static [(u8, u8)],
+    pub(super) reset: &'static [Setting],
     /// Delay after the reset, ms.
     pub(super) boot_ms: u32,
     /// Set-up, in this order: the rates after the settings that they drive, the FIFO last, so that it holds no earlier
     /// data.
-    pub(super) configuration: &'static [(u8, u8)],
+    pub(super) configuration: &'static [Setting],
     /// Address of FIFO_STATUS1; FIFO_STATUS2 follows.
     pub(super) fifo_status: u8,
     /// High bits of the number of words, in FIFO_STATUS2.
@@ -118,11 +119,7 @@ impl<B: I2c, D: DelayNs> St<B, D> {
     pub(super) async fn is_set_up(&mut self) -> Result<bool, SourceError<B::Error>> {
         let mut read = [0; WATCHED];
         self.read_registers(FIFO_CTRL1, &mut read).await?;
-        Ok(self.registers.configuration.iter().all(|(register, written)| {
-            let place = register.checked_sub(FIFO_CTRL1);
-            // registers outside this range are not checked
-            place.and_then(|place| read.get(usize::from(place))).is_none_or(|read| read == written)
-        }))
+        Ok(are_set(self.registers.configuration, FIFO_CTRL1, &read))
     }
 
     pub(super) async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<B::Error>> {

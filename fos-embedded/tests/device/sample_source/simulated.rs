@@ -22,6 +22,8 @@ pub(crate) struct Board {
     is_spi: bool,
     /// Transfers so far.
     pub(crate) transfers: u64,
+    /// Faults that begin or end later: time, ns, fault and value.
+    scheduled: Vec<(u64, Fault, f64)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +34,14 @@ pub(crate) type Shared = Rc<RefCell<Board>>;
 impl Board {
     pub(crate) fn new<P: Simulated>() -> Shared {
         let part = fos_parts::new(P::PART, ADDRESS, Codes::Generated).expect("a part with this name");
-        Rc::new(RefCell::new(Self { part, now_ns: 0, spi_fails: 0, is_spi: P::IS_SPI, transfers: 0 }))
+        Rc::new(RefCell::new(Self {
+            part,
+            now_ns: 0,
+            spi_fails: 0,
+            is_spi: P::IS_SPI,
+            transfers: 0,
+            scheduled: Vec::new(),
+        }))
     }
 
     pub(crate) fn now_us(&self) -> f64 {
@@ -42,7 +51,19 @@ impl Board {
     /// Lets time pass.
     pub(crate) fn pass(&mut self, us: f64) {
         self.now_ns += (us * 1e3).round() as u64;
+        while let Some((at_ns, fault, value)) =
+            self.scheduled.first().copied().filter(|due| due.0 <= self.now_ns)
+        {
+            self.scheduled.remove(0);
+            self.part.advance_to(at_ns);
+            self.part.fault(fault, value);
+        }
         self.part.advance_to(self.now_ns);
+    }
+
+    /// Schedules a fault, in the order of time.
+    pub(crate) fn schedule(&mut self, at_us: u64, fault: Fault, value: f64) {
+        self.scheduled.push((at_us * 1000, fault, value));
     }
 
     /// Number of the sensor's present tick.
