@@ -47,8 +47,8 @@ const KINDS: [Kind; 22] = [
     kind("line stuck high for 200 ms", &[(Fault::StuckHigh, 1.0)], 200),
     kind("line stuck low for 1 ms", &[(Fault::StuckLow, 1.0)], 1),
     kind("line stuck low for 200 ms", &[(Fault::StuckLow, 1.0)], 200),
-    kind("burst cut short after 20 bytes", &[(Fault::Cut, 20.0)], 100),
-    kind("burst cut short after 61 bytes", &[(Fault::Cut, 61.0)], 100),
+    kind("burst cut short in the first 64 bytes", &[(Fault::Cut, 1.0)], 100),
+    kind("burst cut short in the next 64 bytes", &[(Fault::Cut, 65.0)], 100),
     Kind { damages_codes: true, ..kind("a bit in 200 bytes flips", &[(Fault::Flip, 200.0)], 200) },
     kind("another identity", &[(Fault::Identity, 66.0)], 200),
     kind("reset, then another identity", &[(Fault::Reset, 1.0), (Fault::Identity, 66.0)], 200),
@@ -92,7 +92,8 @@ fn run<P: Simulated>(kind: &Kind, seed: u64) -> Result<(), String> {
     let begins_us = random(seed) % 400_000 + 40_000;
     let ends_us = begins_us + kind.lasts_ms * 1000;
     for (fault, value) in kind.begins {
-        board.borrow_mut().schedule(begins_us, *fault, *value);
+        let more = if *fault == Fault::Cut { random(!seed) % 64 } else { 0 };
+        board.borrow_mut().schedule(begins_us, *fault, value + more as f64);
     }
     board.borrow_mut().schedule(ends_us, Fault::None, 0.0);
     let recovered = (ends_us / 1000).div_ceil(POLL_MS) + RECOVERED_AFTER;
