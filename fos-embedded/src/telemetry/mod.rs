@@ -17,6 +17,7 @@
 //! ```
 
 mod alarm;
+mod image;
 mod snapshot;
 
 use core::fmt;
@@ -24,6 +25,7 @@ use core::fmt;
 pub use alarm::AlarmRecorder;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use fos_core::Validity;
+pub use image::{ImageReceiver, encode_image};
 use postcard::ser_flavors::crc::CrcModifier;
 use serde::{Deserialize, Serialize};
 pub use snapshot::Snapshot;
