@@ -316,6 +316,7 @@ test("page and command line show the same numbers, for all axes", { timeout: 3 *
   const find = (/** @type {string} */ begin) => String(state.commands.find((command) => command.startsWith(begin)));
   await run(find("fos fit"));
   const compared = JSON.parse((await run(`${find("fos compare").replace(/ --figures \S+/, "")} --json`)).stdout);
+  assert.deepEqual(await (await fetch(`${server.url}api/studies/${state.id}/strapdown`)).json(), compared.strapdown);
   for (const axis of state.axes) {
     const { rms_before, rms_after, rms_reduction, ...comparison } = compared.axes.find((/** @type {any} */ one) => one.column === axis.column);
     assert.deepEqual(axis.comparison, comparison, axis.column);

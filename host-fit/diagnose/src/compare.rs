@@ -1,6 +1,6 @@
 //! Comparison of a model with the measurements and with simpler rivals.
 
-use fos_data::column::Column;
+use fos_data::column::{ACCELEROMETERS, Column, GYROS};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{
     MODEL, ModelErrors, Rival, Stretch, Trace, UnaidedError, before_and_after, rival, strapdown_errors,
-    trace, trace_with_strapdown, worst_stretches,
+    trace, trace_of_strapdown, trace_with_strapdown, worst_stretches,
 };
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
@@ -261,23 +261,87 @@ pub fn compare_on(
     own: Option<&Recording>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Evaluation, CompareError> {
-    let (is_own, trained_rows) = (data.is(log), data.trained_rows);
-    let own = own.filter(|own| !is_own && data.is(own));
-    let (evaluated, lead_in) = own.map_or((Cow::Borrowed(log), 0), |own| log.led_in_by(own));
-    let is_same = is_own || lead_in > 0;
-    let stillness = stillness::find_apart(&evaluated, if is_same { trained_rows } else { 0 });
-    let other = own.filter(|_| !is_same).map(|own| (stillness::find_apart(own, trained_rows), own));
+    let OnLog { log: evaluated, own, has_fitted_rows, stillness, rows, lead_in } = OnLog::of(data, log, own);
+    let trained_rows = 0..data.trained_rows;
+    let other = own.map(|own| (stillness::find_apart(own, data.trained_rows), own));
     let trained = match &other {
-        Some((stillness, recording)) => Some(Trained { recording, stillness, rows: 0..trained_rows }),
-        None => {
-            is_same.then_some(Trained { recording: &evaluated, stillness: &stillness, rows: 0..trained_rows })
-        }
+        Some((stillness, recording)) => Some(Trained { recording, stillness, rows: trained_rows }),
+        None => has_fitted_rows.then_some(Trained {
+            recording: &evaluated,
+            stillness: &stillness,
+            rows: trained_rows,
+        }),
     };
-    let rows = if is_own { trained_rows } else { lead_in }..evaluated.n_rows();
     let (comparison, trace) =
         compare(model, lag_1, &evaluated, &stillness, rows, trained.as_ref(), progress)?;
     let stillness = if lead_in > 0 { stillness::find(log) } else { stillness };
     Ok(Evaluation { comparison, trace: trace.without_lead_in(lead_in), stillness })
+}
+
+/// Returns [`Comparison::strapdown`] of [`compare_study`], without the comparison of the axes one by one; empty unless the
+/// study and the log have all six axes.
+///
+/// # Errors
+///
+/// A column is missing, or the model cannot be run.
+pub fn strapdown(
+    study: &Study,
+    log: &Recording,
+    own: Option<&Recording>,
+) -> Result<Vec<[UnaidedError; 2]>, CompareError> {
+    let columns = study.columns();
+    let is_measured = |axis: &&str| {
+        let is = |column: &String| column == axis;
+        columns.iter().any(is) && log.axis(axis).is_ok() && !log.quality.empty_axes.iter().any(is)
+    };
+    if !ACCELEROMETERS.iter().chain(&GYROS).all(is_measured) {
+        return Ok(Vec::new());
+    }
+    let model = &study.model;
+    let OnLog { log, stillness, rows, .. } = OnLog::of(&study.data, log, own);
+    let posed = in_fitted_pose(model, &log, &stillness)?.log;
+    let playback = Playback::new(&posed, model, &stillness.still)?;
+    let errors = |model: &UnitModel| {
+        trace_of_strapdown(model, &playback, rows.clone()).map(|trace| strapdown_errors(&trace))
+    };
+    let mean = rival(model, Rival::Mean, &study.lag_1());
+    let (before, after) = (errors(&mean)?, errors(model)?);
+    Ok(before.into_iter().zip(after).map(|(before, after)| [before, after]).collect())
+}
+
+/// A log with the rows that a model is evaluated on.
+struct OnLog<'l> {
+    /// The log, after the log of the fit if it continues that.
+    log: Cow<'l, Recording>,
+    /// Log of the fit, if it is another one.
+    own: Option<&'l Recording>,
+    /// True if `log` begins with the rows that were fitted.
+    has_fitted_rows: bool,
+    stillness: Stillness,
+    rows: Range<usize>,
+    /// Number of rows before those of the log itself.
+    lead_in: usize,
+}
+
+impl<'l> OnLog<'l> {
+    /// See [`compare_on`].
+    fn of(data: &Data, log: &'l Recording, own: Option<&'l Recording>) -> Self {
+        let is_own = data.is(log);
+        let own = own.filter(|own| !is_own && data.is(own));
+        let (evaluated, lead_in) = own.map_or((Cow::Borrowed(log), 0), |own| log.led_in_by(own));
+        let has_fitted_rows = is_own || lead_in > 0;
+        let stillness =
+            stillness::find_apart(&evaluated, if has_fitted_rows { data.trained_rows } else { 0 });
+        let rows = if is_own { data.trained_rows } else { lead_in }..evaluated.n_rows();
+        Self {
+            log: evaluated,
+            own: own.filter(|_| !has_fitted_rows),
+            has_fitted_rows,
+            stillness,
+            rows,
+            lead_in,
+        }
+    }
 }
 
 /// Relative time error of a model's lags on a log with another sampling rate; `None` up to 0.5 %.

@@ -6,7 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_fit::fit::{FitOptions, Train, fit_axis, rest};
 use fos_testkit::noise::white_noise;
 
-use crate::compare::{AxisComparison, Comparison, compare_study, study_of};
+use crate::compare::{AxisComparison, Comparison, compare_study, strapdown, study_of};
 
 const RATE_HZ: f64 = 4.0;
 const TAU_S: f64 = 120.0;
@@ -88,4 +88,33 @@ fn log_in_another_orientation_is_evaluated_about_its_own_mean() {
     let [same, other] = [same, other].map(|axis| axis.slow_errors()[0].expect("an error"));
     // means of four samples of noise, of two seeds
     assert!((same / other - 1.0).abs() < 0.2, "{same:e} {other:e}");
+}
+
+#[test]
+fn strapdown_of_a_study_is_that_of_its_comparison() {
+    let columns = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
+    let log = |seed: u64| {
+        let level = |axis: usize| if axis == 2 { 9.81 } else { 0.0 };
+        let of_axis = |(axis, name): (usize, &&str)| {
+            let noise = white_noise(seed + axis as u64, 1200);
+            ((*name).to_owned(), noise.iter().map(|noise| level(axis) + 1e-3 * noise).collect::<Vec<f64>>())
+        };
+        let mut series: Vec<_> = columns.iter().enumerate().map(of_axis).collect();
+        series.push(("t_s".to_owned(), (0..1200).map(|row| f64::from(row) / RATE_HZ).collect()));
+        Recording::from_columns(Source::made_by("test"), series, &LoadOptions::default()).expect("a log")
+    };
+    let (fitted, other) = (log(1), log(11));
+    let options = FitOptions { max_lag: 2, ..FitOptions::default() };
+    let stillness = rest(&fitted, options.train);
+    let fits = columns.map(|column| fit_axis(&fitted, &stillness, column, &options).expect("a fit")).into();
+    let read = LoadOptions::default();
+    let study = study_of(&fitted, &stillness, fits, options, read, |_| {}).expect("a study");
+    for (log, own) in [(&fitted, None), (&other, Some(&fitted))] {
+        let evaluation = compare_study(&study, &study.columns(), log, own, |_| {}).expect("a comparison");
+        let found = strapdown(&study, log, own).expect("a strapdown");
+        assert!(found[1].iter().all(|error| error.heading_rad.is_some() && error.position_m.is_some()));
+        assert_eq!(found, evaluation.comparison.strapdown);
+    }
+    let alone = study.only("gx_rads").expect("an axis");
+    assert!(strapdown(&alone, &other, None).expect("no strapdown").is_empty());
 }

@@ -31,12 +31,13 @@ pub use template::{of_pages as page_environment, style};
 
 use crate::command_lines::command_lines;
 use crate::examine::examine;
-use fos_diagnose::compare::CompareError;
+use fos_diagnose::compare::{CompareError, strapdown};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError};
 use fos_diagnose::study::{Study, Tool};
 use fos_figures::Figure;
 use fos_figures::plots::View;
+use fos_fit::evaluate::UnaidedError;
 
 /// Failure to build a report.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +78,9 @@ pub struct Report {
     pub evaluation: Option<LogSummary>,
     /// One entry for each examined axis.
     pub axes: Vec<ReportAxis>,
+    /// Heading and position errors without aiding of all six axes together, before the model and with it, by length of
+    /// the windows; empty if the study lacks one of them.
+    pub strapdown: Vec<[UnaidedError; 2]>,
     /// Command lines that give the same results.
     pub commands: Vec<String>,
     /// Settings of the fit, as in the study.
@@ -122,11 +126,20 @@ impl Report {
             let view = View { axis: &examination.comparison, curves: &examination.curves, moved };
             axes.push(ReportAxis { section, figures: view.all() });
         }
-        Ok(Self::put_together(study, axes, logs, summaries))
+        progress("integrating six axes without aiding");
+        // the model of an axis outside the report may need a column that the log lacks
+        let strapdown = strapdown(study, &logs.log, logs.reference.as_ref()).unwrap_or_default();
+        Ok(Self::put_together(study, axes, strapdown, logs, summaries))
     }
 
-    /// Builds a report from axes that were examined before.
-    pub fn put_together(study: &Study, axes: Vec<ReportAxis>, logs: &Logs, summaries: Summaries) -> Self {
+    /// Builds a report from axes that were examined before, and the errors of their [`strapdown`].
+    pub fn put_together(
+        study: &Study,
+        axes: Vec<ReportAxis>,
+        strapdown: Vec<[UnaidedError; 2]>,
+        logs: &Logs,
+        summaries: Summaries,
+    ) -> Self {
         let Summaries { log, reference, evaluation } = summaries;
         let refined =
             axes.iter().map(|axis| (axis.section.column.as_str(), axis.section.refinement.as_ref()));
@@ -138,6 +151,7 @@ impl Report {
             reference,
             evaluation,
             axes,
+            strapdown,
             commands,
             settings: serde_json::to_value(&study.settings).unwrap_or_default(),
         }

@@ -7,7 +7,7 @@ use minijinja::{AutoEscape, Environment, Error, ErrorKind, Value, context};
 
 use super::template::{RenderError, drawn, environment, of_pages, style};
 use super::{AxisSection, AxisUnits, Report, markdown_text};
-use crate::unaided::{LEGEND, UnaidedRow};
+use crate::unaided::{LEGEND, LEGEND_STRAPDOWN, UnaidedRow};
 use fos_figures::Figure;
 use fos_figures::units::{ShownUnit, Units, three};
 
@@ -32,7 +32,7 @@ pub fn html(report: &Report) -> Result<String, RenderError> {
     let mut environment = of_pages()?;
     add_unit_filters(&mut environment);
     let template = environment.template_from_str(include_str!("report.html"))?;
-    Ok(template.render(context! { report => Serde(report), axes, style => style() })?)
+    Ok(template.render(context! { axes, style => style(), ..whole(report) })?)
 }
 
 /// Renders the same numbers as Markdown; the figures are those of `fos compare --figures`.
@@ -48,7 +48,18 @@ pub fn markdown(report: &Report) -> Result<String, RenderError> {
         .add_filter("shell", |lines: Vec<String>| Value::from_safe_string(markdown_text::shell(&lines)));
     let template = environment.template_from_str(include_str!("report.md"))?;
     let axes: Vec<Value> = report.axes.iter().map(|axis| numbers(&axis.section)).collect();
-    Ok(template.render(context! { report => Serde(report), axes })?)
+    Ok(template.render(context! { axes, ..whole(report) })?)
+}
+
+/// Report, and the errors of its six axes together, for people.
+fn whole(report: &Report) -> Value {
+    let strapdown = UnaidedRow::of_strapdown(&report.strapdown, Units::Field);
+    context! {
+        report => Serde(report),
+        strapdown => Serde(&strapdown),
+        strapdown_legend => LEGEND_STRAPDOWN,
+        unaided_legend => LEGEND,
+    }
 }
 
 /// Numbers of an axis, with their units for people.
@@ -63,7 +74,6 @@ fn numbers(section: &AxisSection) -> Value {
         errors_in => Serde(&errors.field),
         sizes_in => Serde(&sizes),
         unaided => Serde(&unaided),
-        unaided_legend => LEGEND,
     }
 }
 

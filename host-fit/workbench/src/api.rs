@@ -32,6 +32,7 @@ use fos_figures::noise::allan_of_noise;
 use fos_figures::plots::View;
 use fos_figures::units::{ShownUnit, Units};
 use fos_figures::{Figure, svg};
+use fos_fit::evaluate::UnaidedError;
 use fos_fit::model::UnitModel;
 use fos_fit::noise::AxisNoise;
 use fos_report::certificate::{self, Certificate, Outcome, Stated};
@@ -365,6 +366,19 @@ pub(super) async fn noise(
     Ok(Json(drawn.await?))
 }
 
+/// Heading and position errors of all six axes together without aiding, before the models and with them.
+pub(super) async fn strapdown(
+    State(desk): State<Arc<Desk>>,
+    Path(id): Path<u64>,
+) -> Answer<Vec<[UnaidedError; 2]>> {
+    let study = desk.study(id).map_err(not_found)?;
+    let errors = move || {
+        let file = study.whole_file().map_err(not_now)?;
+        study.strapdown(&file).map_err(wrong)
+    };
+    Ok(Json(beside(errors).await?))
+}
+
 /// Draws a figure of the page as SVG.
 pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused> {
     let drawn = beside(move || svg(&figure).map_err(wrong)).await?;
@@ -440,7 +454,8 @@ fn report(study: &Study, file: &fos_diagnose::study::Study) -> Result<Report, Re
         let view = View { axis: &found.comparison, curves: &found.curves, moved };
         Some(ReportAxis { section: axis.section, figures: view.all() })
     });
-    Ok(Report::put_together(file, axes.collect(), &read.logs, read.summaries.clone()))
+    let strapdown = study.strapdown(file).map_err(wrong)?;
+    Ok(Report::put_together(file, axes.collect(), strapdown, &read.logs, read.summaries.clone()))
 }
 
 /// Acceptance of the exported model by the hubs.

@@ -162,6 +162,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/studies/{id}/series", get(api::series))
         .route("/api/studies/{id}/figures", get(api::figures))
         .route("/api/studies/{id}/noise", get(api::noise))
+        .route("/api/studies/{id}/strapdown", get(api::strapdown))
         .route("/api/studies/{id}/export/{format}", get(api::export))
         .route("/api/studies/{id}/hubs", get(api::hubs))
         .route("/api/studies/{id}/certificate", get(api::certificate))

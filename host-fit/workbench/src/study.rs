@@ -23,8 +23,11 @@ use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
 use fos_data::recording::LoadOptions;
 use fos_data::stillness;
 use fos_device_io::replay::{self, Summary};
+use fos_diagnose::compare::strapdown;
 use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
+use fos_fit::evaluate::UnaidedError;
+use fos_fit::model::UnitModel;
 use fos_fit::noise::{AxisNoise, axis_noise};
 
 /// A study that is open.
@@ -40,6 +43,7 @@ pub(super) struct Study {
     /// Last run of an image: several windows on a study request the same one.
     replayed: Mutex<Option<Replayed>>,
     noise: Mutex<Vec<NoiseOfAxis>>,
+    strapdown: Mutex<Option<StrapdownOfModel>>,
 }
 
 /// N, B and K of an axis of a log.
@@ -49,6 +53,14 @@ struct NoiseOfAxis {
     read: Arc<Read>,
     /// None where the log is too short.
     noise: Option<AxisNoise>,
+}
+
+/// Errors of a model of six axes without aiding.
+struct StrapdownOfModel {
+    model: UnitModel,
+    /// Logs, among them the one that the model was evaluated on.
+    read: Arc<Read>,
+    errors: Vec<[UnaidedError; 2]>,
 }
 
 /// Image that was run over a log.
@@ -86,6 +98,7 @@ impl Study {
             file: Mutex::new(file),
             replayed: Mutex::default(),
             noise: Mutex::default(),
+            strapdown: Mutex::default(),
         })
     }
 
@@ -371,6 +384,25 @@ impl Study {
         let column = column.to_owned();
         known.push(NoiseOfAxis { column, read: Arc::clone(&read), noise: noise.clone() });
         Ok(noise)
+    }
+
+    /// Heading and position errors of all six axes of `file`, this study, on the log to explain; computed once for a model.
+    ///
+    /// # Errors
+    ///
+    /// The logs are not read yet, or the model cannot be run.
+    pub(super) fn strapdown(&self, file: &StudyFile) -> Result<Vec<[UnaidedError; 2]>, String> {
+        // as for a replay
+        let mut last = self.strapdown.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = self.read()?;
+        let is_same = |last: &&StrapdownOfModel| last.model == file.model && Arc::ptr_eq(&last.read, &read);
+        if let Some(same) = last.as_ref().filter(is_same) {
+            return Ok(same.errors.clone());
+        }
+        let (log, own) = (&read.logs.log, read.logs.reference.as_ref());
+        let errors = strapdown(file, log, own).map_err(|error| error.to_string())?;
+        *last = Some(StrapdownOfModel { model: file.model.clone(), read, errors: errors.clone() });
+        Ok(errors)
     }
 
     /// Returns the study as a file: all fitted axes, as refined.

@@ -410,6 +410,12 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     let (status, noise) = bench.get(&at("noise?axis=gx_rads&units=field")).await;
     assert_eq!(status, StatusCode::OK, "{noise}");
     assert!(noise.to_string().contains("°/√h"), "N, B and K in field units");
+    let (status, strapdown) = bench.get(&at("strapdown")).await;
+    assert_eq!(status, StatusCode::OK, "{strapdown}");
+    for of_model in [0, 1] {
+        let after_10_s = &strapdown[1][of_model];
+        assert!(after_10_s["heading_rad"].is_object() && after_10_s["position_m"].is_object(), "{strapdown}");
+    }
     let drawn = page("POST", "/api/draw").header("content-type", "application/json");
     let response = bench.ask(drawn.body(Body::from(noise.to_string())).unwrap()).await;
     assert_eq!(
@@ -437,6 +443,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
         assert!(!content.is_empty());
         if format.starts_with("report") {
             assert!(text.contains("alert(1)"), "the log's name is in {format}");
+            assert!(text.contains("Six axes without aiding"), "{format}");
         }
         if format == "report.md" {
             let (before, rest) = text.split_once("```sh").unwrap();

@@ -86,6 +86,20 @@ pub fn trace_with_strapdown(
     run::<f64>(model, playback, rows, Coasted::AllRowsAndStrapdown)
 }
 
+/// Runs `model` like [`trace`], but over windows without aiding only, with a strapdown of its six axes: `coast`,
+/// `coast_whole` and `horizons` are empty.
+///
+/// # Errors
+///
+/// fos-core rejects the model.
+pub fn trace_of_strapdown(
+    model: &UnitModel,
+    playback: &Playback<'_>,
+    rows: Range<usize>,
+) -> Result<Trace, ModelError> {
+    run::<f64>(model, playback, rows, Coasted::Strapdown)
+}
+
 /// Runs `model` like [`trace`], but keeps free runs at their horizons only: `coast` and `coast_whole` are empty.
 ///
 /// # Errors
@@ -107,6 +121,14 @@ enum Coasted {
     AllRows,
     /// The same, and a strapdown over the windows.
     AllRowsAndStrapdown,
+    /// Over the windows alone, with a strapdown.
+    Strapdown,
+}
+
+impl Coasted {
+    fn keeps_rows(self) -> bool {
+        matches!(self, Self::AllRows | Self::AllRowsAndStrapdown)
+    }
 }
 
 fn run<R: Real>(
@@ -143,13 +165,20 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
     ) -> Self {
         let stretches = playback.still_stretches(rows.clone());
         let mut origins = Origins::new(&stretches, model.period_s);
-        if coasted == Coasted::Horizons {
+        if !coasted.keeps_rows() {
             origins.blocks.clear();
-            origins.windows.clear();
+        }
+        match coasted {
+            Coasted::Horizons => origins.windows.clear(),
+            Coasted::Strapdown => origins.reaches.clear(),
+            Coasted::AllRows | Coasted::AllRowsAndStrapdown => {}
         }
         let axes = model.axes.iter().map(|_| AxisTrace::with_rows(rows.len(), coasted)).collect();
         let trace = Trace { rows, period_s: model.period_s, stretches, axes, strapdown: None };
-        let six = if coasted == Coasted::AllRowsAndStrapdown { SixAxes::of(model) } else { None };
+        let six = match coasted {
+            Coasted::Horizons | Coasted::AllRows => None,
+            Coasted::AllRowsAndStrapdown | Coasted::Strapdown => SixAxes::of(model),
+        };
         let coasting = Coasting::new(model, playback, &origins, six);
         Self { playback, feed: playback.feed(), origins, coasting, predictor, coasted, trace }
     }
@@ -187,7 +216,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
             while let Some(window) = windows.next_if(|(window, _)| window.start == row) {
                 self.coasting.begin_window(&self.predictor, window);
             }
-            if self.coasted != Coasted::Horizons {
+            if self.coasted.keeps_rows() {
                 let corrections = whole.coast(&mut self.feed, self.playback, row);
                 if self.playback.is_still(row) {
                     self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
@@ -253,7 +282,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Whole<R, TERMS, HISTORY>
 impl AxisTrace {
     fn with_rows(n_rows: usize, coasted: Coasted) -> Self {
         let unknown = || vec![f64::NAN; n_rows];
-        let coasted = || if coasted != Coasted::Horizons { unknown() } else { Vec::new() };
+        let coasted = || if coasted.keeps_rows() { unknown() } else { Vec::new() };
         Self {
             measured: unknown(),
             one_step: unknown(),

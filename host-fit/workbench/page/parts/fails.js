@@ -10,7 +10,7 @@ import { TimeChart } from "../timechart.js";
 import { chosen as unitOf, figureIn, system } from "../units.js";
 import { section, waitingFor } from "./section.js";
 import { drawStretches, movedOf, shadesOf, wordsFor } from "./stretches.js";
-import { drawUnaided } from "./unaided.js";
+import { drawUnaided, sixAxes } from "./unaided.js";
 
 /** @typedef {import("../studypage.js").Context} Context */
 /** @typedef {import("../studypage.js").Scene} Scene */
@@ -38,9 +38,10 @@ export function failsPart({ study, time, source, choose, announce }) {
   const list = el("ol", { class: "stretches" });
   const listTitle = el("h3", {}, "The worst stretches");
   const unaided = el("div", { class: "unaided" });
+  const together = sixAxes(study);
   const note = el("div", { class: "chosen", role: "status" });
   const panels = el("div", { class: "panels" });
-  const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list, unaided), note, panels);
+  const element = section(2, "Where the model fails", "How large is the residual, when is it worst, and what does it follow?", el("div", { class: "card" }, empty, chart.element, listTitle, list, unaided, together.element), note, panels);
 
   source.onData((drawn) => chart.setData(drawn?.shown.left ? drawn.shown : null));
 
@@ -114,6 +115,7 @@ export function failsPart({ study, time, source, choose, announce }) {
         replace(note, chosen ? chosenNote(chosen, choose) : null);
         if (chosen) announce(`Every panel shows ${wordsFor(chosen)}.`);
       }
+      void together.update(scene);
       void readFigures(scene);
     },
   };
