@@ -4,8 +4,12 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use fos_data::recording::{LoadOptions, load};
 use fos_fit::noise::{AxisNoise, Level, NoiseLevels, log_deviations};
+use fos_fit::signal::allan::allan_deviation;
 use fos_simulate::{Colour, GaussMarkov};
+use fos_testkit::outside;
+use fos_testkit::reference::{self, numbers};
 
 use super::noise_of_a_log::{RATE_HZ, holds, log, noise_of};
 
@@ -161,4 +165,35 @@ fn a_thermal_trend_leaves_k_within_its_interval() {
     let (rms, share) = accuracy(&found, walk);
     println!("K under a trend of 1.8e-3 rad/s: {rms:.3}, held {share:.3}");
     assert!((0.85..=0.95).contains(&share), "{share}");
+}
+
+/// Values computed with the R package avar from the same log, in °/s and g.
+#[test]
+#[ignore = "a log of a million rows: .ci/release runs it"]
+fn allan_variances_of_an_adis16405_are_those_of_avar() {
+    let references = reference::outside("allan_adis_av");
+    let Some((reference, log)) = references.zip(outside::path("data/adis16405_static_run1_100hz.csv.gz"))
+    else {
+        return;
+    };
+    let recording = load(log, &LoadOptions::default()).expect("a log");
+    let mut most = 0.0_f64;
+    for (letter, axis) in ["X", "Y", "Z"].into_iter().zip(["x", "y", "z"]) {
+        for (name, column, unit) in [
+            ("Gyro.", format!("g{axis}_rads"), 1.0_f64.to_radians()),
+            ("Accel.", format!("a{axis}_mps2"), 9.806_65),
+        ] {
+            let of_avar = &reference.answers["axes"][format!("{name} {letter}")];
+            let (taus_s, expected) = (numbers(&of_avar["levels"]), numbers(&of_avar["allan"]));
+            let values = &recording.axis(&column).expect("a column").values;
+            let found = allan_deviation(&[values], 0.01, &taus_s);
+            assert_eq!((found.len(), taus_s.len()), (18, 18));
+            for (point, expected) in found.iter().zip(expected) {
+                most = most.max(((point.deviation / unit).powi(2) / expected - 1.0).abs());
+            }
+        }
+    }
+    println!("Allan variances of six axes at 18 averaging times: within {most:.1e} of those of avar");
+    // the digits of the log
+    assert!(most < 1e-5, "{most}");
 }
