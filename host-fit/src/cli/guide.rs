@@ -72,12 +72,12 @@ fn time_at_rest(log: &Recording) -> String {
     let seconds = found.iter().map(|axis| axis.seconds).fold(f64::INFINITY, f64::min);
     let at_rest = format!("{} at rest", duration(seconds));
     let missing = found.iter().filter_map(|axis| {
-        let until = axis.walk_within_20_percent_s.or(axis.walk_needs_s)?;
+        let until = axis.levels.walk_within_20_percent_s.or(axis.walk_needs_s)?;
         (until > axis.seconds).then_some((until - axis.seconds, axis))
     });
     match missing.max_by(|(one, _), (other, _)| one.total_cmp(other)) {
         None => format!("{at_rest}: enough, K of every axis that has one is within ± 20 %"),
-        Some((more, axis)) if axis.walk_within_20_percent_s.is_some() => {
+        Some((more, axis)) if axis.levels.walk_within_20_percent_s.is_some() => {
             format!("{at_rest}: about {} more for K of {} within ± 20 %", duration(more), axis.column)
         }
         Some((more, axis)) => format!(

@@ -197,7 +197,7 @@ fn print_noise<'a>(axes: &'a [AxisNoise], units: Units) {
         );
     }
     for (axis, _) in &shown {
-        let Some(needed) = axis.walk_within_20_percent_s else { continue };
+        let Some(needed) = axis.levels.walk_within_20_percent_s else { continue };
         print_line!(
             "  {}: {} at rest are expected to give K within ±20 % (90 %)",
             axis.column,

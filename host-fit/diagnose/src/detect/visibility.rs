@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
-use fos_fit::noise::{Blocks, Gls, LogLevels, NoiseLevels, densities, dot, least_where, minimise};
+use fos_fit::noise::{Gls, LogLevels, NoiseLevels, dot, expected_rise, least_where, minimise};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::hypothesis::{Hypotheses, Hypothesis};
@@ -213,12 +213,13 @@ impl Planned<'_> {
 
     /// Expected gain in −2 ln L of an effect of this size over larger noise levels.
     fn gain(&self, size: f64, column: &[f64]) -> f64 {
-        let prior = &self.search.prior;
+        let (prior, blocks) = (&self.search.prior, self.search.blocks);
+        let seconds = blocks.len() as f64 * blocks.length_s;
         // the prior takes nothing from its own mean
         let deviance = |logs: &LogLevels| {
             let other = NoiseLevels::from_logs(logs);
             size * size * self.information(column, &[], &other)
-                + spectral_divergence(&self.levels, &other, self.search.blocks)
+                + expected_rise(&self.levels, &other, seconds, blocks.length_s)
                 + prior.deviance(logs)
         };
         minimise(prior.mean, deviance).1
@@ -251,18 +252,4 @@ impl Planned<'_> {
         }
         Ok(nearest)
     }
-}
-
-/// Expected rise of −2 ln L of noise of levels `own` under levels `other`: Σ (S₀/S − 1 − ln(S₀/S)) over the frequencies of the
-/// block means (Whittle 1953).
-fn spectral_divergence(own: &NoiseLevels, other: &NoiseLevels, blocks: &Blocks) -> f64 {
-    let count = blocks.len();
-    let span_s = count as f64 * blocks.length_s;
-    let of_frequency = |k: usize| {
-        let [own, other] =
-            [own, other].map(|levels| densities(levels, k as f64 / span_s).iter().sum::<f64>());
-        let ratio = own / other;
-        ratio - 1.0 - ratio.ln()
-    };
-    2.0 * (1..=count / 2).map(of_frequency).sum::<f64>()
 }

@@ -48,9 +48,6 @@ pub struct AxisNoise {
     pub step: Option<f64>,
     /// Length of a log that would show more about an undetected random walk, s.
     pub walk_needs_s: Option<f64>,
-    /// Time at rest, s, after which the 90 % interval is expected to be ±20 %, of a random walk that is known within a
-    /// factor of 3; none where the interval is that narrow already.
-    pub walk_within_20_percent_s: Option<f64>,
     /// Overlapping Allan deviation; no difference spans a gap or a motion.
     pub allan: Vec<AllanPoint>,
 }
@@ -167,11 +164,6 @@ pub fn axis_noise(
         filter: FilterNoise::of(&levels, period_s),
         // a longer log does not reveal what a step hides
         walk_needs_s: if step.is_some() { None } else { levels.seconds_for_walk(span_s) },
-        walk_within_20_percent_s: if step.is_some() {
-            None
-        } else {
-            levels.seconds_for_accurate_walk(seconds)
-        },
         step,
         thermal_drift,
         allan: allan_deviation(&without_drift, period_s, &taus),

@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::blocks::Blocks;
 use super::gauss_markov::{GaussMarkovNoise, gauss_markov};
-use super::information::seconds_for_walk_deviation;
+use super::information::seconds_for_walk_within;
 pub use super::level::Level;
 use super::level::restricted_deviance;
 use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels};
 use super::model::NoiseLevels;
-use super::profile::{Interval, Profile, RISE};
+use super::profile::{Interval, Profile};
 
 /// Least number of blocks for an estimate of three levels.
 pub(super) const FEWEST_BLOCKS: usize = 40;
@@ -24,6 +24,9 @@ const UNINFORMATIVE: f64 = 100.0;
 
 /// Largest ratio of a random walk to the lower end of its interval from which a recording time is predicted.
 const MAX_WALK_FACTOR: f64 = 3.0;
+
+/// Ratio of the ends of an accurate interval to the value.
+const ACCURATE: f64 = 1.2;
 
 /// Allan deviation of flicker noise of unit bias instability: √(2 ln 2/π) (IEEE Std 952).
 pub const FLICKER_FLOOR: f64 = 0.664_282_9;
@@ -38,6 +41,9 @@ pub struct NoiseEstimate {
     pub walk: Level,
     /// White noise and a Gauss-Markov process, if they describe the axis better than N, B and K do.
     pub gauss_markov: Option<GaussMarkovNoise>,
+    /// Time at rest, s, after which the 90 % interval of K is expected to be within ±20 %; nine of ten logs need at most 1.2
+    /// times as long. None where it is that narrow already, or the walk not known within a factor of 3.
+    pub walk_within_20_percent_s: Option<f64>,
 }
 
 /// Estimates the levels from `y`, block means of an axis at rest, and `regressors`, which include a constant.
@@ -62,11 +68,19 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
     });
     // flicker and walk may be mistaken for each other: start with more of either
     let best = profile.best(&[start, [start[0], start[1] - 3.0, start[2] + 2.0]]);
+    let intervals = [0, 1, 2].map(|parameter| profile.interval(parameter, &best));
     let level = |parameter: usize| {
-        let Interval { low, high } = profile.interval(parameter, &best);
+        let Interval { low, high, .. } = intervals[parameter];
         Level { value: low.map(|_| best.logs[parameter].exp()), low, high }
     };
-    let levels = NoiseEstimate { white: level(0), flicker: level(1), walk: level(2), gauss_markov: None };
+    let seconds = blocks.samples() as f64 * blocks.period_s;
+    let levels = NoiseEstimate {
+        white: level(0),
+        flicker: level(1),
+        walk: level(2),
+        gauss_markov: None,
+        walk_within_20_percent_s: seconds_for_accurate_walk(&best.logs, &intervals[2], seconds),
+    };
     let gauss_markov = gauss_markov(
         &regression,
         [levels.white, levels.flicker, levels.walk],
@@ -107,18 +121,20 @@ impl NoiseEstimate {
         };
         Some(seconds * meets(0.5 * self.walk.high) / meets(self.walk.high))
     }
+}
 
-    /// Time at rest, s, after which the 90 % interval of a random walk is expected to be ±20 %; none where the walk is not
-    /// known within a factor of 3, or where `seconds` at rest suffice.
-    pub(super) fn seconds_for_accurate_walk(&self, seconds: f64) -> Option<f64> {
-        // a walk that was hardly seen is too large on average, and a time based on it too short
-        let walk = self.walk.value.zip(self.walk.low).filter(|(walk, low)| *walk < MAX_WALK_FACTOR * low)?.0;
-        // flicker that was not seen may still hide the walk
-        let [white, flicker] = [self.white.at_most(), self.flicker.at_most()];
-        let levels = NoiseLevels { white, flicker, walk, gauss_markov: None };
-        let deviation = 1.2_f64.ln() / RISE.sqrt();
-        // a walk shows in means over seconds; finer ones add nothing
-        let needed = seconds_for_walk_deviation(&levels, deviation, 1.0)?;
-        (needed > seconds).then_some(needed)
+/// Returns the time at rest that is stated after `seconds` with these most likely levels. Its logarithm is the mean of two:
+/// of the time that these levels need, and of the time for the lower end of K, at which the other levels are those that
+/// are most likely there. Where flicker noise was not detected, that is as much of it as may hide the walk.
+pub(super) fn seconds_for_accurate_walk(likeliest: &LogLevels, walk: &Interval, seconds: f64) -> Option<f64> {
+    let at_low = walk.at_low?;
+    let [low, high] = [at_low[2], walk.high.ln()];
+    // a walk that was hardly seen is too large on average, and a time based on it too short
+    if likeliest[2] - low > MAX_WALK_FACTOR.ln() || high - low < 2.0 * ACCURATE.ln() {
+        return None;
     }
+    // a walk shows in means over seconds; finer ones add nothing
+    let [expected, longer] = [likeliest, &at_low]
+        .map(|logs| seconds_for_walk_within(&NoiseLevels::from_logs(logs), ACCURATE, seconds, 1.0));
+    Some((expected? * longer?).sqrt().max(seconds))
 }

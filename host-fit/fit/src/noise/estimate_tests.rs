@@ -5,10 +5,12 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::blocks::Blocks;
-use super::estimate::{Level, NoiseEstimate, estimate};
+use super::estimate::{Level, estimate, seconds_for_accurate_walk};
+use super::information::seconds_for_walk_within;
 use super::levels::UnknownLevels;
 use super::model::{GaussMarkov, NoiseLevels};
-use super::noise_tests::blocks_of;
+use super::noise_tests::{LENGTH_S, blocks_of};
+use super::profile::Interval;
 
 fn simulated(levels: &NoiseLevels, blocks: &Blocks, seed: u64) -> [Level; 3] {
     let y = levels.simulate(blocks, &mut ChaCha8Rng::seed_from_u64(seed));
@@ -87,21 +89,45 @@ fn undetected_walk_requires_a_longer_log() {
 
 #[test]
 fn predicts_a_recording_time_only_for_a_walk_known_within_a_factor_of_three() {
-    let known = |value: f64, low: f64, high: f64| Level { value: Some(value), low: Some(low), high };
-    let estimate = NoiseEstimate {
-        white: known(0.01, 0.0099, 0.0101),
-        flicker: Level { value: None, low: None, high: 1e-4 },
-        walk: known(3.16e-5, 1.5e-5, 5e-5),
-        gauss_markov: None,
+    let likeliest = [0.01_f64, 1e-4, 3.16e-5].map(f64::ln);
+    let needed = |factor: f64, seconds: f64| {
+        let mut at_low = likeliest;
+        at_low[2] -= factor.ln();
+        let [low, high] = [at_low[2], likeliest[2] + factor.ln()].map(f64::exp);
+        seconds_for_accurate_walk(
+            &likeliest,
+            &Interval { low: Some(low), at_low: Some(at_low), high },
+            seconds,
+        )
     };
-    let needed = estimate.seconds_for_accurate_walk(3600.0).expect("a time");
-    assert!(needed > 3600.0);
-    assert_eq!(estimate.seconds_for_accurate_walk(1.01 * needed), None, "long enough");
-    // flicker that may be there hides a part of the walk
-    let more = NoiseEstimate { flicker: Level { value: None, low: None, high: 1e-3 }, ..estimate };
-    assert!(more.seconds_for_accurate_walk(3600.0).expect("a time") > 1.2 * needed);
-    let hardly = NoiseEstimate { walk: known(3.16e-5, 0.3e-5, 9e-5), ..estimate };
-    assert_eq!(hardly.seconds_for_accurate_walk(3600.0), None, "hardly seen");
+    let after_an_hour = needed(2.0, 3600.0).expect("a time");
+    assert!(after_an_hour > 10.0 * 3600.0, "{after_an_hour}");
+    assert!(needed(1.3, 3600.0).expect("a time") < after_an_hour, "the lower end of K is nearer");
+    assert_eq!(
+        needed(1.3, 10.0 * after_an_hour),
+        Some(10.0 * after_an_hour),
+        "not yet, though expected before"
+    );
+    assert_eq!([needed(1.19, 3600.0), needed(3.1, 3600.0)], [None; 2], "narrow enough, hardly seen");
+}
+
+/// With the upper limit of flicker noise that is not there, the time was twice that.
+#[test]
+fn time_for_an_accurate_walk_is_not_lengthened_by_absent_flicker_noise() {
+    let blocks = blocks_of(&[8; 1500]);
+    let levels = NoiseLevels { white: 1.0, flicker: 0.0, walk: 0.08, gauss_markov: None };
+    let expected = seconds_for_walk_within(&levels, 1.2, 1000.0, LENGTH_S).expect("a time");
+    let ones = vec![1.0; blocks.len()];
+    let mut ratios: Vec<f64> = (0..9)
+        .filter_map(|seed| {
+            let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+            let said = estimate(&blocks, &y, &[&ones]).unwrap().walk_within_20_percent_s;
+            said.map(|said| said / expected)
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    println!("time said over time expected: {ratios:.2?}");
+    assert!(ratios.len() > 6 && (1.0..1.7).contains(&ratios[ratios.len() / 2]), "{ratios:?}");
 }
 
 /// A Gauss-Markov process of 25 s, in an hour of blocks of 0.8 s.

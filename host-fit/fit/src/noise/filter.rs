@@ -95,7 +95,13 @@ mod tests {
     const LIMIT: Level = Level { value: None, low: None, high: 1.0 };
 
     fn levels() -> NoiseEstimate {
-        NoiseEstimate { white: known(0.01), flicker: LIMIT, walk: known(3e-5), gauss_markov: None }
+        NoiseEstimate {
+            white: known(0.01),
+            flicker: LIMIT,
+            walk: known(3e-5),
+            gauss_markov: None,
+            walk_within_20_percent_s: None,
+        }
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub use estimate::{FLICKER_FLOOR, Level, NoiseEstimate, estimate};
 pub use filter::{Absent, FilterNoise};
 pub use gauss_markov::GaussMarkovNoise;
 pub use gls::{Gls, combination, dot};
-pub use information::{densities, log_deviations, seconds_for_walk_deviation};
+pub use information::{expected_rise, expected_walk_ratio, log_deviations, seconds_for_walk_within};
 pub use least::least_where;
 pub use levels::{Fitted, LevelPrior, LogLevels, Regression, UnknownLevels, minimise};
 pub use model::{GaussMarkov, NoiseLevels};

@@ -108,8 +108,7 @@ impl Blocks {
 }
 
 impl NoiseLevels {
-    /// Whitens columns of block means. The bias at the first block belongs to the constant, so the random walk starts
-    /// at 0.
+    /// Whitens columns of block means. The bias at the start belongs to the constant, so the random walk starts at 0.
     pub fn whiten(&self, blocks: &Blocks, columns: &[&[f64]]) -> Whitened {
         self.whitening(blocks).whiten(columns)
     }
@@ -167,19 +166,22 @@ impl NoiseLevels {
                 white += rung.white;
             }
         }
+        // means of a walk over blocks k apart differ by K²T·(k − ⅓): as a walk that is sampled once per block and a negative
+        // white noise of K²T/6 do; it starts at 0 when the first block begins
         let walk_per_block = self.walk * self.walk * length_s;
-        // averaging over a block reduces the variance of the walk inside it by 2/3 (van Loan 1978 for the integral): a
-        // fraction of a percent of the white noise in any sensor, and neglected
+        white -= walk_per_block / 6.0;
         let mut covariance = [[0.0; STATES]; STATES];
         for state in 0..STATES {
             covariance[state][state] = stationary[state];
         }
+        covariance[RUNGS][RUNGS] = walk_per_block / 2.0;
         let mut variances = Vec::with_capacity(blocks.len());
         let mut restarts = restarts.iter().copied().peekable();
         let mut steps = Vec::with_capacity(blocks.len());
         for (at, block) in blocks.blocks.iter().enumerate() {
             let seconds = block.count as f64 * blocks.period_s;
-            // negative if a short process outweighs the white noise; the variance of the innovation is always positive
+            // negative if short processes and the walk inside a block outweigh the white noise; the variance of the
+            // innovation is always positive
             let own = self.white * self.white * block.noise / seconds + white;
             // sum of each row; by symmetry all are added up at once
             let mut gain = [0.0; STATES];

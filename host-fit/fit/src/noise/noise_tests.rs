@@ -89,7 +89,9 @@ pub(super) fn dense(levels: &NoiseLevels, blocks: &Blocks) -> DMatrix<f64> {
                     * covariance_of_means(blocks.length_s / p.tau_s, a.index.abs_diff(b.index))
             })
             .sum();
-        let walked_s = (a.index.min(b.index) - first) as f64 * blocks.length_s;
+        // double integral of min(t, s) over both blocks, from the start of the first one
+        let inside = if i == j { 1.0 / 3.0 } else { 0.5 };
+        let walked_s = ((a.index.min(b.index) - first) as f64 + inside) * blocks.length_s;
         let white = if i == j { levels.white.powi(2) / (a.count as f64 * blocks.period_s) } else { 0.0 };
         white + coloured + levels.walk.powi(2) * walked_s
     })

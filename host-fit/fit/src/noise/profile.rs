@@ -47,6 +47,8 @@ pub(super) struct Best {
 pub(super) struct Interval {
     /// Lower end; none if the interval reaches zero.
     pub(super) low: Option<f64>,
+    /// Logarithms of all parameters there.
+    pub(super) at_low: Option<LogLevels>,
     pub(super) high: f64,
 }
 
@@ -94,15 +96,9 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
     }
     /// Returns −2 ln L at a value of one parameter, minimised over the other two.
     fn profile(&self, parameter: usize, log: f64, track: &mut Track, units: &LogLevels) -> f64 {
-        let with = |others: &[f64; 2]| {
-            let mut logs = [log; 3];
-            for (index, other) in (0..3).filter(|index| *index != parameter).zip(others) {
-                logs[index] = *other;
-            }
-            logs
-        };
         let units = without(parameter, units);
-        let (others, deviance) = minimise_in(&units, track.others_at(log), |others| (self.at)(&with(others)));
+        let at = |others: &[f64; 2]| (self.at)(&with(parameter, log, others));
+        let (others, deviance) = minimise_in(&units, track.others_at(log), at);
         track.push(log, others);
         deviance
     }
@@ -115,7 +111,7 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
         let rise = |log: f64, track: &mut Track| {
             self.profile(parameter, log, track, &best.units) - best.deviance - RISE
         };
-        let end = |direction: f64| -> Option<f64> {
+        let end = |direction: f64| -> Option<Track> {
             let mut track = track.clone();
             let (mut inside, mut below, mut step) = (centre, -RISE, first);
             // terminates: the step doubles
@@ -125,7 +121,7 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
                     return None;
                 }
                 match rise(log, &mut track) {
-                    there if there.abs() < EXACT_RISE => return Some(log),
+                    there if there.abs() < EXACT_RISE => return Some(track),
                     there if there > 0.0 => break (log, there),
                     there => (inside, below) = (log, there),
                 }
@@ -139,18 +135,20 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
                 let share = (-below_root / (above_root - below_root)).clamp(0.05, 0.95);
                 let log = inside + share * (outside - inside);
                 match rise(log, &mut track) {
-                    there if there.abs() < EXACT_RISE => return Some(log),
+                    there if there.abs() < EXACT_RISE => return Some(track),
                     there if there > 0.0 => (outside, above) = (log, there),
                     there => (inside, below) = (log, there),
                 }
             }
-            Some(0.5 * (inside + outside))
+            Some(track)
         };
-        let high = end(1.0).unwrap_or(centre + MAX_DISTANCE).exp();
+        let high = end(1.0).map_or(centre + MAX_DISTANCE, |end| end.log).exp();
         // the others do not follow a parameter that far
         let mut absent = Track { slopes: [0.0; 2], ..track.clone() };
         let may_be_none = rise(centre - ABSENT_BELOW, &mut absent) <= 0.0;
-        Interval { low: if may_be_none { None } else { end(-1.0).map(f64::exp) }, high }
+        let low = if may_be_none { None } else { end(-1.0) };
+        let at_low = low.as_ref().map(|end| with(parameter, end.log, &end.others));
+        Interval { low: low.map(|end| end.log.exp()), at_low, high }
     }
 }
 
@@ -178,6 +176,15 @@ fn steps_of(curvature: &[[f64; 3]; 3]) -> LogLevels {
     std::array::from_fn(|i| {
         (USUAL_CURVATURE / curvature[i][i].max(f64::MIN_POSITIVE)).sqrt().clamp(0.5, LONGEST_UNIT)
     })
+}
+
+fn with(parameter: usize, log: f64, others: &[f64; 2]) -> LogLevels {
+    let [one, other] = *others;
+    match parameter {
+        0 => [log, one, other],
+        1 => [one, log, other],
+        _ => [one, other, log],
+    }
 }
 
 fn without<T: Copy>(parameter: usize, all: &[T; 3]) -> [T; 2] {

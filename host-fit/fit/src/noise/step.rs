@@ -81,6 +81,7 @@ impl Rounded {
             flicker: limit(flicker + self.step),
             walk: limit(walk + self.step / self.span_s.sqrt()),
             gauss_markov: None,
+            walk_within_20_percent_s: None,
         }
     }
 }
@@ -138,6 +139,10 @@ mod tests {
     use super::*;
     use fos_testkit::noise::white_noise;
 
+    fn estimate_of([white, flicker, walk]: [Level; 3]) -> NoiseEstimate {
+        NoiseEstimate { white, flicker, walk, gauss_markov: None, walk_within_20_percent_s: None }
+    }
+
     /// Cases whose interval of N misses the truth, and the number of limits, for steps of a tenth to eight standard
     /// deviations and seven positions of the mean between two codes.
     fn misses(corrected: bool) -> (Vec<(f64, f64)>, usize) {
@@ -155,7 +160,7 @@ mod tests {
                         let n = of.variance.sqrt() * step * 0.1;
                         let white = Level { value: Some(n), low: Some(0.98 * n), high: 1.02 * n };
                         let none = Level { value: None, low: None, high: 0.0 };
-                        let found = NoiseEstimate { white, flicker: none, walk: none, gauss_markov: None };
+                        let found = estimate_of([white, none, none]);
                         let (corrected_to, is_limit) = of.before_rounding(found);
                         if corrected { (corrected_to.white, is_limit) } else { (white, false) }
                     }
@@ -202,12 +207,7 @@ mod tests {
         let level = |value: f64| Level { value: Some(value), low: None, high: 0.02 };
         let of = Rounded { step: 0.03, variance: 0.11, pairs: 299.0, period_s: 1.0, span_s: 299.0 };
         for value in [1e-3, 1e-6, 1e-12] {
-            let found = NoiseEstimate {
-                white: level(value),
-                flicker: level(value),
-                walk: level(value),
-                gauss_markov: None,
-            };
+            let found = estimate_of([level(value); 3]);
             let high = of.before_rounding(found).0.white.high;
             assert!((0.01..0.05).contains(&high), "{value}: {high}");
         }
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn fine_steps_do_not_change_the_estimate() {
         let level = Level { value: Some(1.0), low: Some(0.9), high: 1.1 };
-        let found = NoiseEstimate { white: level, flicker: level, walk: level, gauss_markov: None };
+        let found = estimate_of([level; 3]);
         let fine = Rounded { step: 0.1, variance: 100.0, pairs: 1e4, period_s: 1.0, span_s: 1e4 };
         assert_eq!(fine.before_rounding(found), (found, false));
     }
