@@ -14,6 +14,9 @@
 //! Modelled are the registers of the data path: identity, reset, power modes, rates, ranges, FIFO, interrupts, temperature
 //! and time. Embedded functions (steps, taps, self-test) only store what is written to them.
 //!
+//! No model was compared with a part. Least certain are the start-up times, the reset values of the BMI323's configuration
+//! registers, the register map of the LSM6DSO, and the factor 32/30 of the ICM-42688-P's timestamps.
+//!
 //! Assumed, where a data sheet gives no value: start-up times and the rate of the thermometer are typical ones of the maker's
 //! parts; a frame that was read in part is sent again from its beginning; samples fall on multiples of their period since
 //! the last reset; a data-ready signal lasts until its status or the FIFO is read.
