@@ -11,17 +11,17 @@ use crate::compare::{AxisComparison, Comparison, compare_study, strapdown, study
 const RATE_HZ: f64 = 4.0;
 const TAU_S: f64 = 120.0;
 
-/// Rows of a log of a gyro in rad/s, with white noise of this standard deviation, that follows a temperature in °C after
+/// Rows of a log of a gyro in rad/s, with white noise of this standard deviation a sample, that follows a temperature in °C after
 /// [`TAU_S`]. The timestamps are shifted by `shift_s`.
-pub(crate) fn lagging(deviation: f64, rows: Range<usize>, shift_s: f64) -> Recording {
+pub(crate) fn lagging(rate_hz: f64, deviation: f64, rows: Range<usize>, shift_s: f64) -> Recording {
     let mut lagging = 25.0;
     let noise = white_noise(7, rows.end);
     let mut columns: Vec<(String, Vec<f64>)> =
         ["t_s", "gx_rads", "temp_c"].map(|name| (name.to_owned(), Vec::new())).into();
     for (row, noise) in noise.iter().enumerate() {
-        let time_s = row as f64 / RATE_HZ;
+        let time_s = row as f64 / rate_hz;
         let temperature = 25.0 + 15.0 * (time_s / 190.0).sin();
-        lagging += (temperature - lagging) / (TAU_S * RATE_HZ);
+        lagging += (temperature - lagging) / (TAU_S * rate_hz);
         let values = [time_s + shift_s, 2e-4 * lagging + deviation * noise, temperature];
         if rows.contains(&row) {
             columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
@@ -33,7 +33,7 @@ pub(crate) fn lagging(deviation: f64, rows: Range<usize>, shift_s: f64) -> Recor
 /// The lag of a second file restarted at the temperature of its first row, although the device had run on.
 #[test]
 fn log_that_continues_the_fitted_one_starts_with_its_lags() {
-    let part = |rows, shift_s| lagging(6e-5, rows, shift_s);
+    let part = |rows, shift_s| lagging(RATE_HZ, 6e-5, rows, shift_s);
     let fitted = part(0..3600, 0.0);
     let lag = format!("temp_c:lowpass({TAU_S})").parse().expect("an input");
     let options =
@@ -108,9 +108,10 @@ fn strapdown_of_a_study_is_that_of_its_comparison() {
     let stillness = rest(&fitted, options.train);
     let fits = columns.map(|column| fit_axis(&fitted, &stillness, column, &options).expect("a fit")).into();
     let read = LoadOptions::default();
-    let study = study_of(&fitted, &stillness, fits, options, read, |_| {}).expect("a study");
+    let study = study_of(&fitted, &stillness, fits, options, read, &mut |_| {}).expect("a study");
     for (log, own) in [(&fitted, None), (&other, Some(&fitted))] {
-        let evaluation = compare_study(&study, &study.columns(), log, own, |_| {}).expect("a comparison");
+        let evaluation =
+            compare_study(&study, &study.columns(), log, own, &mut |_| {}).expect("a comparison");
         let found = strapdown(&study, log, own).expect("a strapdown");
         assert!(found[1].iter().all(|error| error.heading_rad.is_some() && error.position_m.is_some()));
         assert_eq!(found, evaluation.comparison.strapdown);

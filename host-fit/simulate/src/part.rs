@@ -7,10 +7,8 @@ use super::coloured::{AxisNoise, Colour};
 use super::random::{Random, between, log_normal, normal};
 use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 
-/// Standard gravity, m/s².
 /// One degree, rad.
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
-/// One mg, m/s².
 
 /// Figures of a part from its data sheet.
 ///

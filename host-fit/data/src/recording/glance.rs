@@ -14,7 +14,7 @@ use crate::statistics::median;
 use crate::stuck::{MIN_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
 use crate::unit::STANDARD_GRAVITY_MPS2;
 
-/// Standard gravity, m/s² (CGPM 1901); accelerometers at rest measure it to within their scale error and bias.
+/// Relative deviation from gravity beyond the scale error and bias of any accelerometer at rest.
 const GRAVITY_WITHIN: f64 = 0.15;
 
 /// Rate at rest beyond any bias, rad/s: 57 °/s.

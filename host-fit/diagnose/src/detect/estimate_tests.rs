@@ -48,11 +48,11 @@ fn predicted_reduction_of_a_step_matches_the_measured_one_beside_a_drift() {
 /// another mean.
 #[test]
 fn lag_continues_in_an_evaluation_log_that_follows() {
-    let part = |rows, shift_s| lagging(0.001, rows, shift_s);
+    let part = |rows, shift_s| lagging(10.0, 0.0015, rows, shift_s);
     let library = Library::built_in();
-    let fitted = part(0..3600, 0.0);
+    let fitted = part(0..9000, 0.0);
     let lag = |shift_s: f64| {
-        let evaluation = part(3600..6000, shift_s);
+        let evaluation = part(9000..15_000, shift_s);
         let question = Question { evaluation: Some(&evaluation), ..Question::new(&fitted, "gx", &library) };
         let mut findings = diagnose_and_measure(&question).expect("a diagnosis").findings;
         let place = findings.iter().position(|finding| finding.effect == "thermal_lag").expect("the lag");
