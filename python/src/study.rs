@@ -147,8 +147,8 @@ pub(crate) fn fit(
         (stillness, fits)
     })?;
     let fits = fits.map_err(raised(py))?;
-    let study =
-        work::run(py, || study_of(&log, &stillness, fits, options, read, &mut |_| {}))?.map_err(raised(py))?;
+    let study = work::run(py, || study_of(&log, &stillness, fits, options, read, &mut |_| {}))?
+        .map_err(raised(py))?;
     Ok(Study::of(State { study, own: Some(log), file: None, logs: Vec::new() }))
 }
 
