@@ -11,10 +11,10 @@ use embedded_hal_mock::eh1::i2c::Mock;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fos_core::align::{self, Aligner, Held, Interpolated, Joined};
 use fos_core::{
-    Axis, AxisModel, AxisParameters, Calibration, Channel, Correction, Drift, Evaluator, Factor, FittedOn,
-    Fixed, Image, ImageError, Info, InnovationStatistics, Input, Model, ModelError, Monitor, PoseGate,
-    Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector, StillnessLimits, Term, Transform,
-    Transformer, TriadCalibration, Validity, image,
+    Axis, AxisModel, AxisParameters, Calibration, Channel, CheckedModel, Correction, Drift, Evaluator,
+    Factor, FittedOn, Fixed, Image, ImageError, Info, InnovationStatistics, Input, Model, ModelError,
+    Monitor, PoseGate, Predictor, Quantity, Range, Sample, Scalar, Source, StillnessDetector,
+    StillnessLimits, Term, Transform, Transformer, TriadCalibration, Validity, image,
 };
 use fos_embedded::blocking::Blocking;
 use fos_embedded::c_api;
@@ -27,7 +27,7 @@ use fos_embedded::sample_source::{
 use fos_embedded::store::{ModelStore, StoreError};
 use fos_embedded::streams::{Periods, StampedSample, StreamCounts, Streams};
 use fos_embedded::telemetry::{
-    self, AlarmRecorder, Recorder, SampleFrame, Snapshot, StartFrame, TelemetryError,
+    self, AlarmRecorder, ImageReceiver, Recorder, SampleFrame, Snapshot, StartFrame, TelemetryError,
 };
 use fos_embedded::test_log::{
     HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
@@ -102,6 +102,7 @@ fn loggable() -> BTreeSet<String> {
         named::<align::Stream>("fos-core/align/mod.rs"),
         named::<Held<f32>>("fos-core/align/slow.rs"),
         named::<Correction<f32>>("fos-core/axis.rs"),
+        named::<CheckedModel<'_>>("fos-core/check.rs"),
         named::<Calibration<f32>>("fos-core/calibration.rs"),
         named::<TriadCalibration<f32>>("fos-core/calibration.rs"),
         named::<Evaluator<f32, 6, 8, 64, 128>>("fos-core/evaluator/mod.rs"),
@@ -180,6 +181,7 @@ fn loggable() -> BTreeSet<String> {
         named::<Streams<64>>("fos-embedded/streams.rs"),
         named::<AlarmRecorder<Vec<u8>, 320, 1, 8>>("fos-embedded/telemetry/alarm.rs"),
         named::<Recorder<Vec<u8>, 320>>("fos-embedded/telemetry/mod.rs"),
+        named::<ImageReceiver<64>>("fos-embedded/telemetry/image.rs"),
         named::<Snapshot<8>>("fos-embedded/telemetry/snapshot.rs"),
         named::<telemetry::Borrowed<'_>>("fos-embedded/telemetry/mod.rs"),
         named::<SampleFrame<&[f32], &[Validity]>>("fos-embedded/telemetry/mod.rs"),

@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from . import _engine, _html
 from ._results import build
-from .figure import Figure
 from .errors import CalibrateError
+from .figure import Figure
 from .recording import Floats, Recording, engine_of
 
 if TYPE_CHECKING:

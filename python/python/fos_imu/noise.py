@@ -230,7 +230,11 @@ def noise(log: Recording, *, axes: Sequence[str] | str | None = None) -> Noise:
         levels = zip(("white", "flicker", "walk"), data["units"], strict=True)
         return build(
             AxisNoise,
-            {**data["noise"], "figure": data["figure"], **{name: {**data["noise"][name], "unit": unit} for name, unit in levels}}
+            {
+                **data["noise"],
+                "figure": data["figure"],
+                **{name: {**data["noise"][name], "unit": unit} for name, unit in levels},
+            },
         )
 
     return Noise(tuple(axis(one) for one in found))

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _engine, _html
 from ._results import build
-from .figure import Figure
 from .comparison import Comparison, ModelErrors
 from .diagnosis import Cost, Diagnosis, Finding, diagnosis_of, finding_of
 from .errors import FosWarning
+from .figure import Figure
 from .recording import Path, Recording, Source, engine_of
 
 if TYPE_CHECKING:
@@ -353,9 +353,7 @@ class Study:
         def with_rows(axis: Any) -> Any:  # noqa: ANN401
             measured, innovation, left, drawn = arrays[axis.column]
             figures = {name: build(Figure, figure) for name, figure in json.loads(drawn).items()}
-            return replace(
-                axis, time_s=time_s, measured=measured, innovation=innovation, left=left, figures=figures
-            )
+            return replace(axis, time_s=time_s, measured=measured, innovation=innovation, left=left, figures=figures)
 
         return replace(comparison, axes=tuple(with_rows(axis) for axis in comparison.axes))
 

@@ -18,14 +18,14 @@ const RMS = "RMS over whole windows at rest of the evaluated rows, with 90 % int
 /** @param {number} seconds */
 const words = (seconds) => (seconds > 60 ? `${seconds / 60} min` : `${seconds} s`);
 
-/** The errors of one quantity, a row for each time. @param {[UnaidedError, UnaidedError][]} errors before and after @param {"heading_rad" | "position_m"} quantity @param {ShownUnit} unit */
-function table(errors, quantity, { label, divisor }) {
+/** The errors of one quantity, a row for each time. @param {string} of @param {[UnaidedError, UnaidedError][]} errors before and after @param {"heading_rad" | "position_m"} quantity @param {ShownUnit} unit */
+function table(of, errors, quantity, { label, divisor }) {
   const cell = (/** @type {RmsInterval | undefined} */ found) => (found ? `${number(found.rms / divisor)} (${number(found.low / divisor)} … ${number(found.high / divisor)})` : "too few windows");
   const name = quantity === "position_m" ? "Position error" : "Heading error";
   const head = [`${name} after`, `before the model, ${label}`, `with the model, ${label}`, "windows"];
   return el(
     "div",
-    { class: "scrolls", tabindex: 0, role: "region", "aria-label": `${name} without aiding` },
+    { class: "scrolls", tabindex: 0, role: "region", "aria-label": `${name} of ${of} without aiding` },
     el(
       "table",
       {},
@@ -44,7 +44,7 @@ export function drawUnaided(host, axis) {
   replace(
     host,
     el("h3", {}, "Without aiding"),
-    table(pairs, axis.units.unaided.si.label === "m" ? "position_m" : "heading_rad", unitOf(axis.units.unaided)),
+    table("the axis", pairs, axis.units.unaided.si.label === "m" ? "position_m" : "heading_rad", unitOf(axis.units.unaided)),
     el("p", { class: "note" }, `${RMS} Before: raw error minus the constant bias estimated in training. With the model: a free run, which does not use the error measured in the window.`),
   );
 }
@@ -73,8 +73,8 @@ export function sixAxes(study) {
       replace(
         element,
         el("h3", {}, "Six axes without aiding"),
-        table(errors, "heading_rad", unitOf(gyro.units.unaided)),
-        table(errors, "position_m", unitOf(accelerometer.units.unaided)),
+        table("six axes", errors, "heading_rad", unitOf(gyro.units.unaided)),
+        table("six axes", errors, "position_m", unitOf(accelerometer.units.unaided)),
         el("p", { class: "note" }, `${RMS} A strapdown of all six axes, where an attitude error tilts gravity into the position; position is a distance in space.`),
       );
     } catch (error) {
