@@ -348,7 +348,7 @@ class Study:
         answer, time_s, rows, off = self._engine.compare(engine_of(log))
         _warn_of(off)
         comparison = build(Comparison, json.loads(answer))
-        arrays = {column: of_axis for column, *of_axis in rows}
+        arrays = {column: (measured, innovation, left, drawn) for column, measured, innovation, left, drawn in rows}
 
         def with_rows(axis: Any) -> Any:  # noqa: ANN401
             measured, innovation, left, drawn = arrays[axis.column]
