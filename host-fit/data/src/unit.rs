@@ -125,7 +125,7 @@ const KNOWN: &[(&[&str], Unit, f64, f64)] = &[
     (&["ns"], Unit::Second, 1e-9, 0.0),
     (&["m/s2", "m/s^2", "m/s²", "mps2"], Unit::MetrePerSecondSquared, 1.0, 0.0),
     (&["g"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY_MPS2, 0.0),
-    (&["mg"], Unit::MetrePerSecondSquared, STANDARD_GRAVITY_MPS2 * 1e-3, 0.0),
+    (&["mg"], Unit::MetrePerSecondSquared, MG_MPS2, 0.0),
     (&["rad/s", "rads"], Unit::RadianPerSecond, 1.0, 0.0),
     (&["mrad/s"], Unit::RadianPerSecond, 1e-3, 0.0),
     (&["deg/s", "dps", "°/s"], Unit::RadianPerSecond, DEGREE, 0.0),

@@ -1,6 +1,6 @@
 //! Register models of inertial sensors, byte by byte as a driver sees them on SPI or I2C.
 //!
-//! A part plays codes, generated or from a log, at the rate of its own clock. It records the codes that it put into its
+//! A part plays codes, generated or from a log, at the rate of the part's clock. It records the codes that it put into its
 //! FIFO ([`Part::delivered`]), so that a test can compute the expected output. Faults of part, bus and clock are injected
 //! with [`Part::fault`]. Time passes only in [`Part::advance_to`].
 //!
