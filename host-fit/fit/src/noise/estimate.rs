@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::blocks::Blocks;
 use super::gauss_markov::{GaussMarkovNoise, gauss_markov};
-use super::information::seconds_for_walk_within;
+use super::information::{density_slopes, frequencies, seconds_for_walk_within};
 pub use super::level::Level;
 use super::level::restricted_deviance;
 use super::levels::{LevelPrior, LogLevels, Regression, UnknownLevels};
@@ -24,6 +24,9 @@ const UNINFORMATIVE: f64 = 100.0;
 
 /// Largest ratio of a random walk to the lower end of its interval from which a recording time is predicted.
 const MAX_WALK_FACTOR: f64 = 3.0;
+
+/// Weight of the lower end of K in the time that is stated: with it nine of ten logs need at most 1.2 times as long.
+const CAUTION: f64 = 0.75;
 
 /// Ratio of the ends of an accurate interval to the value.
 const ACCURATE: f64 = 1.2;
@@ -61,11 +64,14 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
     let start = LevelPrior::of_log(blocks, y).mean;
     let flat = LevelPrior::independent(start, [UNINFORMATIVE; 3]);
     let regression = Regression { blocks, y, regressors, prior: &flat };
-    let profile = Profile::new(|logs: &LogLevels| {
-        let [white, flicker, walk] = logs.map(f64::exp);
-        let (white, faster) = blocks.faster_flicker(white, flicker);
-        restricted_deviance(&regression, NoiseLevels { white, flicker, walk, gauss_markov: Some(faster) })
-    });
+    let seconds = blocks.samples() as f64 * blocks.period_s;
+    let profile = Profile {
+        deviance: |logs: &LogLevels| deviance(&regression, logs),
+        slopes: |logs: &LogLevels, frequency_hz: f64| {
+            density_slopes(&NoiseLevels::from_logs(logs), frequency_hz)
+        },
+        frequencies: frequencies(seconds, blocks.length_s),
+    };
     // flicker and walk may be mistaken for each other: start with more of either
     let best = profile.best(&[start, [start[0], start[1] - 3.0, start[2] + 2.0]]);
     let intervals = [0, 1, 2].map(|parameter| profile.interval(parameter, &best));
@@ -73,7 +79,6 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
         let Interval { low, high, .. } = intervals[parameter];
         Level { value: low.map(|_| best.logs[parameter].exp()), low, high }
     };
-    let seconds = blocks.samples() as f64 * blocks.period_s;
     let levels = NoiseEstimate {
         white: level(0),
         flicker: level(1),
@@ -88,6 +93,13 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
         best.deviance,
     );
     Ok(NoiseEstimate { gauss_markov, ..levels })
+}
+
+/// −2 ln L of N, B and K, with flicker noise as fast as the samples.
+pub(super) fn deviance(regression: &Regression<'_>, logs: &LogLevels) -> f64 {
+    let [white, flicker, walk] = logs.map(f64::exp);
+    let (white, faster) = regression.blocks.faster_flicker(white, flicker);
+    restricted_deviance(regression, NoiseLevels { white, flicker, walk, gauss_markov: Some(faster) })
 }
 
 fn is_constant(y: &[f64]) -> bool {
@@ -123,9 +135,9 @@ impl NoiseEstimate {
     }
 }
 
-/// Returns the time at rest that is stated after `seconds` with these most likely levels. Its logarithm is the mean of two:
-/// of the time that these levels need, and of the time for the lower end of K, at which the other levels are those that
-/// are most likely there. Where flicker noise was not detected, that is as much of it as may hide the walk.
+/// Returns the time at rest that is stated after `seconds` with these most likely levels. Its logarithm lies between those
+/// of the time that these levels need, and of the time for the lower end of K, at which the other levels are those that are
+/// most likely there. Where flicker noise was not detected, that is as much of it as may hide the walk.
 pub(super) fn seconds_for_accurate_walk(likeliest: &LogLevels, walk: &Interval, seconds: f64) -> Option<f64> {
     let at_low = walk.at_low?;
     let [low, high] = [at_low[2], walk.high.ln()];
@@ -136,5 +148,5 @@ pub(super) fn seconds_for_accurate_walk(likeliest: &LogLevels, walk: &Interval, 
     // a walk shows in means over seconds; finer ones add nothing
     let [expected, longer] = [likeliest, &at_low]
         .map(|logs| seconds_for_walk_within(&NoiseLevels::from_logs(logs), ACCURATE, seconds, 1.0));
-    Some((expected? * longer?).sqrt().max(seconds))
+    Some((expected?.powf(1.0 - CAUTION) * longer?.powf(CAUTION)).max(seconds))
 }

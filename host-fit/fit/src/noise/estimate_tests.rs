@@ -5,9 +5,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::blocks::Blocks;
-use super::estimate::{Level, estimate, seconds_for_accurate_walk};
+use super::estimate::{Level, deviance, estimate, seconds_for_accurate_walk};
 use super::information::seconds_for_walk_within;
-use super::levels::UnknownLevels;
+use super::levels::{LevelPrior, Regression, UnknownLevels};
 use super::model::{GaussMarkov, NoiseLevels};
 use super::noise_tests::{LENGTH_S, blocks_of};
 use super::profile::Interval;
@@ -45,6 +45,33 @@ fn intervals_have_their_stated_coverage() {
     println!("{held:?} of 100, too low {below:?}");
     // 90 ± 3 by the binomial distribution; three of them
     assert!(held.iter().all(|held| (81..=99).contains(held)), "{held:?} of 100");
+}
+
+/// Flicker noise that a search may mistake for the random walk.
+#[test]
+fn no_truth_is_more_likely_than_the_estimate() {
+    let blocks = blocks_of(&[8; 2000]);
+    let truth = [1.0_f64, 0.4, 0.03];
+    let (white, faster) = blocks.faster_flicker(truth[0], truth[1]);
+    let levels = NoiseLevels { white, flicker: truth[1], walk: truth[2], gauss_markov: Some(faster) };
+    let ones = vec![1.0; blocks.len()];
+    let mut compared = 0;
+    for seed in 0..30 {
+        let y = levels.simulate(&blocks, &mut ChaCha8Rng::seed_from_u64(seed));
+        let found = estimate(&blocks, &y, &[&ones]).unwrap();
+        let (Some(white), Some(flicker), Some(walk)) =
+            (found.white.value, found.flicker.value, found.walk.value)
+        else {
+            continue;
+        };
+        let prior = LevelPrior::independent([0.0; 3], [100.0; 3]);
+        let regression = Regression { blocks: &blocks, y: &y, regressors: &[&ones], prior: &prior };
+        let [of_truth, of_found] =
+            [truth, [white, flicker, walk]].map(|levels| deviance(&regression, &levels.map(f64::ln)));
+        assert!(of_found < of_truth, "seed {seed}: {of_found}, truth {of_truth}");
+        compared += 1;
+    }
+    assert!(compared > 6, "{compared} of 30 with all three detected");
 }
 
 #[test]

@@ -6,10 +6,11 @@
 
 use serde::Serialize;
 
+use super::information::frequencies;
 use super::level::{Level, restricted_deviance};
 use super::levels::{LogLevels, Regression};
 use super::model::{GaussMarkov, NoiseLevels};
-use super::profile::{Best, Profile};
+use super::profile::{Interval, Profile};
 
 /// Least decrease of −2 ln L, beyond the penalty for parameters, for which the process is preferred: odds of 33 to 1.
 const PREFERRED: f64 = 7.0;
@@ -63,24 +64,36 @@ pub(super) fn gauss_markov(
     if detected == 0 {
         return None;
     }
-    let profile = Profile::new(|logs: &LogLevels| {
-        let [white, deviation, tau_s] = logs.map(f64::exp);
-        let process = Some(GaussMarkov { deviation, tau_s });
-        restricted_deviance(regression, NoiseLevels { white, flicker: 0.0, walk: 0.0, gauss_markov: process })
-    });
-    let best = profile.best(&starts(regression, white.at_most(), allan_deviation, |logs| profile.at(logs)));
+    let blocks = regression.blocks;
+    let profile = Profile {
+        deviance: |logs: &LogLevels| {
+            let [white, deviation, tau_s] = logs.map(f64::exp);
+            let gauss_markov = Some(GaussMarkov { deviation, tau_s });
+            restricted_deviance(regression, NoiseLevels { white, flicker: 0.0, walk: 0.0, gauss_markov })
+        },
+        slopes: density_slopes,
+        frequencies: frequencies(blocks.samples() as f64 * blocks.period_s, blocks.length_s),
+    };
+    let best = profile.best(&starts(regression, white.at_most(), allan_deviation, &profile.deviance));
     let more = (2 - detected) as f64;
-    let gain = deviance - best.deviance - more * (regression.blocks.len() as f64).ln();
+    let gain = deviance - best.deviance - more * (blocks.len() as f64).ln();
     if gain < PREFERRED {
         return None;
     }
-    let level = |parameter: usize| level(&profile, parameter, &best);
+    let level = |parameter: usize| {
+        let Interval { low, high, .. } = profile.interval(parameter, &best);
+        Level { value: Some(best.logs[parameter].exp()), low, high }
+    };
     Some(GaussMarkovNoise { white: level(0), deviation: level(1), tau_s: level(2), gain })
 }
 
-fn level<F: Fn(&LogLevels) -> f64>(profile: &Profile<F>, parameter: usize, best: &Best) -> Level {
-    let interval = profile.interval(parameter, best);
-    Level { value: Some(best.logs[parameter].exp()), low: interval.low, high: interval.high }
+/// Derivatives of ln S by ln N, ln σ and ln τ at a frequency in Hz, of the two-sided density S = N² + 2σ²τ/(1 + (ωτ)²).
+fn density_slopes(logs: &LogLevels, frequency_hz: f64) -> LogLevels {
+    let [white, deviation, tau_s] = logs.map(f64::exp);
+    let turned = (std::f64::consts::TAU * frequency_hz * tau_s).powi(2);
+    let (white, process) = (white * white, 2.0 * deviation * deviation * tau_s / (1.0 + turned));
+    let [white, process] = [white, process].map(|part| part / (white + process));
+    [2.0 * white, 2.0 * process, process * (1.0 - turned) / (1.0 + turned)]
 }
 
 /// Returns the most likely of a few correlation times, with the standard deviation that has the Allan deviation of the

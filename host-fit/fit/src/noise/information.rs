@@ -29,6 +29,13 @@ fn densities(levels: &NoiseLevels, frequency_hz: f64) -> [f64; 3] {
     [levels.white.powi(2), levels.flicker.powi(2) / omega, (levels.walk / omega).powi(2)]
 }
 
+/// Derivatives of ln S by ln N, ln B and ln K at a frequency in Hz: 2·S_θ/S.
+pub(super) fn density_slopes(levels: &NoiseLevels, frequency_hz: f64) -> [f64; 3] {
+    let parts = densities(levels, frequency_hz);
+    let total: f64 = parts.iter().sum();
+    parts.map(|part| 2.0 * part / total)
+}
+
 /// Expected standard deviations of ln N, ln B and ln K after `seconds` at rest in block means of `block_s`, by the
 /// Cramér-Rao bound. Infinite for a level of 0, which is treated as known to be absent.
 pub fn log_deviations(levels: &NoiseLevels, seconds: f64, block_s: f64) -> [f64; 3] {
@@ -41,10 +48,8 @@ pub fn log_deviations(levels: &NoiseLevels, seconds: f64, block_s: f64) -> [f64;
     let mut information = DMatrix::<f64>::zeros(present.len(), present.len());
     let mut deviations = [f64::INFINITY; 3];
     for k in 1..=(0.5 * seconds / block_s) as usize {
-        let parts = densities(levels, k as f64 / seconds);
-        let total: f64 = parts.iter().sum();
-        // ∂ln S/∂ln θ = 2·S_θ/S
-        let slopes: Vec<f64> = present.iter().map(|level| 2.0 * parts[*level] / total).collect();
+        let of_all = density_slopes(levels, k as f64 / seconds);
+        let slopes: Vec<f64> = present.iter().map(|level| of_all[*level]).collect();
         for i in 0..slopes.len() {
             for j in 0..slopes.len() {
                 information[(i, j)] += slopes[i] * slopes[j];
@@ -59,7 +64,7 @@ pub fn log_deviations(levels: &NoiseLevels, seconds: f64, block_s: f64) -> [f64;
 
 /// Frequencies k/T of block means of `block_s` over `seconds`, Hz, and the number of frequencies that each stands for: one
 /// at first, later a tenth of k, as the densities change no faster.
-fn frequencies(seconds: f64, block_s: f64) -> Vec<(f64, f64)> {
+pub(super) fn frequencies(seconds: f64, block_s: f64) -> Vec<(f64, f64)> {
     let last = (0.5 * seconds / block_s) as usize;
     let mut frequencies = Vec::new();
     let mut next = 1;

@@ -290,7 +290,7 @@ fn at_walk(random_walk_likelihood: &[f64; WALK_VALUES], above: f64) -> f64 {
 }
 
 /// Second derivatives of a function of logarithms, from differences over 0.1.
-pub(super) fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
+fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> [[f64; D]; D] {
     let step = 5.0 * STEP;
     let at = |moves: &[(usize, f64)]| {
         let mut place = centre;
@@ -313,9 +313,22 @@ pub(super) fn hessian<const D: usize>(centre: [f64; D], f: impl Fn(&[f64; D]) ->
     std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
 }
 
-/// Minimises a smooth function of a few logarithms near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with
-/// numerical derivatives and steps of at most 1.
+/// Minimises a smooth function of a few logarithms near `start`.
 pub fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -> ([f64; D], f64) {
+    // a level known to 20 % has curvature 2/0.2²
+    let usual = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
+    minimise_from(start, usual, 0.0, f)
+}
+
+/// Minimises a smooth function of a few logarithms near `start`: BFGS (Nocedal and Wright 2006, eq. 6.17) with numerical
+/// derivatives, steps of at most 1, and `inverse` as the inverse of the second derivatives at first. Ends where a step
+/// gains less than `enough`.
+pub(super) fn minimise_from<const D: usize>(
+    start: [f64; D],
+    mut inverse: [[f64; D]; D],
+    enough: f64,
+    f: impl Fn(&[f64; D]) -> f64,
+) -> ([f64; D], f64) {
     let gradient = |place: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|i| {
             let (mut up, mut down) = (*place, *place);
@@ -327,9 +340,6 @@ pub fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -
     let mut place = start;
     let mut value = f(&place);
     let mut slope = gradient(&place);
-    // a level known to 20 % has curvature 2/0.2²
-    let mut inverse: [[f64; D]; D] =
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 0.02 } else { 0.0 }));
     // terminates after MAX_ROUNDS; in each the value decreases (Armijo), or the search ends
     for _ in 0..MAX_ROUNDS {
         fos_data::interrupt::check();
@@ -340,7 +350,7 @@ pub fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -
             step.iter_mut().for_each(|s| *s /= longest);
         }
         let expected: f64 = step.iter().zip(&slope).map(|(s, g)| s * g).sum();
-        if expected.abs() < DONE {
+        if expected.abs() < DONE.max(enough) {
             break;
         }
         let mut share = 1.0;
@@ -359,6 +369,9 @@ pub fn minimise<const D: usize>(start: [f64; D], f: impl Fn(&[f64; D]) -> f64) -
             }
         };
         let Some((next, there)) = moved else { break };
+        if value - there < enough {
+            return (next, there);
+        }
         let new_slope = gradient(&next);
         let s: [f64; D] = std::array::from_fn(|i| next[i] - place[i]);
         let y: [f64; D] = std::array::from_fn(|i| new_slope[i] - slope[i]);

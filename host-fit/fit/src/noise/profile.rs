@@ -1,6 +1,11 @@
 //! Minimum and profile intervals of −2 ln L over the logarithms of three parameters of a noise process.
+//!
+//! A search starts with the expected second derivatives, 2 Σ ∂ln S/∂θ_i · ∂ln S/∂θ_j over the frequencies of the block
+//! means (Whittle 1953), which are close to the true ones and cost no evaluation of the likelihood.
 
-use super::levels::{LogLevels, hessian, minimise};
+use nalgebra::Matrix3;
+
+use super::levels::{LogLevels, minimise_from};
 
 /// Increase of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
 pub(super) const RISE: f64 = 2.705_543;
@@ -16,11 +21,10 @@ const MAX_DISTANCE: f64 = 16.0;
 const EXACT_RISE: f64 = 0.02;
 const EXACT: f64 = 1e-4;
 
-/// Second derivative of −2 ln L that the search expects, of a level known to 20 %; and the longest unit of its steps.
-const USUAL_CURVATURE: f64 = 50.0;
-const LONGEST_UNIT: f64 = 6.0;
+/// Decrease of −2 ln L by a step after which a search ends: the next would gain less than a tenth of it.
+const ENOUGH: f64 = 0.02;
 
-/// Least curvature of a parameter that is held fixed to none: a parameter known within a factor of 7.
+/// Added to the expected curvature, which is 0 for an absent process: that of a parameter known within a factor of 7.
 const LEAST_CURVATURE: f64 = 0.5;
 
 /// Largest derivative of another parameter along a profile: a longer extrapolation would be worthless.
@@ -29,17 +33,26 @@ const STEEPEST: f64 = 3.0;
 /// Shortest and longest first step from the estimate to the end of an interval, in logarithms.
 const FIRST_STEP: [f64; 2] = [0.005, 1.0];
 
+/// Ratio of a step beyond the expected end to the distance of that end, so that it lies outside; and its limits as a multiple
+/// of the distance reached.
+const BEYOND: f64 = 1.05;
+const LONGER: [f64; 2] = [1.1, 3.0];
+
 /// −2 ln L as a function of three logarithms.
-pub(super) struct Profile<F> {
-    at: F,
+pub(super) struct Profile<F, S> {
+    /// −2 ln L.
+    pub(super) deviance: F,
+    /// Derivatives of the logarithm of the spectral density by the parameters, at a frequency in Hz.
+    pub(super) slopes: S,
+    /// Frequencies of the block means, Hz, and the number of frequencies that each stands for.
+    pub(super) frequencies: Vec<(f64, f64)>,
 }
 
-/// Position of the minimum, and the shape of the function around it.
+/// Position of the minimum, and the inverse of the expected second derivatives there.
 pub(super) struct Best {
     pub(super) logs: LogLevels,
     pub(super) deviance: f64,
-    units: LogLevels,
-    curvature: [[f64; 3]; 3],
+    inverse: Matrix3<f64>,
 }
 
 /// Ends of the 90 % interval of a parameter.
@@ -52,71 +65,79 @@ pub(super) struct Interval {
     pub(super) high: f64,
 }
 
-/// The two other parameters along the profile of one: the last position, and their derivatives there.
+/// Minimum along the profile of a parameter: the last position, and the derivatives of all by this one there.
 #[derive(Clone)]
 struct Track {
-    log: f64,
-    others: [f64; 2],
-    slopes: [f64; 2],
+    logs: LogLevels,
+    slopes: LogLevels,
 }
 
-impl Track {
-    /// Predicts the others at a value of the parameter.
-    fn others_at(&self, log: f64) -> [f64; 2] {
-        std::array::from_fn(|i| self.others[i] + self.slopes[i] * (log - self.log))
-    }
-
-    fn push(&mut self, log: f64, others: [f64; 2]) {
-        let moved = log - self.log;
-        if moved.abs() > EXACT {
-            self.slopes =
-                std::array::from_fn(|i| ((others[i] - self.others[i]) / moved).clamp(-STEEPEST, STEEPEST));
-        }
-        (self.log, self.others) = (log, others);
-    }
-}
-
-impl<F: Fn(&LogLevels) -> f64> Profile<F> {
-    pub(super) fn new(at: F) -> Self {
-        Self { at }
-    }
-
-    pub(super) fn at(&self, logs: &LogLevels) -> f64 {
-        (self.at)(logs)
-    }
-
+impl<F: Fn(&LogLevels) -> f64, S: Fn(&LogLevels, f64) -> LogLevels> Profile<F, S> {
     /// Finds the minimum from several starts, as two processes may be mistaken for each other.
     pub(super) fn best(&self, starts: &[LogLevels]) -> Best {
-        let found = starts.iter().map(|start| minimise(*start, &self.at));
-        let (logs, _) = found.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a start");
-        let units = steps_of(&hessian(logs, &self.at));
-        let (logs, deviance) = minimise_in(&units, logs, &self.at);
-        let curvature = hessian(logs, &self.at);
-        Best { logs, deviance, units: steps_of(&curvature), curvature }
+        let found = starts.iter().map(|start| self.minimum([0, 1, 2], *start));
+        let (logs, deviance) = found.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a start");
+        Best { logs, deviance, inverse: self.inverse(&logs) }
     }
+
+    /// Inverse of the expected second derivatives.
+    fn inverse(&self, logs: &LogLevels) -> Matrix3<f64> {
+        let mut curvature = Matrix3::from_diagonal_element(LEAST_CURVATURE);
+        for (frequency_hz, number) in &self.frequencies {
+            let slopes = (self.slopes)(logs, *frequency_hz);
+            curvature += Matrix3::from_fn(|i, j| 2.0 * number * slopes[i] * slopes[j]);
+        }
+        curvature.try_inverse().unwrap_or_else(|| Matrix3::from_diagonal_element(1.0 / LEAST_CURVATURE))
+    }
+
+    /// Minimises −2 ln L over the `free` parameters.
+    fn minimum<const D: usize>(&self, free: [usize; D], start: LogLevels) -> (LogLevels, f64) {
+        let whole = |own: &[f64; D]| {
+            let mut logs = start;
+            free.iter().zip(own).for_each(|(parameter, log)| logs[*parameter] = *log);
+            logs
+        };
+        let inverse = self.inverse(&start);
+        // the parameters that are not free are known: their rows are projected out
+        let known = (0..3).find(|parameter| !free.contains(parameter));
+        let conditional = |i: usize, j: usize| match known {
+            Some(known) => {
+                inverse[(i, j)] - inverse[(i, known)] * inverse[(known, j)] / inverse[(known, known)]
+            }
+            None => inverse[(i, j)],
+        };
+        let inverse = free.map(|i| free.map(|j| conditional(i, j)));
+        let own = free.map(|parameter| start[parameter]);
+        let (own, least) = minimise_from(own, inverse, ENOUGH, |own| (self.deviance)(&whole(own)));
+        (whole(&own), least)
+    }
+
     /// Returns −2 ln L at a value of one parameter, minimised over the other two.
-    fn profile(&self, parameter: usize, log: f64, track: &mut Track, units: &LogLevels) -> f64 {
-        let units = without(parameter, units);
-        let at = |others: &[f64; 2]| (self.at)(&with(parameter, log, others));
-        let (others, deviance) = minimise_in(&units, track.others_at(log), at);
-        track.push(log, others);
+    fn profile(&self, parameter: usize, log: f64, track: &mut Track) -> f64 {
+        let others = [[1, 2], [0, 2], [0, 1]][parameter];
+        let (logs, deviance) = self.minimum(others, track.at(parameter, log));
+        track.push(parameter, logs);
         deviance
     }
 
     /// Returns the 90 % interval of a parameter.
     pub(super) fn interval(&self, parameter: usize, best: &Best) -> Interval {
-        let (track, curvature) = best.along(parameter);
-        let centre = best.logs[parameter];
-        let first = (2.0 * RISE / curvature).sqrt().clamp(FIRST_STEP[0], FIRST_STEP[1]);
-        let rise = |log: f64, track: &mut Track| {
-            self.profile(parameter, log, track, &best.units) - best.deviance - RISE
+        let start = Track {
+            logs: best.logs,
+            slopes: std::array::from_fn(|i| {
+                (best.inverse[(i, parameter)] / best.inverse[(parameter, parameter)])
+                    .clamp(-STEEPEST, STEEPEST)
+            }),
         };
+        let centre = best.logs[parameter];
+        let first =
+            (2.0 * RISE * best.inverse[(parameter, parameter)]).sqrt().clamp(FIRST_STEP[0], FIRST_STEP[1]);
+        let rise = |log: f64, track: &mut Track| self.profile(parameter, log, track) - best.deviance - RISE;
         let end = |direction: f64| -> Option<Track> {
-            let mut track = track.clone();
-            let (mut inside, mut below, mut step) = (centre, -RISE, first);
-            // terminates: the step doubles
+            let mut track = start.clone();
+            let (mut inside, mut below, mut log) = (centre, -RISE, centre + direction * first);
+            // terminates: the distance grows by at least a tenth
             let (mut outside, mut above) = loop {
-                let log = inside + direction * step;
                 if (log - centre).abs() > MAX_DISTANCE {
                     return None;
                 }
@@ -125,7 +146,9 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
                     there if there > 0.0 => break (log, there),
                     there => (inside, below) = (log, there),
                 }
-                step *= 2.0;
+                // the increase is nearly a parabola
+                let expected = (RISE / (below + RISE).max(f64::MIN_POSITIVE)).sqrt();
+                log = centre + (inside - centre) * (BEYOND * expected).clamp(LONGER[0], LONGER[1]);
             };
             // terminates: the bracket shrinks by at least a twentieth
             while (outside - inside).abs() > EXACT {
@@ -142,66 +165,30 @@ impl<F: Fn(&LogLevels) -> f64> Profile<F> {
             }
             Some(track)
         };
-        let high = end(1.0).map_or(centre + MAX_DISTANCE, |end| end.log).exp();
+        let high = end(1.0).map_or(centre + MAX_DISTANCE, |end| end.logs[parameter]).exp();
         // the others do not follow a parameter that far
-        let mut absent = Track { slopes: [0.0; 2], ..track.clone() };
+        let mut absent = Track { slopes: [0.0; 3], ..start.clone() };
         let may_be_none = rise(centre - ABSENT_BELOW, &mut absent) <= 0.0;
-        let low = if may_be_none { None } else { end(-1.0) };
-        let at_low = low.as_ref().map(|end| with(parameter, end.log, &end.others));
-        Interval { low: low.map(|end| end.log.exp()), at_low, high }
+        let at_low = if may_be_none { None } else { end(-1.0) }.map(|end| end.logs);
+        Interval { low: at_low.map(|logs| logs[parameter].exp()), at_low, high }
     }
 }
 
-impl Best {
-    /// Returns how the other two parameters follow one near the minimum, and the second derivative of its profile.
-    fn along(&self, parameter: usize) -> (Track, f64) {
-        let c = &self.curvature;
-        let [i, j] = without(parameter, &[0, 1, 2]);
-        let own = |k: usize| c[k][k].max(LEAST_CURVATURE);
-        let determinant = (own(i) * own(j) - c[i][j] * c[i][j]).max(LEAST_CURVATURE * LEAST_CURVATURE);
-        let [towards_i, towards_j] = [c[i][parameter], c[j][parameter]];
-        let slopes = [
-            -(own(j) * towards_i - c[i][j] * towards_j) / determinant,
-            -(own(i) * towards_j - c[i][j] * towards_i) / determinant,
-        ]
-        .map(|slope| slope.clamp(-STEEPEST, STEEPEST));
-        let curvature = own(parameter) + slopes[0] * towards_i + slopes[1] * towards_j;
-        let track = Track { log: self.logs[parameter], others: without(parameter, &self.logs), slopes };
-        (track, curvature.max(LEAST_CURVATURE))
+impl Track {
+    /// Predicts all parameters at a value of this one.
+    fn at(&self, parameter: usize, log: f64) -> LogLevels {
+        let moved = log - self.logs[parameter];
+        let mut logs: LogLevels = std::array::from_fn(|i| self.logs[i] + self.slopes[i] * moved);
+        logs[parameter] = log;
+        logs
     }
-}
 
-/// Step sizes of the search: a poorly determined parameter needs long steps.
-fn steps_of(curvature: &[[f64; 3]; 3]) -> LogLevels {
-    std::array::from_fn(|i| {
-        (USUAL_CURVATURE / curvature[i][i].max(f64::MIN_POSITIVE)).sqrt().clamp(0.5, LONGEST_UNIT)
-    })
-}
-
-fn with(parameter: usize, log: f64, others: &[f64; 2]) -> LogLevels {
-    let [one, other] = *others;
-    match parameter {
-        0 => [log, one, other],
-        1 => [one, log, other],
-        _ => [one, other, log],
+    fn push(&mut self, parameter: usize, logs: LogLevels) {
+        let moved = logs[parameter] - self.logs[parameter];
+        if moved.abs() > EXACT {
+            self.slopes =
+                std::array::from_fn(|i| ((logs[i] - self.logs[i]) / moved).clamp(-STEEPEST, STEEPEST));
+        }
+        self.logs = logs;
     }
-}
-
-fn without<T: Copy>(parameter: usize, all: &[T; 3]) -> [T; 2] {
-    match parameter {
-        0 => [all[1], all[2]],
-        1 => [all[0], all[2]],
-        _ => [all[0], all[1]],
-    }
-}
-
-/// Runs [`minimise`] in units of these step sizes.
-fn minimise_in<const D: usize>(
-    units: &[f64; D],
-    start: [f64; D],
-    f: impl Fn(&[f64; D]) -> f64,
-) -> ([f64; D], f64) {
-    let whole = |scaled: &[f64; D]| std::array::from_fn(|i| units[i] * scaled[i]);
-    let (place, least) = minimise(std::array::from_fn(|i| start[i] / units[i]), |scaled| f(&whole(scaled)));
-    (whole(&place), least)
 }

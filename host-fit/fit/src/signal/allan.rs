@@ -54,6 +54,9 @@ pub fn allan_deviation(stretches: &[&[f64]], sample_period_s: f64, taus_s: &[f64
     in_parallel(averaging, |m| point(&integrals, sample_period_s, m)).into_iter().flatten().collect()
 }
 
+/// Number of sums that are added up side by side.
+const SUMS: usize = 16;
+
 /// Averaging times per decade of every displayed curve.
 pub const TAUS_PER_DECADE: usize = 8;
 
@@ -76,10 +79,7 @@ fn point(integrals: &[Vec<f64>], sample_period_s: f64, m: usize) -> Option<Allan
     let mut count = 0;
     let mut degrees_of_freedom = 0.0;
     for integral in integrals.iter().filter(|integral| integral.len() > 2 * m) {
-        // second difference of the integral = m (ȳ(i+m) − ȳ(i))
-        let differences =
-            integral[2 * m..].iter().zip(&integral[m..]).zip(integral).map(|((c, b), a)| c - 2.0 * b + a);
-        sum += differences.map(|d| (d / m as f64).powi(2)).sum::<f64>();
+        sum += squared_differences(integral, m) / (m * m) as f64;
         count += integral.len() - 2 * m;
         degrees_of_freedom += equivalent_degrees_of_freedom(integral.len(), m);
     }
@@ -95,6 +95,27 @@ fn point(integrals: &[Vec<f64>], sample_period_s: f64, m: usize) -> Option<Allan
         high,
         degrees_of_freedom,
     })
+}
+
+/// Sum of the squared second differences of the integral, m (ȳ(i+m) − ȳ(i)).
+fn squared_differences(integral: &[f64], m: usize) -> f64 {
+    let [mut first, mut second, mut third] =
+        [&integral[..integral.len() - 2 * m], &integral[m..], &integral[2 * m..]];
+    // side by side: one sum would wait for each addition
+    let mut sums = [0.0; SUMS];
+    let of = |a: f64, b: f64, c: f64| (c - 2.0 * b + a).powi(2);
+    while let (Some((a, a_left)), Some((b, b_left)), Some((c, c_left))) = (
+        first.split_first_chunk::<SUMS>(),
+        second.split_first_chunk::<SUMS>(),
+        third.split_first_chunk::<SUMS>(),
+    ) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += of(a[lane], b[lane], c[lane]);
+        }
+        (first, second, third) = (a_left, b_left, c_left);
+    }
+    let rest = first.iter().zip(second).zip(third).map(|((a, b), c)| of(*a, *b, *c));
+    sums.iter().sum::<f64>() + rest.sum::<f64>()
 }
 
 fn interval(variance: f64, degrees_of_freedom: f64, share: f64) -> (f64, f64) {
