@@ -76,6 +76,13 @@ impl<B: I2c, D: DelayNs> Lsm6dsv16x<B, D> {
         Self(St::new(i2c, address, delay, &REGISTERS))
     }
 
+    /// Lets INT1 rise when [`INTERRUPT_SAMPLES`](super::INTERRUPT_SAMPLES) samples were taken since the FIFO was read, so
+    /// that the application can sleep until then. The pin falls when they are read.
+    #[must_use]
+    pub fn with_interrupt(self) -> Self {
+        Self(self.0.with_interrupt())
+    }
+
     /// Returns bus and delay for another use; the part continues as it was set up.
     pub fn release(self) -> (B, D) {
         self.0.release()

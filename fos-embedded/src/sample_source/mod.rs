@@ -74,7 +74,7 @@ pub use lsm6dso::Lsm6dso;
 pub use lsm6dsv16x::Lsm6dsv16x;
 use repeats::Repeats;
 #[cfg(any(feature = "lsm6dso", feature = "lsm6dsv16x"))]
-pub use st::Address;
+pub use st::{Address, INTERRUPT_SAMPLES};
 pub use timeline::SensorClock;
 use timeline::Timeline;
 

@@ -8,6 +8,7 @@ use super::{Batch, SourceError};
 
 /// Registers at the same address in all of these parts.
 const FIFO_CTRL1: u8 = 0x07;
+const INT1_CTRL: u8 = 0x0d;
 const WHO_AM_I: u8 = 0x0f;
 const FIFO_DATA_OUT_TAG: u8 = 0x78;
 
@@ -25,6 +26,14 @@ const WORDS: usize = 32;
 
 /// Words per sample: accelerometers, gyros, timestamp. Temperatures come in addition.
 const WORDS_PER_SAMPLE: usize = 3;
+
+/// Samples in the FIFO, since it was read, at which the interrupt pin rises: 50 ms at 200 Hz.
+pub const INTERRUPT_SAMPLES: u8 = 10;
+
+/// Settings of the interrupt pin INT1, which rises with the watermark of the FIFO. Temperatures, of which there is at most one
+/// within that many samples, do not reach it earlier.
+const INTERRUPT: [Setting; 2] =
+    [(FIFO_CTRL1, INTERRUPT_SAMPLES * WORDS_PER_SAMPLE as u8), (INT1_CTRL, 1 << 3)];
 
 /// Most transfers per poll: 256 words, even if most are unusable.
 const TRANSFERS: usize = 8;
@@ -73,6 +82,8 @@ pub(super) struct St<B, D> {
     address: u8,
     delay: D,
     registers: &'static Registers,
+    /// Settings of the interrupt pin, if it is used.
+    interrupt: &'static [Setting],
     assembler: Assembler,
 }
 
@@ -82,7 +93,16 @@ impl<B: I2c, D: DelayNs> St<B, D> {
             Address::Low => 0x6a,
             Address::High => 0x6b,
         };
-        Self { i2c, address, delay, registers, assembler: Assembler::new() }
+        Self { i2c, address, delay, registers, interrupt: &[], assembler: Assembler::new() }
+    }
+
+    pub(super) fn with_interrupt(self) -> Self {
+        Self { interrupt: &INTERRUPT, ..self }
+    }
+
+    /// Set-up in its order: the FIFO last.
+    fn settings(&self) -> impl Iterator<Item = &'static Setting> + use<B, D> {
+        self.interrupt.iter().chain(self.registers.configuration)
     }
 
     pub(super) fn release(self) -> (B, D) {
@@ -101,10 +121,10 @@ impl<B: I2c, D: DelayNs> St<B, D> {
             self.write(*register, *value).await?;
         }
         self.delay.delay_ms(self.registers.boot_ms).await;
-        for (register, value) in self.registers.configuration {
+        for (register, value) in self.settings() {
             self.write(*register, *value).await?;
         }
-        for (register, written) in self.registers.configuration {
+        for (register, written) in self.settings() {
             let mut read = [0];
             self.read_registers(*register, &mut read).await?;
             let [read] = read;
@@ -119,7 +139,7 @@ impl<B: I2c, D: DelayNs> St<B, D> {
     pub(super) async fn is_set_up(&mut self) -> Result<bool, SourceError<B::Error>> {
         let mut read = [0; WATCHED];
         self.read_registers(FIFO_CTRL1, &mut read).await?;
-        Ok(are_set(self.registers.configuration, FIFO_CTRL1, &read))
+        Ok([self.interrupt, self.registers.configuration].iter().all(|set| are_set(set, FIFO_CTRL1, &read)))
     }
 
     pub(super) async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<B::Error>> {

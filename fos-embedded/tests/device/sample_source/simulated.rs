@@ -66,6 +66,11 @@ impl Board {
         self.scheduled.push((at_us * 1000, fault, value));
     }
 
+    /// Level of interrupt pin 1.
+    pub(crate) fn interrupt(&self) -> bool {
+        self.part.interrupt(1)
+    }
+
     /// Number of the sensor's present tick.
     pub(crate) fn tick(&self) -> u64 {
         self.part.tick()

@@ -6,13 +6,14 @@ use embedded_hal::spi::{self, SpiDevice};
 use fos_embedded::blocking::{Blocking, poll_once};
 use fos_embedded::raw::{Faults, RawSample};
 use fos_embedded::sample_source::{
-    Address, Bmi323, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, MAX_SAMPLES, SampleSource, SourceError,
+    Address, Bmi323, INTERRUPT_SAMPLES, Icm42688, Imu, Lsm6dso, Lsm6dsv16x, MAX_SAMPLES, SampleSource,
+    SourceError,
 };
 use fos_parts::{Fault, generated};
 
 use super::simulated::{
-    NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedIcm42688, SimulatedLsm6dso, SimulatedLsm6dsv16x,
-    for_every_part,
+    Board, NoAnswer, Shared, Simulated, SimulatedBmi323, SimulatedIcm42688, SimulatedLsm6dso,
+    SimulatedLsm6dsv16x, for_every_part,
 };
 
 /// Advances the time to the next multiple of `period_us` and polls.
@@ -51,6 +52,35 @@ fn no_sample_is_lost_in_five_minutes_for_any_clock_error() {
     for fast in [0.97, 1.0, 1.03] {
         for_every_part!(assert_no_loss(fast));
     }
+}
+
+/// Polls whenever the interrupt pin is high, for five minutes: every poll gives the same number of samples, and then the pin is low.
+fn assert_interrupts<P: Simulated>(with_interrupt: impl FnOnce(P) -> P) {
+    let board = Board::new::<P>();
+    let mut source = SampleSource::new(with_interrupt(P::new(&board)));
+    // until the part has started
+    board.borrow_mut().pass(100_000.0);
+    let mut polls = 0;
+    while board.borrow().now_us() < 300e6 {
+        let is_high = board.borrow().interrupt();
+        // the first poll sets the part up; later the pin calls for each
+        if polls == 0 || is_high {
+            let now_us = board.borrow().now_us() as u64;
+            let samples = poll_once(source.poll(now_us)).expect("done at once").expect("a poll").len();
+            assert!(!board.borrow().interrupt(), "{}: the pin falls", P::PART);
+            // the first frames have no data, and are no samples
+            assert!(polls < 5 || samples == usize::from(INTERRUPT_SAMPLES), "{}: {samples} samples", P::PART);
+            polls += 1;
+        }
+        board.borrow_mut().pass(500.0);
+    }
+    assert!(polls > 5900, "{}: {polls}", P::PART);
+}
+
+#[test]
+fn interrupt_pin_rises_after_the_same_number_of_samples() {
+    assert_interrupts(SimulatedLsm6dsv16x::with_interrupt);
+    assert_interrupts(SimulatedLsm6dso::with_interrupt);
 }
 
 /// Counted and actual ticks, with pauses of `nap_ms` between polls.
