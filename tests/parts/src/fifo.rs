@@ -20,7 +20,7 @@ pub enum Fate {
 pub struct Delivered {
     /// Tick of the source.
     pub tick: u64,
-    /// Codes at the range in force, and the latest code of the thermometer.
+    /// Codes at the range in force, and the latest code of the thermometer that the host could read; `i16::MIN` before the first.
     pub codes: Sample,
     /// Queued, read or lost.
     pub fate: Fate,

@@ -104,6 +104,8 @@ pub(crate) struct St<V> {
     overrun_latched: bool,
     /// Counter of the instants in the FIFO, two bits of the tag.
     instant: u8,
+    /// Latest temperature put into the FIFO, which is the one that the host reads with a sample.
+    temperature: Option<i16>,
     variant: PhantomData<V>,
 }
 
@@ -174,6 +176,10 @@ impl<V: Variant> St<V> {
         codes.accel = at_range(codes.accel, accel.map_or(0.0, |setting| setting.ratio));
         codes.gyro = at_range(codes.gyro, gyro.map_or(0.0, |setting| setting.ratio));
         self.instant = self.instant.wrapping_add(1);
+        if temperature_due && !sampler.faults.no_temperature {
+            self.temperature = Some(codes.temperature);
+        }
+        codes.temperature = self.temperature.unwrap_or(i16::MIN);
         let row = (accel_due && gyro_due && settled == [true; 2])
             .then(|| sampler.fifo.record(sampler.tick(), codes));
         let bytes = |codes: [i16; 3]| {
@@ -233,6 +239,7 @@ impl<V: Variant> Chip for St<V> {
             timestamp_ns: 0,
             overrun_latched: false,
             instant: 0,
+            temperature: None,
             variant: PhantomData,
         }
     }

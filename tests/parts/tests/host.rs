@@ -326,6 +326,18 @@ fn thermometer_has_its_own_rate() {
 }
 
 #[test]
+fn delivered_temperature_is_that_of_the_fifo() {
+    let row = |n: i16| Sample { accel: [0; 3], gyro: [0; 3], temperature: n };
+    let mut host = Host::set_up("lsm6dsv16x", Codes::Log((0..1000).map(row).collect()));
+    // FIFO_CTRL4: temperatures 15 times per second, in bypass and then in stream mode
+    host.write(&[&[0x0a, 0x60], &[0x0a, 0x66]]);
+    host.wait_ms(500.0);
+    let temperatures: Vec<i16> = host.part.delivered().iter().map(|row| row.codes.temperature).collect();
+    let changes = temperatures.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!((6..=8).contains(&changes), "{temperatures:?}");
+}
+
+#[test]
 fn clock_is_off_and_drifts() {
     for name in NAMES {
         let ticks = |ppm: f64, drift: f64| {
