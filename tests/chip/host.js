@@ -63,7 +63,7 @@ export function expectedTelemetry(image, delivered, file) {
     row.slice(1, 8).forEach((code, axis) => bytes.writeInt16LE(code, index * 18 + 4 + 2 * axis));
   });
   writeFileSync(file, bytes);
-  execFileSync(process.env.FOS_PICO_TELEMETRY, [image, file, `${file}.telemetry`], { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(process.env.FOS_FIRMWARE_TELEMETRY, ['rp2040', image, file, `${file}.telemetry`], { stdio: ['ignore', 'ignore', 'inherit'] });
   return readFileSync(`${file}.telemetry`);
 }
 

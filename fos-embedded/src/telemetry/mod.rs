@@ -158,8 +158,8 @@ impl<W: embedded_io::Write, const BYTES: usize> Recorder<W, BYTES> {
         started.and(sent)
     }
 
-    /// Sends the start frame with the next sample.
-    pub(super) fn begin(&mut self) {
+    /// Sends the start frame with the next sample too, because the names in it have changed.
+    pub fn begin(&mut self) {
         self.until_start = 0;
     }
 

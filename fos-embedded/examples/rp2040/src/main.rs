@@ -9,11 +9,13 @@
 #![no_std]
 #![no_main]
 
-mod telemetry;
+#[path = "../../device/mod.rs"]
+mod device;
 
 use core::ops::Range;
 
 use cortex_m::singleton;
+use device::Device;
 use embassy_executor::Spawner;
 use embassy_rp::flash::{self, ERASE_SIZE, Flash};
 use embassy_rp::gpio::{Level, Output};
@@ -25,11 +27,9 @@ use embassy_rp::{bind_interrupts, config, dma};
 use embassy_time::{Delay, Duration, Instant, with_deadline};
 use embedded_hal_bus::spi::ExclusiveDevice;
 use embedded_io_async::Read as _;
+use fos_core::Fixed;
 use fos_embedded::blocking::Blocking;
 use fos_embedded::sample_source::{Bmi323, Imu, SampleSource};
-use fos_embedded::store::ModelStore;
-use fos_embedded::telemetry::ImageReceiver;
-use telemetry::{PicoHub, Telemetry};
 
 bind_interrupts!(struct Irqs {
     DMA_IRQ_0 => dma::InterruptHandler<DMA_CH0>, dma::InterruptHandler<DMA_CH1>;
@@ -39,9 +39,6 @@ bind_interrupts!(struct Irqs {
 /// Flash of the board. Its last four sectors hold the model images; memory.x keeps the program out of them.
 const FLASH_BYTES: usize = 2 * 1024 * 1024;
 const STORE: Range<u32> = (FLASH_BYTES - 4 * ERASE_SIZE) as u32..FLASH_BYTES as u32;
-
-/// Longest model image, bytes: half a sector of the flash, less what the store writes around it.
-const IMAGE_BYTES: usize = 2000;
 
 /// Interval of the polls. The FIFO of the sensor holds 0.64 s, and erasing a sector of the flash takes up to 0.4 s.
 const POLL: Duration = Duration::from_millis(50);
@@ -63,7 +60,6 @@ async fn main(_spawner: Spawner) {
     let (clock, mosi, miso) = (board.PIN_18, board.PIN_19, board.PIN_16);
     let bus = Spi::new(board.SPI0, clock, mosi, miso, board.DMA_CH0, board.DMA_CH1, Irqs, bus);
     let Ok(sensor) = ExclusiveDevice::new(bus, Output::new(board.PIN_17, Level::High), Delay);
-    let mut hub = PicoHub::new(Sensor::scales());
     let mut source = SampleSource::new(Bmi323::new(sensor, Delay));
 
     // a poll sends up to 32 samples of 80 bytes; the largest image arrives while one is stored
@@ -74,16 +70,13 @@ async fn main(_spawner: Spawner) {
     let (tx, rx) = (board.PIN_0, board.PIN_1);
     let line = BufferedUart::new(board.UART0, tx, rx, Irqs, send, receive, line);
     let (send, mut receive) = line.split();
-    let mut telemetry = Telemetry::new(send, &hub);
-    let mut receiver: ImageReceiver<{ IMAGE_BYTES + 16 }> = ImageReceiver::new();
 
     let flash = Blocking(Flash::<FLASH, flash::Blocking, FLASH_BYTES>::new_blocking(board.FLASH));
-    let Ok(mut store): Result<ModelStore<_, { IMAGE_BYTES + 8 }>, _> = ModelStore::new(flash, STORE) else {
+    // in fixed point, since the chip has no FPU
+    let Ok(mut device) = Device::<Fixed, _, _>::new(Sensor::scales(), flash, STORE, send) else {
         unreachable!("whole sectors, four of them")
     };
-    if let Ok(Some(image)) = store.load().await {
-        telemetry = telemetry.load(&mut hub, image);
-    }
+    device.load().await;
 
     let mut computing = Output::new(board.PIN_15, Level::Low);
     loop {
@@ -93,28 +86,19 @@ async fn main(_spawner: Spawner) {
         if let Ok(samples) = source.poll(now.as_micros()).await {
             for raw in samples {
                 computing.set_high();
-                let _output = hub.update(raw);
+                device.update(raw);
                 computing.set_low();
-                telemetry.sample(&hub);
+                device.send();
             }
             if !samples.is_empty() && !source.has_more() {
-                hub.clock(now.as_micros());
+                device.clock(now.as_micros());
             }
         }
         let next = if source.has_more() { now } else { now + POLL };
         let mut bytes = [0; 64];
         while let Ok(received) = with_deadline(next, receive.read(&mut bytes)).await {
             // an error of the line damages a frame, which its checksum shows
-            for byte in bytes.iter().take(received.unwrap_or(0)) {
-                let Some(Ok(image)) = receiver.push(*byte) else { continue };
-                // only an image that the hub runs is stored; after a failure the previous one runs on
-                if hub.load(image).is_ok() {
-                    let _ = store.store(image).await;
-                }
-                if let Ok(Some(image)) = store.load().await {
-                    telemetry = telemetry.load(&mut hub, image);
-                }
-            }
+            device.receive(bytes.get(..received.unwrap_or(0)).unwrap_or(&[])).await;
         }
     }
 }
