@@ -24,7 +24,7 @@ use embassy_executor::Spawner;
 use embassy_futures::select::{Either, select};
 use embassy_nrf::buffered_uarte::{self, BufferedUarte};
 use embassy_nrf::config::{HfclkSource, LfclkSource};
-use embassy_nrf::gpio::{Level, Output, OutputDrive, Pull};
+use embassy_nrf::gpio::{Input, Level, Output, OutputDrive, Pull};
 use embassy_nrf::gpiote::{InputChannel, InputChannelPolarity};
 use embassy_nrf::nvmc::{FLASH_SIZE, Nvmc, PAGE_SIZE};
 use embassy_nrf::peripherals::{TWISPI0, UARTE0};
@@ -51,8 +51,8 @@ const STORE: Range<u32> = (FLASH_SIZE - 4 * PAGE_SIZE) as u32..FLASH_SIZE as u32
 /// 0.42 s, and erasing a page of the flash takes 85 ms.
 const POLL: Duration = Duration::from_millis(100);
 
-/// A poll takes less than 0.5 s if the sensor fails, and storing an image less than 0.5 s. A transfer on I2C that the sensor holds
-/// for ever ends here too. 32,768 ticks per second.
+/// A poll takes less than 0.5 s if the sensor fails, and storing an image less than 0.5 s. A transfer on I2C that never ends, because
+/// the sensor holds a line low, ends here too. 32,768 ticks per second.
 const WATCHDOG_TICKS: u32 = 2 * 32_768;
 
 type Sensor = Lsm6dsv16x<Twim<'static>, Delay>;
@@ -63,7 +63,7 @@ async fn main(_spawner: Spawner) {
     let mut clocks = config::Config::default();
     clocks.hfclk_source = HfclkSource::ExternalXtal;
     clocks.lfclk_source = LfclkSource::ExternalXtal;
-    let board = embassy_nrf::init(clocks);
+    let mut board = embassy_nrf::init(clocks);
 
     let mut watchdog = wdt::Config::default();
     watchdog.timeout_ticks = WATCHDOG_TICKS;
@@ -72,6 +72,10 @@ async fn main(_spawner: Spawner) {
         unreachable!("every reset but that of a pin stops it")
     };
 
+    free_bus(
+        &Input::new(board.P0_26.reborrow(), Pull::Up),
+        &mut Output::new(board.P0_27.reborrow(), Level::High, OutputDrive::Standard0Disconnect1),
+    );
     let mut bus = twim::Config::default();
     bus.frequency = twim::Frequency::K400;
     bus.sda_pullup = true;
@@ -171,6 +175,22 @@ async fn main(_spawner: Spawner) {
                 Err(_) => break,
             }
         }
+    }
+}
+
+/// Clocks the sensor to the end of a byte that it was sending when the chip was reset: until then it holds SDA low for every zero,
+/// and no transfer can begin.
+fn free_bus(sda: &Input<'_>, scl: &mut Output<'_>) {
+    // eight bits and the one for the acknowledgement
+    for _ in 0..9 {
+        if sda.is_high() {
+            break;
+        }
+        // 100 kHz, at 64 cycles per µs
+        scl.set_low();
+        cortex_m::asm::delay(5 * 64);
+        scl.set_high();
+        cortex_m::asm::delay(5 * 64);
     }
 }
 
