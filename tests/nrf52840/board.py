@@ -17,7 +17,8 @@ PERIPHERALS = {
     0x4000_C000: Peripheral, 0x4001_0000: Watchdog, 0x4001_1000: Rtc, 0x4001_E000: Nvmc, 0x4001_F000: Ppi,
 }
 PORTS = {0x5000_0000: Port, 0x5000_0300: Port}
-# Pins of the firmware (fos-embedded/examples/nrf52840), both of port 1.
+# Pins of the firmware (fos-embedded/examples/nrf52840), two of port 0 and two of port 1.
+SDA, SCL = 26, 27
 INT1, COMPUTING = 3, 4
 # Interval at which INT1 is looked at, s.
 LOOK_S = 250e-6
@@ -53,6 +54,8 @@ class Board:
         self.starts = {"power": 0, "software": 0, "watchdog": 0}
         # the sensor holds SCL low
         self.scl_held = False
+        # clocks until the sensor releases SDA, which it holds low
+        self.sda_clocks = 0
         self.switch_on()
 
     @property
@@ -134,6 +137,10 @@ class Board:
 
     # pins
 
+    def lines(self):
+        """Levels of port 0: SDA has a pull-up resistor."""
+        return int(self.sda_clocks == 0) << SDA
+
     def look(self):
         """Passes a change of INT1 to the chip."""
         self.schedule(self.now + int(LOOK_S * CYCLES), self.look)
@@ -149,6 +156,8 @@ class Board:
             self.blocks[0x4000_6000].edge(1, INT1, level)
 
     def output(self, port, changed, high):
+        if port is self.blocks[0x5000_0000] and changed >> SCL & 1 and not high:
+            self.sda_clocks = max(0, self.sda_clocks - 1)
         if port is self.blocks[0x5000_0300] and changed >> COMPUTING & 1:
             if high:
                 self.began = self.core.counter.executed

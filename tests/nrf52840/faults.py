@@ -27,6 +27,15 @@ def scl(held):
     return hold
 
 
+def sda(clocks):
+    def hold(board):
+        if clocks == 0 and board.sda_clocks != 0:
+            raise AssertionError("the firmware has not freed SDA")
+        board.sda_clocks = clocks
+
+    return hold
+
+
 NOTHING = of_part(faults_of.NONE, 0)
 # Fault; how it begins and ends; how long it lasts, s; within how many seconds after its end the samples are valid again; most ticks
 # without a sample. `restarts`: the watchdog starts the chip, and its ticks count from 0.
@@ -43,6 +52,7 @@ FAULTS = [
     ("INT1 stuck high", of_part(faults_of.PIN, 2), NOTHING, 5, 0.3, 0),
     ("an image with a changed bit", lambda board: board.line.receive(damaged(board)), NOTHING, 0, 0.3, 0),
     ("an image that breaks off", lambda board: board.line.receive(frame(board.image)[:200]), NOTHING, 0, 0.3, 0),
+    ("SDA held low until nine clocks", sda(9), sda(0), 3, 3, "restarts"),
     ("SCL held for ever", scl(True), scl(False), 3, 3, "restarts"),
 ]
 

@@ -11,7 +11,8 @@ class Port(Peripheral):
         self.input = 0
 
     def computed(self, offset):
-        return {self.IN: self.input, self.OUTSET: self.registers[self.OUT], self.OUTCLR: self.registers[self.OUT]}.get(offset)
+        levels = self.input | (self.board.lines() if self.base == 0x5000_0000 else 0)
+        return {self.IN: levels, self.OUTSET: self.registers[self.OUT], self.OUTCLR: self.registers[self.OUT]}.get(offset)
 
     def stored(self, offset, value):
         out = self.registers[self.OUT]

@@ -24,7 +24,7 @@ class Twim(Peripheral):
         stretch = board.part.stretch_ns() * 64 // 1000 if bits >= 9 else 0
 
         def due():
-            if transfer == self.transfer and not board.scl_held:
+            if transfer == self.transfer and not board.scl_held and board.sda_clocks == 0:
                 board.part.advance(board.ns)
                 what()
 
