@@ -45,6 +45,11 @@ impl<R: Copy, const N: usize> History<R, N> {
         self.next = next;
     }
 
+    /// True if nothing has been written since the start or [`clear`](Self::clear).
+    pub(crate) fn is_empty(&self) -> bool {
+        self.next == 0
+    }
+
     /// The last `N` values written.
     #[inline]
     pub(crate) fn window(&self) -> Window<'_, R, N> {

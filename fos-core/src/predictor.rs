@@ -1,5 +1,7 @@
 //! The predictor: one step per sample. It tracks from measurements and coasts on its own output.
 
+use core::ops::{Deref, DerefMut};
+
 use crate::axis::Correction;
 use crate::{Evaluator, Model, ModelError, Sample, Scalar};
 
@@ -10,6 +12,9 @@ use crate::{Evaluator, Model, ModelError, Sample, Scalar};
 ///
 /// The step cannot fail and cannot panic. Its cost is bounded and, except for gaps ([`skip`](Self::skip)), independent
 /// of the data.
+///
+/// It is an [`Evaluator`] together with memory for the corrections, and has all its methods that return none: to load and
+/// discard a model, to reset, to start the clocks.
 ///
 /// ```
 /// use fos_core::{Axis, AxisModel, AxisParameters, FittedOn, InnovationStatistics, Model, Predictor, Range, Sample};
@@ -62,8 +67,24 @@ pub struct Predictor<
 > {
     evaluator: Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     corrections: [Correction<R>; AXES],
-    /// At least one sample has been processed.
-    begun: bool,
+}
+
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize> Deref
+    for Predictor<R, AXES, INPUTS, TERMS, HISTORY>
+{
+    type Target = Evaluator<R, AXES, INPUTS, TERMS, HISTORY>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.evaluator
+    }
+}
+
+impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize> DerefMut
+    for Predictor<R, AXES, INPUTS, TERMS, HISTORY>
+{
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.evaluator
+    }
 }
 
 /// Formats the number of inputs and the latest corrections, not the model.
@@ -96,26 +117,10 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         Ok(predictor)
     }
 
-    /// Replaces the model in place and resets history, inputs and clocks.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`new`](Self::new); the predictor is then [empty](Self::empty).
-    pub fn load(&mut self, model: &Model<'_, R::Stored>) -> Result<(), ModelError> {
-        self.begun = false;
-        self.evaluator.load(model)
-    }
-
     /// A predictor without a model, which corrects nothing: initial value of a `static` before
     /// [`Image::load`](crate::Image::load).
     pub const fn empty() -> Self {
-        Self { evaluator: Evaluator::empty(), corrections: [Correction::NONE; AXES], begun: false }
-    }
-
-    /// Discards the model in place; the predictor is then [empty](Self::empty).
-    pub fn clear(&mut self) {
-        self.evaluator.clear();
-        self.begun = false;
+        Self { evaluator: Evaluator::empty(), corrections: [Correction::NONE; AXES] }
     }
 
     /// Processes a sample at rest: the error is measured against the model's reference and enters the history.
@@ -131,7 +136,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_against(&mut self, sample: &Sample<'_, R>, reference: &[R]) -> &[Correction<R>] {
         self.evaluator.track_against(sample, reference, &mut self.corrections);
-        self.latest()
+        self.corrections()
     }
 
     /// [Tracks](Self::track) the axes whose bit in `tracked` is set (the lowest bit is the first axis) and
@@ -139,7 +144,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn track_some(&mut self, sample: &Sample<'_, R>, tracked: u32) -> &[Correction<R>] {
         self.evaluator.track_some(sample, tracked, &mut self.corrections);
-        self.latest()
+        self.corrections()
     }
 
     /// Processes a sample in motion: the error is not known, so the model's own output enters the history.
@@ -154,9 +159,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         self.track_some(sample, 0)
     }
 
-    /// Corrections of the latest sample, one per axis; empty before the first sample.
+    /// Corrections of the latest sample, one per axis; empty before the first sample after a load or reset.
     pub fn corrections(&self) -> &[Correction<R>] {
-        let n = if self.begun { self.evaluator.n_axes() } else { 0 };
+        let n = if self.evaluator.has_begun() { self.evaluator.n_axes() } else { 0 };
         self.corrections.get(..n).unwrap_or(&[])
     }
 
@@ -194,7 +199,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the predicted values can be trusted"]
     pub fn forecast(&mut self, quantities: &[R]) -> &[Correction<R>] {
         self.evaluator.forecast(quantities, &mut self.corrections);
-        self.latest()
+        self.corrections()
     }
 
     /// Advances over `ticks` missing samples. Each axis coasts up to its gap limit, then its history restarts; time
@@ -202,51 +207,6 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[must_use = "carries whether the corrected values can be trusted"]
     pub fn skip(&mut self, ticks: u32) -> &[Correction<R>] {
         self.evaluator.skip(ticks, &mut self.corrections);
-        self.begun |= ticks > 0;
-        self.corrections()
-    }
-
-    /// Starts the clocks at `ticks` after power-on, so that a model loaded later has the right phase of the warm-up. Call
-    /// it before the first sample.
-    pub fn begin_after(&mut self, ticks: u32) {
-        self.evaluator.begin_after(ticks);
-    }
-
-    /// Lowers the full scale of an axis to `full_scale`, in its unit, for a sensor that saturates earlier than the model
-    /// states. Values that are not positive or not below the present full scale have no effect.
-    pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
-        self.evaluator.limit_full_scale(axis, full_scale);
-    }
-
-    /// Returns to the state at power-on: history, inputs and clocks are reset, the model stays.
-    pub fn reset(&mut self) {
-        self.evaluator.reset();
-    }
-
-    /// Value u(n) of an input at the last sample, scaled; `None` if there is no such input.
-    pub fn input(&self, index: usize) -> Option<R> {
-        self.evaluator.input(index)
-    }
-
-    /// The evaluator that holds the model and its state.
-    #[cfg(feature = "coasts")]
-    pub fn evaluator(&self) -> &Evaluator<R, AXES, INPUTS, TERMS, HISTORY> {
-        &self.evaluator
-    }
-
-    /// Number of axes of the model.
-    pub fn n_axes(&self) -> usize {
-        self.evaluator.n_axes()
-    }
-
-    /// The evaluator, for loading an image; the corrections of the last sample are discarded.
-    pub(crate) fn begin(&mut self) -> &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY> {
-        self.begun = false;
-        &mut self.evaluator
-    }
-
-    fn latest(&mut self) -> &[Correction<R>] {
-        self.begun = true;
         self.corrections()
     }
 }

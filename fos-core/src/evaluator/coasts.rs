@@ -35,9 +35,9 @@ use crate::{Scalar, Source};
 /// let model = Model { period_s: 0.01, fitted_on: FittedOn::Raw, stillness: None, calibration: None, inputs: &[], quantities: &[], axes: &axes };
 /// let mut predictor = Predictor::<f64, 1, 1, 4, 8>::new(&model)?;
 /// let _ = predictor.track(&Sample { measured: &[2.0], quantities: &[] });
-/// let mut coasts = Coasts::new(predictor.evaluator()).expect("it begins from measurements");
+/// let mut coasts = Coasts::new(&predictor).expect("it begins from measurements");
 /// let _ = predictor.track(&Sample { measured: &[4.0], quantities: &[] });
-/// assert!(coasts.begin(1, predictor.evaluator()));
+/// assert!(coasts.begin(1, &predictor));
 /// assert_eq!(coasts.step(&[]), [[1.0, 2.0]]);
 /// assert_eq!(coasts.step(&[]), [[0.5, 1.0]]);
 /// # Ok::<(), fos_core::ModelError>(())

@@ -71,13 +71,14 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     pub fn n_axes(&self) -> usize {
         self.axes.len()
     }
-}
 
-impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>
-    Evaluator<R, AXES, INPUTS, TERMS, HISTORY>
-{
+    /// True after the first sample since the model was loaded or reset.
+    pub(crate) fn has_begun(&self) -> bool {
+        !self.history.is_empty()
+    }
+
     /// An evaluator without a model, which corrects nothing: initial value of a `static` before
-    /// [`Image::load_evaluator`](crate::Image::load_evaluator).
+    /// [`Image::load`](crate::Image::load).
     pub const fn empty() -> Self {
         const { assert!(INPUTS <= u32::BITS as usize && AXES <= u32::BITS as usize, "at most 32 of each") };
         Self {

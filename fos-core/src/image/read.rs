@@ -184,33 +184,12 @@ impl<'a> Image<'a> {
         Ok(predictor)
     }
 
-    /// Loads the model into a predictor in place; it starts as at power-on.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`predictor`](Self::predictor); `predictor` is then without a model.
-    pub fn load<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
-        &self,
-        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
-    ) -> Result<(), ImageError>
-    where
-        R: Scalar,
-    {
-        self.load_evaluator(predictor.begin())
-    }
-
-    /// Loads the model into an evaluator in place; it starts as at power-on.
+    /// Loads the model into an evaluator or predictor in place; it starts as at power-on.
     ///
     /// # Errors
     ///
     /// Those of [`predictor`](Self::predictor); `evaluator` is then without a model.
-    pub fn load_evaluator<
-        R,
-        const AXES: usize,
-        const INPUTS: usize,
-        const TERMS: usize,
-        const HISTORY: usize,
-    >(
+    pub fn load<R, const AXES: usize, const INPUTS: usize, const TERMS: usize, const HISTORY: usize>(
         &self,
         evaluator: &mut Evaluator<R, AXES, INPUTS, TERMS, HISTORY>,
     ) -> Result<(), ImageError>

@@ -50,13 +50,13 @@ fn compare<R: Real>(model: &OwnedModel<R>, rows: &[Row]) -> Result<(), TestCaseE
     }
     let mut alone: [_; LANES] = begun.try_into().expect("as many as lanes");
     // earlier computations must leave no trace
-    let Some(mut coasts) = Coasts::<_, LANES, _, _, _, _>::new(alone[1].evaluator()) else { return Ok(()) };
+    let Some(mut coasts) = Coasts::<_, LANES, _, _, _, _>::new(&alone[1]) else { return Ok(()) };
     for _ in 0..7 {
         let _ = coasts.step(&[[R::ONE; LANES]; 3]);
     }
     let begun = alone.iter().enumerate().all(|(lane, predictor)| match lane {
-        0 => coasts.begin_all(predictor.evaluator()),
-        _ => coasts.begin(lane, predictor.evaluator()),
+        0 => coasts.begin_all(predictor),
+        _ => coasts.begin(lane, predictor),
     });
     if !begun {
         return Ok(());

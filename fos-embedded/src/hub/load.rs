@@ -103,7 +103,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
 
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
         self.check_fitted_on(image.fitted_on())?;
-        image.load_evaluator(&mut self.evaluator).map_err(HubError::Image)?;
+        image.load(&mut self.evaluator).map_err(HubError::Image)?;
         self.take_calibration(|| image.calibration())?;
         let axes = image.axes().map(|axis| axis.parameters);
         self.connect(image.period_s(), axes, image.quantities(), image.stillness())

@@ -67,7 +67,7 @@ pub fn measure() -> Result<StepTimes, ModelError> {
             let _ = black_box(predictor.track(&Sample { measured, quantities: &[] }));
         }
     });
-    let side_by_side = Coasts::<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>::new(predictor.evaluator());
+    let side_by_side = Coasts::<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>::new(&predictor);
     let side_by_side_s = side_by_side.map_or(f64::NAN, |mut coasts| {
         least_time(REPEATS, || Arch::new().dispatch(SideBySide(&mut coasts))).0
     });

@@ -111,10 +111,9 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Waiting<R, TERMS, HISTOR
     /// Takes a coast over `rows` into a lane. Returns false if the history of `predictor` does not consist of
     /// measurements only.
     fn take(&mut self, predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>, rows: &Range<usize>) -> bool {
-        let evaluator = predictor.evaluator();
         let last = self.n_begun.checked_sub(1).and_then(|last| self.groups.get_mut(last));
         if let Some(group) = last.filter(|group| group.lanes.len() < LANES) {
-            let has_begun = group.coasts.begin(group.lanes.len(), evaluator);
+            let has_begun = group.coasts.begin(group.lanes.len(), predictor);
             if has_begun {
                 group.lanes.push(rows.clone());
             }
@@ -122,7 +121,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Waiting<R, TERMS, HISTOR
         }
         match self.groups.get_mut(self.n_begun) {
             Some(group) => {
-                if !group.coasts.begin_all(evaluator) {
+                if !group.coasts.begin_all(predictor) {
                     return false;
                 }
                 group.lanes.push(rows.clone());
@@ -147,7 +146,7 @@ impl<R: Real, const TERMS: usize, const HISTORY: usize> Group<R, TERMS, HISTORY>
     // keeps a new group out of the stack frame of callers that need none
     #[inline(never)]
     fn new(predictor: &Predictor<R, AXES, INPUTS, TERMS, HISTORY>, rows: &Range<usize>) -> Option<Self> {
-        let coasts = Box::new(Coasts::new(predictor.evaluator())?);
+        let coasts = Box::new(Coasts::new(predictor)?);
         Some(Self { coasts, lanes: vec![rows.clone()] })
     }
 }
