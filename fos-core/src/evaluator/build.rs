@@ -144,7 +144,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         }
         let _ = self.axes.push(RunningAxis::new(parameters, program, self.header.period_s));
         if let Some(axis) = self.axes.last_mut() {
-            axis.begin();
+            axis.constants.update_fast_path_range();
         }
         Ok(())
     }

@@ -3,7 +3,6 @@
 use heapless::Vec;
 
 use super::Evaluator;
-use crate::axis::RunningAxis;
 use crate::history::{History, Window};
 use crate::input::RunningInput;
 use crate::running::LowPass;
@@ -121,7 +120,7 @@ impl<
     fn can_begin_from(&self, evaluator: &Evaluator<R, AXES, INPUTS, TERMS, HISTORY>) -> bool {
         evaluator.axes.len() == self.common.axes.len()
             && evaluator.inputs.len() == self.inputs.len()
-            && evaluator.axes.iter().all(RunningAxis::is_steady)
+            && evaluator.axes.iter().all(|axis| axis.state.is_steady())
     }
 
     /// Copies the state of an evaluator into a lane: inputs, remainders, and the history as far back as the longest lag.
@@ -140,14 +139,16 @@ impl<
                 }
             }
         }
-        let ticks = evaluator.axes.iter().map(|axis| axis.settling_ticks() as usize).fold(0, usize::max) + 1;
+        let ticks =
+            evaluator.axes.iter().map(|axis| axis.constants.settling_ticks() as usize).fold(0, usize::max)
+                + 1;
         let values = ticks * (evaluator.inputs.len() + evaluator.axes.len());
         let window = evaluator.history.window();
         let places = (1..=values.min(HISTORY)).rev().filter_map(Window::<R, HISTORY>::place);
         self.history.begin_lane(lane, places.map(|place| window.at(place)));
         for (remainder, axis) in self.remainders.iter_mut().zip(&evaluator.axes) {
             if let Some(remainder) = remainder.get_mut(lane) {
-                *remainder = axis.remainder;
+                *remainder = axis.state.remainder;
             }
         }
     }
@@ -185,10 +186,10 @@ impl<
         let lanes = remainders.iter_mut().zip(predicted.iter_mut());
         for (axis, (remainder, predicted)) in common.axes.iter_mut().zip(lanes) {
             let mut p = [R::ZERO; LANES];
-            if !axis.physical.is_empty {
-                (p, records) = axis.physical.evaluate_lanes(records, thirds, window);
+            if !axis.constants.physical.is_empty {
+                (p, records) = axis.constants.physical.evaluate_lanes(records, thirds, window);
             }
-            (*remainder, records) = axis.stochastic.evaluate_lanes(records, thirds, window);
+            (*remainder, records) = axis.constants.stochastic.evaluate_lanes(records, thirds, window);
             *predicted = axis.coast_lanes(p, remainder);
         }
         let n_axes = common.axes.len();

@@ -124,7 +124,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     ) {
         let mut references = reference.iter();
         self.step(sample, corrections, |axis, measured, correction| {
-            let reference = references.next().copied().unwrap_or(axis.reference);
+            let reference = references.next().copied().unwrap_or(axis.constants.reference);
             // a true value that is not finite is unknown
             if reference.is_finite() {
                 axis.track_against(measured, reference, correction);
@@ -149,7 +149,8 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             return;
         }
         // one more than the longest gap limit or lag
-        let stepped = ticks.min(self.axes.iter().map(RunningAxis::settling_ticks).fold(0, u32::max) + 1);
+        let stepped =
+            ticks.min(self.axes.iter().map(|axis| axis.constants.settling_ticks()).fold(0, u32::max) + 1);
         if ticks > stepped {
             // longer than any gap limit: the axes restart instead of coasting. The steps come last, so that lagged
             // inputs have the right age.
@@ -179,7 +180,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     /// states. Values that are not positive or not below the present full scale have no effect.
     pub fn limit_full_scale(&mut self, axis: usize, full_scale: R) {
         if let Some(axis) = self.axes.get_mut(axis) {
-            axis.limit_full_scale(full_scale);
+            axis.constants.limit_full_scale(full_scale);
         }
     }
 
@@ -212,22 +213,22 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         let unusable =
             if self.inputs.is_empty() { Unusable::NONE } else { self.update_inputs(sample.quantities) };
         let window = self.history.window();
-        let mut records = self.program.records();
+        let (mut records, thirds) = (self.program.records(), self.program.thirds());
         let mut limited = false;
         let mut measured = sample.measured.iter();
         for (axis, correction) in self.axes.iter_mut().zip(corrections.iter_mut()) {
-            if !axis.physical.is_empty {
-                (axis.p, records) = axis.physical.evaluate(records, self.program.thirds(), window);
+            if !axis.constants.physical.is_empty {
+                (axis.state.p, records) = axis.constants.physical.evaluate(records, thirds, window);
                 limited |= axis.limit_physical();
             }
-            (axis.predicted_remainder, records) =
-                axis.stochastic.evaluate(records, self.program.thirds(), window);
+            (axis.state.predicted_remainder, records) =
+                axis.constants.stochastic.evaluate(records, thirds, window);
             match measured.next() {
                 Some(&measured) => take(axis, measured, correction),
                 None => axis.miss(correction),
             }
         }
-        self.history.write(self.axes.iter().map(|axis| axis.remainder));
+        self.history.write(self.axes.iter().map(|axis| axis.state.remainder));
         if unusable.any() || limited {
             self.propagate_input_flags(unusable, corrections);
         }
@@ -237,7 +238,7 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     #[cold]
     fn propagate_input_flags(&mut self, unusable: Unusable, corrections: &mut [Correction<R>]) {
         for (axis, correction) in self.axes.iter_mut().zip(corrections) {
-            correction.validity |= unusable.of(axis.inputs_used) | axis.take_limited();
+            correction.validity |= unusable.of(axis.constants.inputs_used) | axis.state.take_limited();
         }
     }
 
@@ -250,7 +251,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
             let logged = match input.source() {
                 Source::Clock => None,
                 Source::Quantity(index) => quantities.get(usize::from(index)).copied(),
-                Source::Remainder(axis) => self.axes.get(usize::from(axis)).and_then(RunningAxis::remainder),
+                Source::Remainder(axis) => {
+                    self.axes.get(usize::from(axis)).and_then(|axis| axis.state.remainder())
+                }
             };
             let (value, validity) = input.update(logged);
             if !validity.is_valid() {
