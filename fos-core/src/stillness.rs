@@ -141,14 +141,20 @@ impl<R: Scalar> StillnessDetector<R> {
     /// [`ModelError::Stillness`] if a limit is not positive or the window has fewer than two samples.
     pub fn new(limits: StillnessLimits<R::Stored>) -> Result<Self, ModelError> {
         limits.convert::<f32>().check()?;
-        Ok(Self {
+        Ok(Self::of_loaded(limits))
+    }
+
+    /// A detector in the moving state, with the limits of a loaded model: they were checked with the model and are not
+    /// checked again. With limits that [`new`](Self::new) refuses, its decisions have no meaning.
+    pub fn of_loaded(limits: StillnessLimits<R::Stored>) -> Self {
+        Self {
             limits: Limits::new(&limits),
             accel: Triad::EMPTY,
             gyro: Triad::EMPTY,
             filled: 0,
             quiet_windows: 0,
             still: false,
-        })
+        }
     }
 
     /// Processes a sample: specific force in m/s², angular rate in rad/s. Returns true if the device is still.

@@ -91,6 +91,8 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
     }
 
     /// Discards the model in place; the evaluator is then [empty](Self::empty).
+    // not inlined: one copy for all ways to load a model
+    #[inline(never)]
     pub fn clear(&mut self) {
         self.program.clear();
         self.inputs.clear();

@@ -32,7 +32,15 @@ pub(super) fn axis_of(channel: u8) -> Axis {
 
 /// Index of an axis among the six; `None` for others.
 pub(super) fn channel_of(axis: Axis) -> Option<u8> {
-    (0..).zip(SIX).find(|(_, other)| *other == axis).map(|(channel, _)| channel)
+    match axis {
+        Axis::Ax => Some(0),
+        Axis::Ay => Some(1),
+        Axis::Az => Some(2),
+        Axis::Gx => Some(3),
+        Axis::Gy => Some(4),
+        Axis::Gz => Some(5),
+        Axis::Other => None,
+    }
 }
 
 /// Value of one of the six axes. A wrong index, which cannot occur, gives 0.

@@ -98,7 +98,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.gravity = None;
         (self.model_rate_hz, self.rate_off) = (0.0, false);
         (self.in_pose, self.without_gate) = (false, 0);
-        self.output = Output::NONE;
+        self.output = Output::none();
     }
 
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {
@@ -182,7 +182,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     // as above
     #[inline(never)]
     fn detect_stillness(&mut self, limits: Option<StillnessLimits<f32>>) {
-        self.detector = limits.and_then(|limits| StillnessDetector::new(limits).ok());
+        self.detector = limits.map(StillnessDetector::of_loaded);
     }
 
     /// Maps an axis of the model to one of the six; `None` if there is no such axis, or the model has it twice.

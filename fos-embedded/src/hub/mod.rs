@@ -147,7 +147,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
             without_gate: 0,
             ticks: 0,
             wrapped: false,
-            output: Output::NONE,
+            output: Output::none(),
         }
     }
 
@@ -377,18 +377,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         if skipped > 0 { reported | Faults::GAP } else { reported }
     }
 
-    /// Advances the model over missing samples; their corrections are overwritten by the next sample.
-    fn skip(&mut self, ticks: u32) {
-        match self.first.and_then(|first| self.output.corrections.get_mut(usize::from(first)..)) {
-            Some(corrections) => self.evaluator.skip(ticks, corrections),
-            None => self.skip_reordered(ticks),
-        }
-    }
-
+    /// Advances the model over missing samples. Their corrections are discarded: the next sample has its own.
+    // a separate function, for its stack frame
     #[inline(never)]
-    fn skip_reordered(&mut self, ticks: u32) {
-        let mut corrections = self.output.corrections;
-        self.evaluator.skip(ticks, &mut corrections);
+    fn skip(&mut self, ticks: u32) {
+        let mut discarded = self.output.corrections;
+        self.evaluator.skip(ticks, &mut discarded);
     }
 
     /// Updates the logged quantities that the sensor itself measures.

@@ -32,17 +32,22 @@ pub struct Output<R = f32> {
 }
 
 impl<R: Scalar<Stored = f32>> Output<R> {
-    pub(super) const NONE: Self = Self {
-        tick: 0,
-        still: false,
-        measured: [R::ZERO; AXES],
-        temperature_c: R::NAN,
-        corrections: [Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE }; AXES],
-        #[cfg(feature = "calibration")]
-        calibrated: None,
-        faults: Faults::empty(),
-        drift: false,
-    };
+    /// Output before the first sample.
+    // not a constant, which would be copied from 156 bytes of flash
+    pub(super) const fn none() -> Self {
+        let not_modelled = Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE };
+        Self {
+            tick: 0,
+            still: false,
+            measured: [R::ZERO; AXES],
+            temperature_c: R::NAN,
+            corrections: [not_modelled; AXES],
+            #[cfg(feature = "calibration")]
+            calibrated: None,
+            faults: Faults::empty(),
+            drift: false,
+        }
+    }
 
     /// Corrected values: measured minus predicted error, calibrated if the model has a calibration.
     pub fn corrected(&self) -> [f32; AXES] {
