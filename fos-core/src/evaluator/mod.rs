@@ -215,16 +215,17 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
         let unusable =
             if self.inputs.is_empty() { Unusable::NONE } else { self.update_inputs(sample.quantities) };
         let window = self.history.window();
-        let (mut records, thirds) = (self.program.records(), self.program.thirds());
+        let mut records = self.program.records();
         let mut limited = false;
         let mut measured = sample.measured.iter();
         for (axis, correction) in self.axes.iter_mut().zip(corrections.iter_mut()) {
             if !axis.constants.physical.is_empty {
-                (axis.state.p, records) = axis.constants.physical.evaluate(records, thirds, window);
+                (axis.state.p, records) =
+                    axis.constants.physical.evaluate(records, self.program.thirds(), window);
                 limited |= axis.limit_physical();
             }
             (axis.state.predicted_remainder, records) =
-                axis.constants.stochastic.evaluate(records, thirds, window);
+                axis.constants.stochastic.evaluate(records, self.program.thirds(), window);
             match measured.next() {
                 Some(&measured) => take(axis, measured, correction),
                 None => axis.miss(correction),

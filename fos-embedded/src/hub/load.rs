@@ -10,7 +10,7 @@ use fos_core::{
 use super::axes::{AXES, Gate, channel_of};
 use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
-use super::{Hub, HubError, Output};
+use super::{Hub, HubError};
 
 /// Largest relative difference between the sample periods of model and sensor; beyond it a model is rejected. Sensor clocks
 /// are up to 5 % off, both in the log of the fit and on the device.
@@ -98,7 +98,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.gravity = None;
         (self.model_rate_hz, self.rate_off) = (0.0, false);
         (self.in_pose, self.without_gate) = (false, 0);
-        self.output = Output::none();
+        self.output.clear();
     }
 
     fn take(&mut self, image: &Image<'_>) -> Result<(), HubError> {

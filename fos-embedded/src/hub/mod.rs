@@ -284,7 +284,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     /// Runs the sample through the model; tracks the axes whose bit in `tracked` is set.
     #[inline(always)]
     fn evaluate(&mut self, tracked: u32) {
-        let Some(first) = self.first else { return self.evaluate_reordered(tracked) };
+        let Some(first) = self.first else { return self.evaluate_reordered(tracked, 0) };
         let (first, n) = (usize::from(first), self.axes.len());
         let measured = self.output.measured.get(first..).and_then(|from_first| from_first.get(..n));
         let corrections = self.output.corrections.get_mut(first..).unwrap_or(&mut []);
@@ -292,21 +292,26 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         self.evaluator.track_some(&sample, tracked, corrections);
     }
 
-    /// Same as [`evaluate`](Self::evaluate), for a model whose axes are not consecutive among the six.
+    /// Same as [`evaluate`](Self::evaluate), or [`skip`](Self::skip) if any ticks are `skipped`, for a model whose axes are
+    /// not consecutive among the six.
+    // together, for they need the same copy
     #[cold]
     #[inline(never)]
-    fn evaluate_reordered(&mut self, tracked: u32) {
-        let mut values = [R::ZERO; AXES];
+    fn evaluate_reordered(&mut self, tracked: u32, skipped: u32) {
         let mut corrections = self.output.corrections;
+        if skipped > 0 {
+            return self.evaluator.skip(skipped, &mut corrections);
+        }
+        let mut values = [R::ZERO; AXES];
         for (channel, value) in self.axes.iter().zip(&mut values) {
             *value = at(&self.output.measured, *channel);
         }
         let sample =
             Sample { measured: values.get(..self.axes.len()).unwrap_or(&[]), quantities: &self.quantities };
         self.evaluator.track_some(&sample, tracked, &mut corrections);
-        for (channel, correction) in self.axes.iter().zip(corrections) {
+        for (channel, correction) in self.axes.iter().zip(&corrections) {
             if let Some(place) = self.output.corrections.get_mut(usize::from(*channel)) {
-                *place = correction;
+                *place = *correction;
             }
         }
     }
@@ -377,12 +382,12 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
         if skipped > 0 { reported | Faults::GAP } else { reported }
     }
 
-    /// Advances the model over missing samples. Their corrections are discarded: the next sample has its own.
-    // a separate function, for its stack frame
-    #[inline(never)]
+    /// Advances the model over missing samples; their corrections are overwritten by the next sample.
     fn skip(&mut self, ticks: u32) {
-        let mut discarded = self.output.corrections;
-        self.evaluator.skip(ticks, &mut discarded);
+        match self.first.and_then(|first| self.output.corrections.get_mut(usize::from(first)..)) {
+            Some(corrections) => self.evaluator.skip(ticks, corrections),
+            None => self.evaluate_reordered(0, ticks),
+        }
     }
 
     /// Updates the logged quantities that the sensor itself measures.

@@ -32,20 +32,33 @@ pub struct Output<R = f32> {
 }
 
 impl<R: Scalar<Stored = f32>> Output<R> {
+    const NOT_MODELLED: Correction<R> = Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE };
+
     /// Output before the first sample.
     // not a constant, which would be copied from 156 bytes of flash
     pub(super) const fn none() -> Self {
-        let not_modelled = Correction { validity: Validity::NOT_MODELLED, ..Correction::NONE };
         Self {
             tick: 0,
             still: false,
             measured: [R::ZERO; AXES],
             temperature_c: R::NAN,
-            corrections: [not_modelled; AXES],
+            corrections: [Self::NOT_MODELLED; AXES],
             #[cfg(feature = "calibration")]
             calibrated: None,
             faults: Faults::empty(),
             drift: false,
+        }
+    }
+
+    /// Returns to the output before the first sample, in place: another one would take much stack.
+    pub(super) fn clear(&mut self) {
+        let Self { tick, still, measured, temperature_c, corrections, faults, drift, .. } = self;
+        (*tick, *still, *faults, *drift) = (0, false, Faults::empty(), false);
+        (*measured, *temperature_c) = ([R::ZERO; AXES], R::NAN);
+        corrections.fill(Self::NOT_MODELLED);
+        #[cfg(feature = "calibration")]
+        {
+            self.calibrated = None;
         }
     }
 
@@ -107,13 +120,14 @@ impl<R: Scalar<Stored = f32>> Output<R> {
     /// Fills in the axes without a model: the measured value, or the last finite one.
     #[inline(never)]
     pub(super) fn pass_others(&mut self, axes: &[u8], scales: &Scales) {
-        for (channel, (correction, measured)) in (0..).zip(self.corrections.iter_mut().zip(self.measured)) {
-            if axes.contains(&channel) {
+        for (channel, (correction, measured)) in (0..).zip(self.corrections.iter_mut().zip(&self.measured)) {
+            #[expect(clippy::manual_contains, reason = "`contains` compares eight at a time with much code")]
+            if axes.iter().any(|modelled| *modelled == channel) {
                 continue;
             }
             correction.validity = Validity::NOT_MODELLED;
             if measured.is_finite() {
-                correction.corrected = measured;
+                correction.corrected = *measured;
             } else {
                 correction.validity |= Validity::NOT_FINITE;
             }
