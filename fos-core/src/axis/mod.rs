@@ -52,7 +52,7 @@ pub(crate) struct RunningAxis<R: Scalar> {
 }
 
 impl<R: Scalar> RunningAxis<R> {
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn new(
         parameters: &AxisParameters<R::Stored>,
         program: AxisProgram<R>,

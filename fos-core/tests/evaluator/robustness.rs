@@ -471,6 +471,8 @@ fn skipping_no_ticks_shows_no_corrections_of_an_earlier_model() {
     model.borrow(|model| predictor.load(model)).unwrap();
     assert_eq!(predictor.skip(0), []);
     assert_eq!(predictor.skip(1).len(), 2);
+    predictor.reset();
+    assert_eq!(predictor.corrections(), []);
 }
 
 #[test]

@@ -48,3 +48,16 @@ pub(super) fn channel_of(axis: Axis) -> Option<u8> {
 pub(super) fn at<R: Scalar>(values: &[R; AXES], channel: u8) -> R {
     values.get(usize::from(channel)).copied().unwrap_or(R::ZERO)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_have_the_order_of_the_six_axes() {
+        for (channel, axis) in (0..).zip(SIX) {
+            assert_eq!((channel_of(axis), axis_of(channel)), (Some(channel), axis));
+        }
+        assert_eq!((channel_of(Axis::Other), axis_of(6)), (None, Axis::Other));
+    }
+}

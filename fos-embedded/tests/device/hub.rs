@@ -333,6 +333,39 @@ fn skipped_samples_set_the_gap_fault() {
 }
 
 #[test]
+fn gap_with_axes_out_of_order_gives_the_bits_of_the_predictor() {
+    let made = Made { axes: &[Axis::Gz, Axis::Ay], ..MADE };
+    let mut predictor: Predictor<f32, 2, 8, 64, 128> =
+        Image::parse(&image(&made)).expect("an image").predictor().expect("it fits");
+    let mut hub = loaded(&made);
+    hub.set_motion(Some(Motion::Moving));
+    let mut random = Random(6);
+    for n in 0..200 {
+        let raw = RawSample { skipped: if n % 50 == 49 { 1 + n / 10 } else { 0 }, ..random.at_rest() };
+        let output = *hub.update(&raw);
+        let _ = predictor.skip(raw.skipped);
+        let measured = SCALES.measured(&raw);
+        let quantities = [SCALES.temperature_c(&raw), 3.3];
+        let sample = Sample { measured: &[measured[5], measured[1]], quantities: &quantities };
+        let [gz, ay] = predictor.coast(&sample) else { panic!("two axes") };
+        assert_eq!((output.corrections[5], output.corrections[1]), (*gz, *ay), "{n}");
+        for axis in [0, 2, 3, 4] {
+            assert_eq!((output.predicted()[axis], output.corrected()[axis]), (0.0, measured[axis]), "{n}");
+            assert!(output.innovation()[axis].is_nan(), "{n}");
+        }
+    }
+}
+
+#[test]
+fn hub_has_the_output_of_a_new_one_after_a_refused_model() {
+    let mut hub = still(&MADE);
+    let _ = hub.update(&Random(7).at_rest());
+    assert!(hub.load(&[]).is_err());
+    // as text, for NaN differs from itself
+    assert_eq!(format!("{:?}", hub.output()), format!("{:?}", TestHub::new(SCALES).output()));
+}
+
+#[test]
 fn passes_measured_values_without_a_model() {
     let mut hub = TestHub::new(SCALES);
     let raw = Random(1).at_rest();
