@@ -149,8 +149,9 @@ impl<R: Scalar, const AXES: usize, const INPUTS: usize, const TERMS: usize, cons
 
     /// Processes a sample in motion: the error is not known, so the model's own output enters the history.
     ///
-    /// Coasting cannot diverge for any coefficients: the remainder is limited to twice the width of its fitted range. After the longest validated duration, the subtracted remainder fades to its mean, 0; its time constant is
-    /// that duration. The physical part continues with its inputs.
+    /// Coasting cannot diverge for any coefficients: the remainder is limited to twice the width of its fitted range. After
+    /// the longest validated duration, the subtracted remainder fades to its mean, 0; its time constant is that duration.
+    /// The physical part continues with its inputs.
     ///
     /// A measured value that is not finite counts as a missing sample: the axis coasts up to its gap limit, then its
     /// history restarts. To continue without samples, call [`forecast`](Self::forecast).

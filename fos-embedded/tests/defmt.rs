@@ -101,7 +101,7 @@ fn loggable() -> BTreeSet<String> {
         named::<Joined<f32, 1, 1>>("fos-core/align/mod.rs"),
         named::<align::Stream>("fos-core/align/mod.rs"),
         named::<Held<f32>>("fos-core/align/slow.rs"),
-        named::<Correction<f32>>("fos-core/axis.rs"),
+        named::<Correction<f32>>("fos-core/axis/mod.rs"),
         named::<CheckedModel<'_>>("fos-core/check.rs"),
         named::<Calibration<f32>>("fos-core/calibration.rs"),
         named::<TriadCalibration<f32>>("fos-core/calibration.rs"),
