@@ -1,10 +1,20 @@
 //! Six-axis parts of STMicroelectronics over I2C: set-up, and assembly of the words in their FIFO.
 
+use core::marker::PhantomData;
+
 use embedded_hal_async::delay::DelayNs;
 use embedded_hal_async::i2c::I2c;
+use fos_core::FittedOn;
 
 use super::registers::{Setting, are_set};
-use super::{Batch, SourceError};
+use super::{Batch, Imu, SensorClock, SourceError};
+use crate::raw::Scales;
+
+/// ±4 g: 0.122 mg/LSB (LA_So).
+const ACCEL_MG: f32 = 0.122;
+
+/// ±500 dps: 17.5 mdps/LSB (G_So).
+const GYRO_MDPS: f32 = 17.5;
 
 /// Registers at the same address in all of these parts.
 const FIFO_CTRL1: u8 = 0x07;
@@ -60,67 +70,111 @@ pub enum Address {
     High,
 }
 
-/// Registers of a part, with their values.
-pub(super) struct Registers {
-    pub(super) identity: u8,
+/// Differences between the parts, with the values of their registers.
+pub trait StPart {
+    /// Name of the part in its data sheet.
+    const NAME: &'static str;
+    /// Clock of the timestamps.
+    const CLOCK: SensorClock;
+    /// Answer to WHO_AM_I.
+    const IDENTITY: u8;
     /// Writes that reset the part.
-    pub(super) reset: &'static [Setting],
+    const RESET: &'static [Setting];
     /// Delay after the reset, ms.
-    pub(super) boot_ms: u32,
+    const BOOT_MS: u32;
     /// Set-up, in this order: the rates after the settings that they drive, the FIFO last, so that it holds no earlier
     /// data.
-    pub(super) configuration: &'static [Setting],
+    const CONFIGURATION: &'static [Setting];
     /// Address of FIFO_STATUS1; FIFO_STATUS2 follows.
-    pub(super) fifo_status: u8,
+    const FIFO_STATUS1: u8;
     /// High bits of the number of words, in FIFO_STATUS2.
-    pub(super) level: u8,
+    const HIGH_LEVEL: u8;
 }
 
-/// A part on its bus.
-pub(super) struct St<B, D> {
+/// A part `P` on an I2C bus: ±4 g, ±500 dps.
+pub struct St<P, B, D> {
     i2c: B,
     address: u8,
     delay: D,
-    registers: &'static Registers,
     /// Settings of the interrupt pin, if it is used.
     interrupt: &'static [Setting],
     assembler: Assembler,
+    part: PhantomData<P>,
 }
 
-impl<B: I2c, D: DelayNs> St<B, D> {
-    pub(super) fn new(i2c: B, address: Address, delay: D, registers: &'static Registers) -> Self {
+impl<P: StPart, B: I2c, D: DelayNs> St<P, B, D> {
+    /// Creates the driver.
+    pub fn new(i2c: B, address: Address, delay: D) -> Self {
         let address = match address {
             Address::Low => 0x6a,
             Address::High => 0x6b,
         };
-        Self { i2c, address, delay, registers, interrupt: &[], assembler: Assembler::new() }
+        Self { i2c, address, delay, interrupt: &[], assembler: Assembler::new(), part: PhantomData }
     }
 
-    pub(super) fn with_interrupt(self) -> Self {
+    /// Lets INT1 rise when [`INTERRUPT_SAMPLES`] samples were taken since the FIFO was read, so that the application can
+    /// sleep until then. The pin falls when they are read.
+    #[must_use]
+    pub fn with_interrupt(self) -> Self {
         Self { interrupt: &INTERRUPT, ..self }
     }
 
     /// Set-up in its order: the FIFO last.
-    fn settings(&self) -> impl Iterator<Item = &'static Setting> + use<B, D> {
-        self.interrupt.iter().chain(self.registers.configuration)
+    fn settings(&self) -> impl Iterator<Item = &'static Setting> + use<P, B, D> {
+        self.interrupt.iter().chain(P::CONFIGURATION)
     }
 
-    pub(super) fn release(self) -> (B, D) {
+    /// Returns bus and delay for another use; the part continues as it was set up.
+    pub fn release(self) -> (B, D) {
         (self.i2c, self.delay)
     }
 
-    pub(super) async fn set_up(&mut self) -> Result<(), SourceError<B::Error>> {
+    async fn read_registers(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), SourceError<B::Error>> {
+        self.i2c.write_read(self.address, &[first], bytes).await.map_err(SourceError::Bus)
+    }
+
+    async fn write(&mut self, register: u8, value: u8) -> Result<(), SourceError<B::Error>> {
+        self.i2c.write(self.address, &[register, value]).await.map_err(SourceError::Bus)
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<P: StPart, B, D> defmt::Format for St<P, B, D> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{=str}", P::NAME);
+    }
+}
+
+impl<P: StPart, B: I2c, D: DelayNs> Imu for St<P, B, D> {
+    type BusError = B::Error;
+
+    const NAME: &'static str = P::NAME;
+    const CLOCK: SensorClock = P::CLOCK;
+
+    /// "Mechanical characteristics" and "Temperature sensor characteristics" of the data sheets, the same for all parts.
+    fn scales() -> Scales {
+        Scales {
+            accel_mps2: ACCEL_MG * 9.806_65e-3,
+            gyro_rads: (GYRO_MDPS * 1e-3).to_radians(),
+            temperature_k: 1.0 / 256.0,
+            temperature_zero_c: 25.0,
+            period_s: const { P::CLOCK.period_ns as f64 / 1e9 },
+            values: FittedOn::Raw,
+        }
+    }
+
+    async fn set_up(&mut self) -> Result<(), SourceError<B::Error>> {
         self.assembler = Assembler::new();
         let mut id = [0];
         self.read_registers(WHO_AM_I, &mut id).await?;
         let [id] = id;
-        if id != self.registers.identity {
+        if id != P::IDENTITY {
             return Err(SourceError::WrongPart(id));
         }
-        for (register, value) in self.registers.reset {
+        for (register, value) in P::RESET {
             self.write(*register, *value).await?;
         }
-        self.delay.delay_ms(self.registers.boot_ms).await;
+        self.delay.delay_ms(P::BOOT_MS).await;
         for (register, value) in self.settings() {
             self.write(*register, *value).await?;
         }
@@ -136,21 +190,21 @@ impl<B: I2c, D: DelayNs> St<B, D> {
         Ok(())
     }
 
-    pub(super) async fn is_set_up(&mut self) -> Result<bool, SourceError<B::Error>> {
+    async fn is_set_up(&mut self) -> Result<bool, SourceError<B::Error>> {
         let mut read = [0; WATCHED];
         self.read_registers(FIFO_CTRL1, &mut read).await?;
-        Ok([self.interrupt, self.registers.configuration].iter().all(|set| are_set(set, FIFO_CTRL1, &read)))
+        Ok([self.interrupt, P::CONFIGURATION].iter().all(|set| are_set(set, FIFO_CTRL1, &read)))
     }
 
-    pub(super) async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<B::Error>> {
+    async fn read(&mut self, batch: &mut Batch) -> Result<(), SourceError<B::Error>> {
         let mut status = [0; 2];
-        self.read_registers(self.registers.fifo_status, &mut status).await?;
+        self.read_registers(P::FIFO_STATUS1, &mut status).await?;
         let [low, high] = status;
         if high & OVERRUN != 0 {
             batch.overrun = true;
             self.assembler.reset();
         }
-        let mut left = usize::from(u16::from_le_bytes([low, high & self.registers.level]));
+        let mut left = usize::from(u16::from_le_bytes([low, high & P::HIGH_LEVEL]));
         for _ in 0..TRANSFERS {
             let words = left.min(batch.room().saturating_mul(WORDS_PER_SAMPLE)).min(WORDS);
             let mut bytes = [0; WORDS * WORD];
@@ -166,16 +220,8 @@ impl<B: I2c, D: DelayNs> St<B, D> {
         Ok(())
     }
 
-    pub(super) async fn wait_ms(&mut self, ms: u32) {
+    async fn wait_ms(&mut self, ms: u32) {
         self.delay.delay_ms(ms).await;
-    }
-
-    async fn read_registers(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), SourceError<B::Error>> {
-        self.i2c.write_read(self.address, &[first], bytes).await.map_err(SourceError::Bus)
-    }
-
-    async fn write(&mut self, register: u8, value: u8) -> Result<(), SourceError<B::Error>> {
-        self.i2c.write(self.address, &[register, value]).await.map_err(SourceError::Bus)
     }
 }
 
