@@ -8,6 +8,7 @@ pub mod outside;
 pub mod page;
 pub mod reference;
 pub mod series;
+pub mod turned;
 
 use std::env;
 

@@ -4,10 +4,10 @@ use std::fs;
 
 use fos_core::Validity;
 use fos_embedded::telemetry::{Frame, SampleFrame, StartFrame, VERSION, encode};
+use fos_testkit::turned::{ACCELEROMETER, GYRO, resting_log, turned_log};
 use serde_json::Value;
 
 use crate::session::{done, fails, stderr_of};
-use crate::turned_log::{ACCELEROMETER, GYRO, resting_log, turned_log};
 
 #[test]
 fn a_turned_log_is_calibrated_in_a_few_lines() {

@@ -1,6 +1,5 @@
 //! Every numeric option, with meaningless numbers: an answer, or a clear refusal; no panic, and bounded memory.
 
-use crate::turned_log::turned_log;
 use std::any::TypeId;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,6 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use fos_testkit::is_thorough;
+use fos_testkit::turned::turned_log;
 
 const NUMBERS: [&str; 12] = [
     "inf",

@@ -22,7 +22,6 @@ mod strangers_file;
 mod study_file;
 mod subcommands;
 mod temperature_tables;
-mod turned_log;
 mod tutorials;
 mod unusual_files;
 mod versions;

@@ -9,9 +9,10 @@ use std::process::{Command, Output};
 use std::sync::Mutex;
 use std::thread;
 
+use fos_testkit::turned::turned_log;
+
 use crate::session::{done, fails};
 use crate::sources::sources;
-use crate::turned_log::turned_log;
 use host_fit::cli::files::{Role, role_of};
 use host_fit::cli::subcommands;
 

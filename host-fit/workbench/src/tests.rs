@@ -341,26 +341,10 @@ async fn logs_of_others_are_listed_taken_looked_into_and_read_as_what_they_are()
     }
 }
 
-/// An accelerometer that lay in 14 orientations for 2 s each, and was turned in between.
-fn turned() -> String {
-    let mut text = "t_s,ax_mps2,ay_mps2,az_mps2\n".to_owned();
-    for row in 0..14 * 150_usize {
-        let (n, in_hand) = (row / 150, row % 150 >= 100);
-        let (z, turn) = (1.0 - (2 * n + 1) as f64 / 14.0, 2.4 * n as f64);
-        let level = f64::sqrt(1.0 - z * z);
-        let noise = |axis: usize| 0.01 * (((row * 7919 + axis * 104_729) % 1009) as f64 / 504.5 - 1.0);
-        let hand = if in_hand { 3.0 * (row as f64 * 0.4).sin() } else { 0.0 };
-        let [x, y, z] = [level * turn.cos(), level * turn.sin(), z].map(|part| 9.80665 * part + hand);
-        let t = row as f64 * 0.02;
-        text += &format!("{t:.2},{:.5},{:.5},{:.5}\n", x + 0.1 + noise(0), y + noise(1), z + noise(2));
-    }
-    text
-}
-
 #[tokio::test]
 async fn turned_log_has_a_certificate() {
     let bench = Bench::new();
-    std::fs::write(bench.logs().join("turned.csv"), turned()).unwrap();
+    std::fs::write(bench.logs().join("turned.csv"), fos_testkit::turned::turned_log()).unwrap();
     let (_, opened) = bench.post("/api/studies", json!({ "log": bench.logs().join("turned.csv") })).await;
     let id = opened["id"].as_u64().unwrap();
     let state = bench.settled(id).await;
