@@ -6,9 +6,9 @@ use std::sync::Arc;
 use fos_data::recording::{Recording as Log, RecordingError};
 use fos_diagnose::detect::{self, Finding, Question};
 use fos_diagnose::effects::{Effect, Library};
-use fos_diagnose::refine::{Evidence, evidence_without_model, line_spectrum};
-use fos_figures::Figure;
+use fos_diagnose::refine::{Evidence, evidence_without_model, line_evidence};
 use fos_figures::evidence::evidence;
+use fos_fit::cost::Cost;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
@@ -16,16 +16,13 @@ use crate::error::raised;
 use crate::recording::{Recording, unit_of};
 use crate::work;
 
-/// Range of frequencies shown around a line, as a ratio.
-const NEAR: f64 = 1.25;
-
 /// The built-in effects and those of these files.
 pub(crate) fn library(py: Python<'_>, files: &[PathBuf]) -> PyResult<Library> {
     Library::with_files(files).map_err(raised(py))
 }
 
 /// Evidence of a finding that shows in block means, as JSON.
-pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
+fn evidence_json(evidence: &Evidence) -> Value {
     json!({
         "block_s": evidence.block_s,
         "time_s": evidence.time_s,
@@ -37,26 +34,23 @@ pub(crate) fn evidence_json(evidence: &Evidence) -> Value {
     })
 }
 
-/// Evidence of a line, as JSON: the spectrum around it.
-pub(crate) fn line_json(log: &Log, column: &str, finding: &Finding) -> Result<Option<Value>, RecordingError> {
-    let Some(frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
-    let Some(spectrum) = line_spectrum(log, column)? else { return Ok(None) };
-    let bins = spectrum.frequency_hz.iter().zip(&spectrum.density);
-    let near = bins.filter(|(hz, _)| (1.0 / NEAR..NEAR).contains(&(**hz / frequency_hz)));
-    let (hz, density): (Vec<f64>, Vec<f64>) = near.map(|(hz, density)| (*hz, *density)).unzip();
-    Ok(Some(json!({ "line_hz": frequency_hz, "frequency_hz": hz, "density": density })))
-}
-
-/// Figure of the evidence of a finding.
-pub(crate) fn figure(
+/// Evidence and cost of a finding, as JSON. `found` is its evidence in block means.
+pub(crate) fn evidence_and_cost(
     log: &Log,
     column: &str,
     library: &Library,
     finding: &Finding,
     found: Option<&Evidence>,
-) -> Result<Option<Figure>, RecordingError> {
+    cost: Option<Cost>,
+) -> Result<Value, RecordingError> {
     let name = library.get(&finding.effect).map_or(finding.effect.as_str(), |effect| &effect.name);
-    evidence(column, name, finding, found, log)
+    let line = line_evidence(log, column, finding)?;
+    Ok(json!({
+        "evidence": found.map(evidence_json),
+        "figure": evidence(column, name, finding, found, line.as_ref()),
+        "line": line,
+        "cost": cost,
+    }))
 }
 
 /// Diagnosis of an axis of a log as JSON, with the evidence of each finding.
@@ -87,12 +81,7 @@ pub(crate) fn diagnose(
         let mut speaks = Vec::new();
         for finding in &diagnosis.findings {
             let evidence = evidence_without_model(&log, &target, &diagnosis.findings, finding)?;
-            speaks.push(json!({
-                "evidence": evidence.as_ref().map(evidence_json),
-                "line": line_json(&log, &target, finding)?,
-                "figure": figure(&log, &target, &library, finding, evidence.as_ref())?,
-                "cost": null,
-            }));
+            speaks.push(evidence_and_cost(&log, &target, &library, finding, evidence.as_ref(), None)?);
         }
         Ok((json!(diagnosis).to_string(), json!(speaks).to_string()))
     })?

@@ -61,5 +61,5 @@ mod _engine {
     #[pymodule_export]
     use crate::simulation::{simulate, simulate_case};
     #[pymodule_export]
-    use crate::study::{Study, fit, load_study};
+    use crate::study::{Evaluated, Study, fit, load_study};
 }

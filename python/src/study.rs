@@ -11,7 +11,7 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError, Refiner};
 use fos_diagnose::session::{Addition, NamedLogs, NoLog, Wanted, add};
 use fos_diagnose::study::{Refinement, Study as StudyFile, StudyAxisError, load_again};
-use fos_figures::curves::curves;
+use fos_figures::curves::AxisCurves;
 use fos_figures::moved;
 use fos_figures::plots::{View, figures, staircase_of};
 use fos_fit::cost::Cost;
@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::json;
 
-use crate::diagnosis::{evidence_json, figure, library, line_json};
+use crate::diagnosis::{evidence_and_cost, library};
 use crate::error::{py_error, raised};
 use crate::options::Given;
 use crate::recording::Recording;
@@ -244,23 +244,54 @@ impl State {
     }
 }
 
-/// Rows of a comparison of one axis: column, measured values, innovations, residual while coasting; its figures as JSON.
-type AxisRows<'py> =
-    (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, String);
+/// Rows of a comparison of one axis: measured values, innovations, residual while coasting.
+type AxisRows<'py> = [Bound<'py, PyArray1<f64>>; 3];
 
-/// Figures of each axis of a comparison by name, as JSON.
-fn figures_of(found: &Evaluation, log: &data::Recording) -> Vec<String> {
-    let Evaluation { comparison, trace, stillness } = found;
-    let moved = moved(log, stillness);
-    let curves = curves(comparison, trace, log);
-    let axes = comparison.axes.iter().zip(&curves);
-    axes.map(|(axis, curves)| {
-        let is_of_order = |letter: char| !letter.is_alphabetic();
-        let drawn = figures(View { axis, curves, moved: &moved }).into_iter();
-        let named = drawn.map(|(name, figure)| (name.trim_start_matches(is_of_order), figure));
-        json!(named.collect::<BTreeMap<_, _>>()).to_string()
-    })
-    .collect()
+/// A model on a log, with the rows behind its figures.
+#[pyclass(frozen, module = "fos_imu._engine")]
+pub(crate) struct Evaluated {
+    found: Evaluation,
+    log: Arc<data::Recording>,
+    /// Relative error of the lags in time, on a log of another rate.
+    lags_off: Option<f64>,
+}
+
+#[pymethods]
+impl Evaluated {
+    /// The comparison as JSON.
+    fn json(&self) -> String {
+        json!(self.found.comparison).to_string()
+    }
+
+    #[getter]
+    fn lags_off(&self) -> Option<f64> {
+        self.lags_off
+    }
+
+    /// Timestamps of the evaluated rows, and the rows of each axis.
+    fn rows<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Vec<AxisRows<'py>>) {
+        let trace = &self.found.trace;
+        let array = |values: &[f64]| PyArray1::from_slice(py, values);
+        let axes = trace.axes.iter().map(|axis| [&axis.measured, &axis.one_step, &axis.coast]);
+        (
+            array(&self.log.time_s[trace.rows.clone()]),
+            axes.map(|series| series.map(|values| array(values))).collect(),
+        )
+    }
+
+    /// Figures of an axis by name, as JSON.
+    fn figures(&self, py: Python<'_>, index: usize) -> PyResult<String> {
+        let Evaluation { comparison, trace, stillness } = &self.found;
+        work::run(py, || {
+            let axis = &comparison.axes[index];
+            let curves = AxisCurves::of(axis, trace, index, &self.log);
+            let moved = moved(&self.log, stillness);
+            let is_of_order = |letter: char| !letter.is_alphabetic();
+            let drawn = figures(View { axis, curves: &curves, moved: &moved }).into_iter();
+            let named = drawn.map(|(name, figure)| (name.trim_start_matches(is_of_order), figure));
+            json!(named.collect::<BTreeMap<_, _>>()).to_string()
+        })
+    }
 }
 
 #[pymethods]
@@ -294,14 +325,8 @@ impl Study {
         self.lock().file.as_ref().map(|file| file.path().to_owned())
     }
 
-    /// Compares the model with a log and with its rivals. Returns the comparison as JSON, the timestamps of the
-    /// evaluated rows, the residual of each axis, and the relative error of the lags in time.
-    #[expect(clippy::type_complexity, reason = "one tuple, taken apart at once in Python")]
-    fn compare<'py>(
-        &self,
-        py: Python<'py>,
-        log: Option<&Recording>,
-    ) -> PyResult<(String, Bound<'py, PyArray1<f64>>, Vec<AxisRows<'py>>, Option<f64>)> {
+    /// Compares the model with a log and with its rivals.
+    fn compare(&self, py: Python<'_>, log: Option<&Recording>) -> PyResult<Evaluated> {
         let state = self.snapshot();
         let given = log.map(|log| Arc::clone(&log.log));
         let evaluation = work::run(py, || -> Result<_, Refused> {
@@ -311,20 +336,11 @@ impl Study {
                 None => state.own().map(|own| (Arc::clone(&own), Some(own)))?,
             };
             let columns = state.study.columns();
-            let found = compare_study(&state.study, &columns, &log, own.as_deref(), &mut |_| {});
-            let drawn = found.as_ref().map_or_else(|_| Vec::new(), |found| figures_of(found, &log));
-            Ok((found, drawn, log))
+            Ok((compare_study(&state.study, &columns, &log, own.as_deref(), &mut |_| {}), log))
         })?;
-        let (found, drawn, log) = evaluation.map_err(|refused| refused.raised(py))?;
-        let Evaluation { comparison, trace, .. } = found.map_err(raised(py))?;
-        let off = lags_off(&state.study.model, &log);
-        let time_s = PyArray1::from_slice(py, &log.time_s[trace.rows.clone()]);
-        let rows = comparison.axes.iter().zip(trace.axes).zip(drawn).map(|((axis, left), drawn)| {
-            let array = |values: Vec<f64>| PyArray1::from_vec(py, values);
-            (axis.column.clone(), array(left.measured), array(left.one_step), array(left.coast), drawn)
-        });
-        let rows: Vec<AxisRows<'_>> = rows.collect();
-        Ok((json!(comparison).to_string(), time_s, rows, off))
+        let (found, log) = evaluation.map_err(|refused| refused.raised(py))?;
+        let found = found.map_err(raised(py))?;
+        Ok(Evaluated { found, lags_off: lags_off(&state.study.model, &log), log })
     }
 
     /// Diagnosis of the model of an axis on a log as JSON, with the evidence of each finding and its cost on the
@@ -350,12 +366,9 @@ impl Study {
             let mut speaks = Vec::new();
             for finding in &diagnosis.findings {
                 let evidence = refiner.evidence(&refinement, &diagnosis.findings, finding)?;
-                speaks.push(json!({
-                    "evidence": evidence.as_ref().map(evidence_json),
-                    "line": line_json(&logs.log, &column, finding)?,
-                    "figure": figure(&logs.log, &column, &library, finding, evidence.as_ref())?,
-                    "cost": refiner.price(&refinement, finding)?,
-                }));
+                let cost = refiner.price(&refinement, finding)?;
+                let found = evidence.as_ref();
+                speaks.push(evidence_and_cost(&logs.log, &column, &library, finding, found, cost)?);
             }
             Ok((json!(diagnosis).to_string(), json!(speaks).to_string()))
         })?

@@ -3,39 +3,29 @@
 use super::compare::Subject;
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use fos_data::column::Column;
-use fos_data::recording::{Recording, RecordingError};
 use fos_data::text::capitalised;
 use fos_diagnose::detect::Finding;
-use fos_diagnose::refine::{Evidence, line_spectrum};
-use fos_fit::signal::spectrum::Spectrum;
+use fos_diagnose::refine::{Evidence, LineEvidence};
 
-/// Draws the evidence for a finding on the axis `column` of `log`. `effect` is the name of the effect in a sentence; `found` is its
-/// evidence in the slow error, without which a line is shown in the spectrum. None if there is neither.
-///
-/// # Errors
-///
-/// The column is missing.
+/// Draws the evidence for a finding on the axis `column`. `effect` is the name of the effect in a sentence; `found` is its evidence
+/// in the slow error, without which its `line` is shown in the spectrum. None if there is neither.
 pub fn evidence(
     column: &str,
     effect: &str,
     finding: &Finding,
     found: Option<&Evidence>,
-    log: &Recording,
-) -> Result<Option<Figure>, RecordingError> {
+    line: Option<&LineEvidence>,
+) -> Option<Figure> {
     let named = Column::named(column);
     let subject = Subject { channel: named.label(), unit: named.unit().label() };
     if let Some(found) = found {
-        return Ok(Some(slow_evidence(subject, effect, found, finding.shows_from_to_s)));
+        return Some(slow_evidence(subject, effect, found, finding.shows_from_to_s));
     }
-    let Some(&frequency_hz) = finding.params.get("freq_hz") else { return Ok(None) };
-    let spectrum = line_spectrum(log, column)?;
-    Ok(spectrum.map(|spectrum| line_evidence(subject, effect, &spectrum, frequency_hz)))
+    line.map(|line| line_figure(subject, effect, line))
 }
 
 /// The slow error without all other findings, with the contribution of `effect`; shaded where it is largest.
 fn slow_evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
-    let pairs =
-        |x: &[f64], y: &[f64]| -> Vec<(f64, f64)> { x.iter().copied().zip(y.iter().copied()).collect() };
     let error = |x: &[f64]| Series {
         label: "error".into(),
         ink: Ink::Residual,
@@ -70,25 +60,28 @@ fn slow_evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Op
     Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels }
 }
 
-/// The spectrum about a line at `frequency_hz`.
-fn line_evidence(subject: Subject, effect: &str, spectrum: &Spectrum, frequency_hz: f64) -> Figure {
-    let bins = spectrum.frequency_hz.iter().copied().zip(spectrum.density.iter().copied());
-    let near = bins.filter(|(frequency, _)| (0.8..1.25).contains(&(frequency / frequency_hz)));
+fn pairs(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
+    x.iter().copied().zip(y.iter().copied()).collect()
+}
+
+/// The spectrum about a line.
+fn line_figure(subject: Subject, effect: &str, line: &LineEvidence) -> Figure {
+    let &LineEvidence { line_hz, ref frequency_hz, ref density } = line;
     let panel = Panel {
-        title: format!("the line at {frequency_hz:.3} Hz"),
+        title: format!("the line at {line_hz:.3} Hz"),
         x: Axis::linear("Frequency (Hz)"),
         y: Axis::log(format!("Power spectral density ({})", super::compare::per_hertz(subject.unit))),
         series: vec![Series {
             label: "measured".into(),
             ink: Ink::Measured,
-            shape: Shape::Line(near.collect()),
+            shape: Shape::Line(pairs(frequency_hz, density)),
         }],
         shading: vec![Shading {
             label: "the line".into(),
             tone: Tone::Apart,
             ranges: vec![ShadedRange {
-                from: frequency_hz * 0.995,
-                to: frequency_hz * 1.005,
+                from: line_hz * 0.995,
+                to: line_hz * 1.005,
                 ..ShadedRange::default()
             }],
         }],

@@ -5,7 +5,7 @@ use serde::Serialize;
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
 use fos_diagnose::effects::{Band, Effect, Library};
-use fos_diagnose::refine::{RefineError, Refiner};
+use fos_diagnose::refine::{RefineError, Refiner, line_evidence};
 use fos_diagnose::study::Refinement;
 use fos_figures::Figure;
 use fos_figures::evidence::evidence;
@@ -91,7 +91,11 @@ pub fn offers(
         let added = refiner.can_add_finding(&refinement.column, effect, finding);
         let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
         let found = refiner.evidence(refinement, &diagnosis.findings, finding)?;
-        let evidence = evidence(&refinement.column, &effect.name, finding, found.as_ref(), field)?;
+        let line = match found {
+            Some(_) => None,
+            None => line_evidence(field, &refinement.column, finding)?,
+        };
+        let evidence = evidence(&refinement.column, &effect.name, finding, found.as_ref(), line.as_ref());
         Ok(Offer {
             effect: finding.effect.clone(),
             can_be_added: added.is_ok() && !finding.correction.is_empty() && finding.doubt.is_none(),

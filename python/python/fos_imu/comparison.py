@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+import json
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html
+from ._results import build
 from .figure import Figure
 
 if TYPE_CHECKING:
@@ -190,7 +193,7 @@ class AxisComparison:
         measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
         innovation: Measured − predicted one step ahead, shape `(n,)`.
         left: Measured − predicted from own history of at most 60 s, shape `(n,)`.
-        figures: Over time, residual, autocorrelation, spectrum, Allan deviation, dependence: as far as the log is long enough.
+        draw: Draws `figures` as JSON, when they are asked for.
     """
 
     column: str
@@ -205,7 +208,17 @@ class AxisComparison:
     measured: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
     innovation: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
     left: Floats = field(repr=False, default_factory=lambda: np.zeros(0))
-    figures: Mapping[str, Figure] = field(repr=False, default_factory=dict)
+    draw: Callable[[], str] | None = field(repr=False, default=None)
+
+    @functools.cached_property
+    def figures(self) -> Mapping[str, Figure]:
+        """Over time, residual, autocorrelation, spectrum, Allan deviation, dependence: as far as the log is long enough."""
+        figures = json.loads(self.draw()) if self.draw else {}
+        return {name: build(Figure, figure) for name, figure in figures.items()}
+
+    def __getstate__(self) -> dict[str, object]:
+        """For pickle: the figures are drawn, because the engine's rows are not stored."""
+        return {**self.__dict__, "figures": self.figures, "draw": None}
 
     @property
     def model(self) -> ModelErrors:

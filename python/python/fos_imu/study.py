@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import warnings
@@ -345,17 +346,22 @@ class Study:
             CompareError: No row at rest remains for the evaluation.
             RecordingError: The log is not at hand, or a column is missing.
         """
-        answer, time_s, rows, off = self._engine.compare(engine_of(log))
-        _warn_of(off)
-        comparison = build(Comparison, json.loads(answer))
-        arrays = {column: (measured, innovation, left, drawn) for column, measured, innovation, left, drawn in rows}
-
-        def with_rows(axis: Any) -> Any:  # noqa: ANN401
-            measured, innovation, left, drawn = arrays[axis.column]
-            figures = {name: build(Figure, figure) for name, figure in json.loads(drawn).items()}
-            return replace(axis, time_s=time_s, measured=measured, innovation=innovation, left=left, figures=figures)
-
-        return replace(comparison, axes=tuple(with_rows(axis) for axis in comparison.axes))
+        evaluated = self._engine.compare(engine_of(log))
+        _warn_of(evaluated.lags_off)
+        comparison = build(Comparison, json.loads(evaluated.json()))
+        time_s, rows = evaluated.rows()
+        axes = (
+            replace(
+                axis,
+                time_s=time_s,
+                measured=measured,
+                innovation=innovation,
+                left=left,
+                draw=functools.partial(evaluated.figures, index),
+            )
+            for index, (axis, (measured, innovation, left)) in enumerate(zip(comparison.axes, rows, strict=True))
+        )
+        return replace(comparison, axes=tuple(axes))
 
     def diagnose(
         self,

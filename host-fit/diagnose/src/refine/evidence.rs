@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 use super::error::RefineError;
 use super::refiner::Refiner;
 use super::terms;
@@ -21,6 +23,9 @@ const SHORTEST_S: f64 = 1.0;
 
 /// Length of the windows of the spectrum around a line, s.
 const LINE_WINDOW_S: f64 = 30.0;
+
+/// Frequencies shown around a line, as a ratio.
+const NEAR_LINE: Range<f64> = 0.8..1.25;
 
 /// Slow error in blocks of the log to explain, and the effect of a finding.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,13 +109,37 @@ pub fn evidence_without_model(
     Ok(Some(Evidence::of(log, &without, column, finding)?))
 }
 
-/// Returns the spectrum of the error of `column` as logged, unit²/Hz, in bins narrow enough to show a line. None if the
-/// log is too short.
+/// Spectrum around a line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LineEvidence {
+    /// Frequency of the line, Hz.
+    pub line_hz: f64,
+    /// Frequencies of the bins, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Power spectral density in each bin, unit²/Hz.
+    pub density: Vec<f64>,
+}
+
+/// Returns the evidence for a finding of a line in `column`; none for other findings, and if the log is too short.
 ///
 /// # Errors
 ///
 /// The column is missing.
-pub fn line_spectrum(log: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
+pub fn line_evidence(
+    log: &Recording,
+    column: &str,
+    finding: &Finding,
+) -> Result<Option<LineEvidence>, RecordingError> {
+    let Some(&line_hz) = finding.params.get("freq_hz") else { return Ok(None) };
+    let Some(spectrum) = line_spectrum(log, column)? else { return Ok(None) };
+    let bins = spectrum.frequency_hz.into_iter().zip(spectrum.density);
+    let (frequency_hz, density) = bins.filter(|(hz, _)| NEAR_LINE.contains(&(hz / line_hz))).unzip();
+    Ok(Some(LineEvidence { line_hz, frequency_hz, density }))
+}
+
+/// Returns the spectrum of the error of `column` as logged, unit²/Hz, in bins narrow enough to show a line. None if the
+/// log is too short.
+fn line_spectrum(log: &Recording, column: &str) -> Result<Option<Spectrum>, RecordingError> {
     let error = log.error_series(column)?.values;
     let finite = |rows: Range<usize>| -> Vec<Range<usize>> { runs(rows, |row| error[row].is_finite()) };
     let segments = log.segments.iter();

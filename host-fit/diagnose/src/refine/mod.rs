@@ -13,7 +13,7 @@ mod terms;
 mod undetermined_tests;
 
 pub use error::RefineError;
-pub use evidence::{Against, Evidence, evidence_without_model, line_spectrum};
+pub use evidence::{Against, Evidence, LineEvidence, evidence_without_model, line_evidence};
 pub use logs::Logs;
 pub use refiner::{FITTED_SHARE, Refiner};
 pub use terms::factors;
