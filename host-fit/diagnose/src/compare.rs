@@ -15,8 +15,8 @@ use fos_data::interrupt::in_parallel;
 use fos_data::recording::{LoadOptions, Recording, RecordingError};
 use fos_data::stillness::{self, Stillness};
 use fos_fit::evaluate::{
-    MODEL, ModelErrors, Rival, Stretch, Trace, UnaidedError, before_and_after, rival, strapdown_errors,
-    trace, trace_of_strapdown, trace_with_strapdown, worst_stretches,
+    Coasted, MODEL, ModelErrors, Rival, Stretch, Trace, UnaidedError, before_and_after, rival,
+    strapdown_errors, trace_of, worst_stretches,
 };
 use fos_fit::fit::{AxisFit, FitOptions};
 use fos_fit::model::UnitModel;
@@ -124,9 +124,9 @@ fn evaluate(
             ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
         })
     };
-    let traced = |model: &UnitModel, with_strapdown: bool| match with_strapdown {
-        true => trace_with_strapdown(model, &playback, rows.clone()),
-        false => trace(model, &playback, rows.clone()),
+    let traced = |model: &UnitModel, with_strapdown: bool| {
+        let coasted = if with_strapdown { Coasted::AllRowsAndStrapdown } else { Coasted::AllRows };
+        trace_of(model, &playback, rows.clone(), coasted)
     };
     let rival_errors = |kind: &Rival| -> Result<(Vec<ModelErrors>, Vec<UnaidedError>), CompareError> {
         let trace = traced(&rival(model, *kind, lag_1), with_strapdown && *kind == Rival::Mean)?;
@@ -302,7 +302,7 @@ pub fn strapdown(
     let posed = in_fitted_pose(model, &log, &stillness)?.log;
     let playback = Playback::new(&posed, model, &stillness.still)?;
     let errors = |model: &UnitModel| {
-        trace_of_strapdown(model, &playback, rows.clone()).map(|trace| strapdown_errors(&trace))
+        trace_of(model, &playback, rows.clone(), Coasted::Strapdown).map(|trace| strapdown_errors(&trace))
     };
     let mean = rival(model, Rival::Mean, &study.lag_1());
     let (before, after) = (errors(&mean)?, errors(model)?);

@@ -17,6 +17,5 @@ pub use rivals::{MODEL, Rival, before_and_after, rival};
 pub use strapdown::StrapdownEnd;
 pub use strapdown_errors::strapdown_errors;
 pub use stretches::{Stretch, worst_stretches};
-pub(crate) use trace::trace_to_horizons;
-pub use trace::{AxisTrace, Trace, trace, trace_in_f32, trace_of_strapdown, trace_with_strapdown};
+pub use trace::{AxisTrace, Coasted, Trace, trace, trace_in_f32, trace_of};
 pub use unaided::{FEWEST_WINDOWS, RmsInterval, UNAIDED_S, UnaidedError};

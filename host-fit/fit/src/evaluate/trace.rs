@@ -73,55 +73,30 @@ pub fn trace_in_f32(
     run::<f32>(model, playback, rows, Coasted::AllRows)
 }
 
-/// Runs `model` like [`trace`], with a strapdown of its six axes.
+/// Runs `model` like [`trace`], but keeps these free runs.
 ///
 /// # Errors
 ///
 /// fos-core rejects the model.
-pub fn trace_with_strapdown(
+pub fn trace_of(
     model: &UnitModel,
     playback: &Playback<'_>,
     rows: Range<usize>,
+    coasted: Coasted,
 ) -> Result<Trace, ModelError> {
-    run::<f64>(model, playback, rows, Coasted::AllRowsAndStrapdown)
-}
-
-/// Runs `model` like [`trace`], but over windows without aiding only, with a strapdown of its six axes: `coast`,
-/// `coast_whole` and `horizons` are empty.
-///
-/// # Errors
-///
-/// fos-core rejects the model.
-pub fn trace_of_strapdown(
-    model: &UnitModel,
-    playback: &Playback<'_>,
-    rows: Range<usize>,
-) -> Result<Trace, ModelError> {
-    run::<f64>(model, playback, rows, Coasted::Strapdown)
-}
-
-/// Runs `model` like [`trace`], but keeps free runs at their horizons only: `coast` and `coast_whole` are empty.
-///
-/// # Errors
-///
-/// fos-core rejects the model.
-pub(crate) fn trace_to_horizons(
-    model: &UnitModel,
-    playback: &Playback<'_>,
-    rows: Range<usize>,
-) -> Result<Trace, ModelError> {
-    run::<f64>(model, playback, rows, Coasted::Horizons)
+    run::<f64>(model, playback, rows, coasted)
 }
 
 /// Free runs that are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Coasted {
+pub enum Coasted {
+    /// Errors at the horizons: `coast` and `coast_whole` are empty.
     Horizons,
-    /// Over all rows and windows as well.
+    /// Over all rows, at the horizons, and over windows without aiding.
     AllRows,
-    /// The same, and a strapdown over the windows.
+    /// The same, and a strapdown of the six axes over the windows.
     AllRowsAndStrapdown,
-    /// Over the windows alone, with a strapdown.
+    /// Over the windows alone, with a strapdown: `coast`, `coast_whole` and `horizons` are empty.
     Strapdown,
 }
 

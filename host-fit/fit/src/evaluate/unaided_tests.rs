@@ -6,7 +6,7 @@ use fos_data::recording::{LoadOptions, Recording, Source};
 use fos_testkit::noise::{autoregression, random_walk, white_noise};
 
 use super::*;
-use crate::evaluate::{Rival, rival, strapdown_errors, trace, trace_with_strapdown};
+use crate::evaluate::{Coasted, Rival, rival, strapdown_errors, trace, trace_of};
 use crate::model::{FittedAxis, FittedTerm, HostPredictor, UnitModel};
 use crate::playback::Playback;
 
@@ -141,7 +141,9 @@ fn a_strapdown_of_six_axes_tilts_gravity_into_the_position() {
         let still = vec![true; rows];
         let playback = Playback::new(&log, &model, &still).expect("a playback");
         let rival = rival(&model, Rival::Mean, &[0.0; 6]);
-        strapdown_errors(&trace_with_strapdown(&rival, &playback, 0..rows).expect("a trace"))
+        strapdown_errors(
+            &trace_of(&rival, &playback, 0..rows, Coasted::AllRowsAndStrapdown).expect("a trace"),
+        )
     };
     let found = errors(6);
     let after_60_s = found[2];

@@ -16,7 +16,7 @@ use super::physical_range::{Part, physical_range};
 use super::poses::Poses;
 use super::regressors::Regressors;
 use super::stochastic;
-use crate::evaluate::{self, Trace};
+use crate::evaluate::{self, Coasted, Trace};
 use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
@@ -354,7 +354,7 @@ fn set_statistics(
 ) -> Result<Trace, ModelError> {
     // longer than any coast of the test, so that nothing fades
     model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
-    let trace = evaluate::trace_to_horizons(model, playback, training)?;
+    let trace = evaluate::trace_of(model, playback, training, Coasted::Horizons)?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
     let parameters = &mut model.axes[0].parameters;
     let scale = parameters.scale;
