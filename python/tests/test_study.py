@@ -2,6 +2,7 @@ import dataclasses
 import inspect
 import json
 import math
+import pickle
 import re
 
 import fos_imu as fos
@@ -200,6 +201,16 @@ def test_a_diagnosis_without_a_model(case):
     assert "#00734f" in nothing._repr_html_()
 
 
+def test_a_card_rounds_the_time_constant_of_a_regressor(case):
+    finding = fos.diagnose(case.log, axis="gx", reference=case.reference).findings[0]
+    assert "lowpass" in finding.sizes[0].of
+    card = finding._repr_html_()
+    assert ">size<" in card
+    assert "lowpass" not in card
+    lag = dataclasses.replace(finding.sizes[0], of="temp_c:lowpass(20.023247)")
+    assert "size of temp_c:lowpass(20)" in dataclasses.replace(finding, sizes=(lag, lag))._repr_html_()
+
+
 def test_a_line_has_its_spectrum():
     case = fos.simulate_case([fos.Plant("spectral_line", 80.0)], seed=4, reference_s=120, log_s=300, evaluation_s=60)
     finding = fos.diagnose(case.log, axis="gx", reference=case.reference).findings[0]
@@ -243,6 +254,10 @@ def test_figures_are_those_of_a_report(case, study, program, tmp_path):
     again = fos.Study.load(tmp_path / "study.json")
     figures = again.compare(fos.read(tmp_path / "evaluation.parquet"))["gx"].figures
     assert set(figures) == set(drawn) > {"over_time", "residual", "allan"}
+    stored = pickle.loads(pickle.dumps(again.compare(fos.read(tmp_path / "evaluation.parquet"))["gx"]))
+    assert {name: figure.svg() for name, figure in stored.figures.items()} == {
+        name: figure.svg() for name, figure in figures.items()
+    }
     for name, figure in figures.items():
         assert figure.svg().split(">", 1)[1] == drawn[name].read_text().split(">", 1)[1], name
 

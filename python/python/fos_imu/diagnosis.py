@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -332,7 +333,10 @@ def _finding(finding: Finding) -> str:
     number, percent = _html.number, _html.rms_percent
     low, high = finding.predicted_reduction_interval
     rows: list[tuple[object, ...]] = [
-        (f"{size.of}", f"{number(size.value)} ({number(size.interval[0])} … {number(size.interval[1])}) {size.unit}")
+        (
+            _size_of(finding, size),
+            f"{number(size.value)} ({number(size.interval[0])} … {number(size.interval[1])}) {size.unit}",
+        )
         for size in finding.sizes
     ]
     rows += [(name, _with_interval(value, finding.params_interval.get(name))) for name, value in finding.params.items()]
@@ -356,6 +360,12 @@ def _finding(finding: Finding) -> str:
         *(_html.paragraph(rival) for rival in rivals),
         *_html.pictures(finding.figure),
     )
+
+
+def _size_of(finding: Finding, size: Size) -> str:
+    # a fitted time constant has as many digits as a number can have
+    regressor = re.sub(r"\d+\.\d{3,}", lambda digits: _html.number(float(digits[0]), 3), size.of)
+    return f"size of {regressor}" if len(finding.sizes) > 1 else "size"
 
 
 def _with_interval(value: float, interval: Interval | None) -> str:
