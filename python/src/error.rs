@@ -17,9 +17,9 @@ use fos_fit::noise::AxisNoiseError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Location of an error.
+/// Location of an error, as far as it is known.
 #[derive(Debug, Default)]
-struct Location {
+pub(crate) struct Location {
     file: Option<String>,
     line: Option<u64>,
     column: Option<String>,
@@ -46,23 +46,18 @@ impl Location {
     }
 }
 
-/// An error of the engine, with the class of its exception and its location.
+/// An error of the engine.
 pub(crate) trait EngineError: Display {
-    /// Class in `fos_imu.errors`.
-    fn class(&self) -> &'static str;
-    /// Location of the error.
-    fn location(&self) -> Where {
-        Where(Location::default())
-    }
+    /// Class of its exception in `fos_imu.errors`, and its location.
+    fn class_and_location(&self) -> (&'static str, Location);
 }
-
-/// Location of an error, as far as it is known.
-#[derive(Debug, Default)]
-pub(crate) struct Where(Location);
 
 /// Conversion for `map_err` on a call of the engine.
 pub(crate) fn raised<E: EngineError>(py: Python<'_>) -> impl FnOnce(E) -> PyErr {
-    move |error| exception(py, error.class(), &error.to_string(), error.location().0)
+    move |error| {
+        let (class, location) = error.class_and_location();
+        exception(py, class, &error.to_string(), location)
+    }
 }
 
 /// Exception of this class with a message, and a remedy after `help:`.
@@ -97,33 +92,22 @@ fn exception(py: Python<'_>, class: &str, text: &str, location: Location) -> PyE
 }
 
 impl EngineError for FileError {
-    fn class(&self) -> &'static str {
-        "FileError"
-    }
-
-    fn location(&self) -> Where {
-        Where(Location::file(&self.path))
+    fn class_and_location(&self) -> (&'static str, Location) {
+        ("FileError", Location::file(&self.path))
     }
 }
 
 impl EngineError for CalibrateError {
-    fn class(&self) -> &'static str {
-        "CalibrateError"
+    fn class_and_location(&self) -> (&'static str, Location) {
+        ("CalibrateError", Location::default())
     }
 }
 
 impl EngineError for RecordingError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::File(error) => error.class(),
-            _ => "RecordingError",
-        }
-    }
-
-    fn location(&self) -> Where {
+    fn class_and_location(&self) -> (&'static str, Location) {
         use RecordingError as E;
-        Where(match self {
-            E::File(error) => return error.location(),
+        let location = match self {
+            E::File(error) => return error.class_and_location(),
             E::BadRow { path, row } | E::TooManyBadRows { path, first: row, .. } => Location::row(path, row),
             E::TextColumn { path, column, first } => match first {
                 Some(row) => Location::row(path, row),
@@ -161,21 +145,15 @@ impl EngineError for RecordingError {
             E::NoValues { path, name, .. } => Location::file(Path::new(path)).in_column(name),
             E::NoChannel { name, .. } | E::Lengths { name, .. } => Location::column(name),
             E::NothingToJoin | E::BadRate { .. } | E::Map(_) => Location::default(),
-        })
+        };
+        ("RecordingError", location)
     }
 }
 
 impl EngineError for AxisError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::Recording(error) => error.class(),
-            _ => "FitError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        Where(match self {
-            Self::Recording(error) => return error.location(),
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let column = match self {
+            Self::Recording(error) => return error.class_and_location(),
             Self::TooShort { column, .. }
             | Self::TooMany { column, .. }
             | Self::TwoPoses { column, .. }
@@ -187,62 +165,43 @@ impl EngineError for AxisError {
             | Self::Search { column, .. }
             | Self::Autoregression { column, .. }
             | Self::Model { column, .. }
-            | Self::TooManyPoses { column, .. } => Location::column(column),
-        })
+            | Self::TooManyPoses { column, .. } => column,
+        };
+        ("FitError", Location::column(column))
     }
 }
 
 impl EngineError for CompareError {
-    fn class(&self) -> &'static str {
+    fn class_and_location(&self) -> (&'static str, Location) {
         match self {
-            Self::Recording(error) => error.class(),
-            _ => "CompareError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        match self {
-            Self::Recording(error) => error.location(),
-            _ => Where::default(),
+            Self::Recording(error) => error.class_and_location(),
+            _ => ("CompareError", Location::default()),
         }
     }
 }
 
 impl EngineError for DiagnoseError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::Recording(error) => error.class(),
-            Self::Effect(error) => error.class(),
-            _ => "DiagnoseError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        match self {
-            Self::Recording(error) => error.location(),
-            Self::Effect(error) => error.location(),
-            Self::Stuck { column, .. } | Self::TooShort { column, .. } => Where(Location::column(column)),
-            _ => Where::default(),
-        }
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let location = match self {
+            Self::Recording(error) => return error.class_and_location(),
+            Self::Effect(error) => return error.class_and_location(),
+            Self::Stuck { column, .. } | Self::TooShort { column, .. } => Location::column(column),
+            _ => Location::default(),
+        };
+        ("DiagnoseError", location)
     }
 }
 
 impl EngineError for EffectError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::File(error) => error.class(),
-            _ => "EffectError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        match self {
-            Self::File(error) => error.location(),
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let location = match self {
+            Self::File(error) => return error.class_and_location(),
             Self::NotAnEffect { place, .. } | Self::Taken { place, .. } | Self::NoRival { place, .. } => {
-                Where(placed(place))
+                placed(place)
             }
-            _ => Where::default(),
-        }
+            _ => Location::default(),
+        };
+        ("EffectError", location)
     }
 }
 
@@ -259,38 +218,26 @@ fn placed(place: &str) -> Location {
 }
 
 impl EngineError for RefineError {
-    fn class(&self) -> &'static str {
+    fn class_and_location(&self) -> (&'static str, Location) {
         match self {
-            Self::Recording(error) => error.class(),
-            Self::Diagnose(error) => error.class(),
-            Self::Effect(error) => error.class(),
-            Self::Study(StudyAxisError::NoAxis { .. } | StudyAxisError::SeveralAxes(_)) => "StudyError",
-            _ => "RefineError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        match self {
-            Self::Recording(error) => error.location(),
-            Self::Diagnose(error) => error.location(),
-            Self::Effect(error) => error.location(),
-            Self::OtherLogs { column, .. } => Where(Location::column(column)),
-            _ => Where::default(),
+            Self::Recording(error) => error.class_and_location(),
+            Self::Diagnose(error) => error.class_and_location(),
+            Self::Effect(error) => error.class_and_location(),
+            Self::Study(StudyAxisError::NoAxis { .. } | StudyAxisError::SeveralAxes(_)) => {
+                ("StudyError", Location::default())
+            }
+            Self::OtherLogs { column, .. } => ("RefineError", Location::column(column)),
+            _ => ("RefineError", Location::default()),
         }
     }
 }
 
 impl EngineError for StudyError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::File(error) | Self::Unchanged(CompareAndSwapError::File(error)) => error.class(),
-            _ => "StudyError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        Where(match self {
-            Self::File(error) | Self::Unchanged(CompareAndSwapError::File(error)) => return error.location(),
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let location = match self {
+            Self::File(error) | Self::Unchanged(CompareAndSwapError::File(error)) => {
+                return error.class_and_location();
+            }
             Self::Unchanged(CompareAndSwapError::Changed(path)) => Location::file(path),
             Self::NotAStudy { path, line, column, .. } => Location {
                 line: Some(*line as u64),
@@ -298,39 +245,28 @@ impl EngineError for StudyError {
                 ..Location::file(Path::new(path))
             },
             Self::Unsound { path, .. } | Self::Schema { path, .. } => Location::file(Path::new(path)),
-        })
+        };
+        ("StudyError", location)
     }
 }
 
 impl EngineError for LogAgainError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::Recording(error) => error.class(),
-            _ => "RecordingError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        match self {
-            Self::Recording(error) => error.location(),
-            Self::NotThere { log, .. } => Where(Location::file(Path::new(log))),
-            Self::Another { log, .. } => Where(Location::file(log)),
-        }
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let location = match self {
+            Self::Recording(error) => return error.class_and_location(),
+            Self::NotThere { log, .. } => Location::file(Path::new(log)),
+            Self::Another { log, .. } => Location::file(log),
+        };
+        ("RecordingError", location)
     }
 }
 
 impl EngineError for AxisNoiseError {
-    fn class(&self) -> &'static str {
-        match self {
-            Self::Recording(error) => error.class(),
-            _ => "NoiseError",
-        }
-    }
-
-    fn location(&self) -> Where {
-        Where(match self {
-            Self::Recording(error) => return error.location(),
-            Self::TooShort { column, .. } | Self::Constant { column, .. } => Location::column(column),
-        })
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let column = match self {
+            Self::Recording(error) => return error.class_and_location(),
+            Self::TooShort { column, .. } | Self::Constant { column, .. } => column,
+        };
+        ("NoiseError", Location::column(column))
     }
 }
