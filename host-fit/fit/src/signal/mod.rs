@@ -15,7 +15,6 @@
 //! | `spectrum` | power spectral density (Welch) |
 //! | `autocorrelation` | memory of the series, with the bound for white noise |
 //! | `allan` | Allan deviation with its confidence interval |
-//! | `allan_variants` | the same without overlap and modified, for comparison |
 //! | `noise_floor` | lowest mean square error of a causal linear predictor |
 //! | `transforms` | Fourier transforms, planned once |
 //! | `wavelet` | de-noising: the series without the noise of single samples |
@@ -23,7 +22,6 @@
 //! | `quantisation` | step of the converter, estimated from the data |
 
 pub mod allan;
-pub mod allan_variants;
 pub mod autocorrelation;
 pub mod blocks;
 pub mod noise_floor;
