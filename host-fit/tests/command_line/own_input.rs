@@ -16,12 +16,20 @@ use crate::sources::sources;
 use host_fit::cli::files::{Role, role_of};
 use host_fit::cli::subcommands;
 
-/// A command line that writes to `at` for its argument `output`. Words in braces are input arguments, with a file for
-/// each; inputs without an argument have an empty name.
+/// A command with its outputs. Words in braces are input arguments, with a file for each; inputs without an argument have
+/// an empty name.
+struct WritingCommand {
+    words: &'static str,
+    inputs: &'static [(&'static str, &'static str)],
+    /// Name of the argument, its option, and the file that is written.
+    outputs: &'static [(&'static str, &'static str, &'static str)],
+}
+
+/// A command line that writes to `at` for its argument `output`.
 struct Line {
     output: &'static str,
     at: &'static str,
-    words: &'static str,
+    words: String,
     inputs: &'static [(&'static str, &'static str)],
 }
 
@@ -38,218 +46,152 @@ const TURNED: (&str, &str) = ("logs", "turned.csv");
 /// Read since the study names it.
 const FITTED: (&str, &str) = ("", "log.parquet");
 
-const LINES: [Line; 35] = [
-    Line {
-        output: "output",
-        at: "out.html",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} -o out.html",
+const COMMANDS: [WritingCommand; 22] = [
+    WritingCommand {
+        words: "calibrate-imu {logs} --map-file {map_file} --study {study}",
         inputs: &[TURNED, MAP, UNIT],
+        outputs: &[
+            ("output", "-o out.html", "out.html"),
+            ("px4", "--px4 out", "out"),
+            ("ardupilot", "--ardupilot out", "out"),
+            ("kalibr", "--kalibr out", "out"),
+            ("imu_tk_acc", "--imu-tk-acc out", "out"),
+            ("imu_tk_gyro", "--imu-tk-gyro out", "out"),
+        ],
     },
-    Line {
-        output: "px4",
-        at: "out",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} --px4 out",
-        inputs: &[TURNED, MAP, UNIT],
-    },
-    Line {
-        output: "ardupilot",
-        at: "out",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} --ardupilot out",
-        inputs: &[TURNED, MAP, UNIT],
-    },
-    Line {
-        output: "kalibr",
-        at: "out",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} --kalibr out",
-        inputs: &[TURNED, MAP, UNIT],
-    },
-    Line {
-        output: "imu_tk_acc",
-        at: "out",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} --imu-tk-acc out",
-        inputs: &[TURNED, MAP, UNIT],
-    },
-    Line {
-        output: "imu_tk_gyro",
-        at: "out",
-        words: "calibrate-imu {logs} --map-file {map_file} --study {study} --imu-tk-gyro out",
-        inputs: &[TURNED, MAP, UNIT],
-    },
-    Line {
-        output: "output",
-        at: "out.csv",
-        words: "convert {log} --map-file {map_file} -o out.csv",
+    WritingCommand {
+        words: "convert {log} --map-file {map_file}",
         inputs: &[LOG, MAP],
+        outputs: &[("output", "-o out.csv", "out.csv")],
     },
-    Line {
-        output: "figures",
-        at: "figures/gx_rads_autocorrelation.svg",
-        words: "table {log} --map-file {map_file} --axis gx --train 10 --evaluate 5 --max-order 1 --degree 1 --repeats 1 --figures figures",
+    WritingCommand {
+        words: "table {log} --map-file {map_file} --axis gx --train 10 --evaluate 5 --max-order 1 --degree 1 --repeats 1",
         inputs: &[LOG, MAP],
+        outputs: &[("figures", "--figures figures", "figures/gx_rads_autocorrelation.svg")],
     },
-    Line {
-        output: "output",
-        at: "out.json",
-        words: "fit {log} --map-file {map_file} --axis gx --max-terms 2 --memory none -o out.json",
+    WritingCommand {
+        words: "fit {log} --map-file {map_file} --axis gx --max-terms 2 --memory none",
         inputs: &[LOG, MAP],
+        outputs: &[("output", "-o out.json", "out.json")],
     },
-    Line {
-        output: "figures",
-        at: "figures/gx_rads_1_over_time.svg",
-        words: "compare {study} {log} --map-file {map_file} --figures figures",
+    WritingCommand {
+        words: "compare {study} {log} --map-file {map_file}",
         inputs: &[UNIT, LOG, MAP],
+        outputs: &[("figures", "--figures figures", "figures/gx_rads_1_over_time.svg")],
     },
-    Line {
-        output: "figures",
-        at: "figures/gx_rads_1_over_time.svg",
-        words: "compare {study} --figures figures",
+    WritingCommand {
+        words: "compare {study}",
         inputs: &[UNIT, FITTED],
+        outputs: &[("figures", "--figures figures", "figures/gx_rads_1_over_time.svg")],
     },
-    Line {
-        output: "figures",
-        at: "figures/gx_rads_staircase.svg",
-        words: "add {study} temp_linear --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effect_files} --map-file {map_file} --figures figures",
+    WritingCommand {
+        words: "add {study} temp_linear --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effect_files} --map-file {map_file}",
         inputs: &[UNIT, FROM, REFERENCE, EVALUATION, ("effect_files", "effect.toml"), MAP],
+        outputs: &[("figures", "--figures figures", "figures/gx_rads_staircase.svg")],
     },
-    Line {
-        output: "figures",
-        at: "figures/gx_rads_staircase.svg",
-        words: "history {study} --figures figures",
+    WritingCommand {
+        words: "history {study}",
         inputs: &[REFINED],
+        outputs: &[("figures", "--figures figures", "figures/gx_rads_staircase.svg")],
     },
-    Line {
-        output: "output",
-        at: "answers/answers.json",
-        words: "batch cases --effect {effects} -o answers",
+    WritingCommand {
+        words: "batch cases --effect {effects}",
         inputs: &[EFFECTS, ("folder", "cases/one/field.parquet"), ("folder", "cases/one/meta.json")],
+        outputs: &[("output", "-o answers", "answers/answers.json")],
     },
-    Line {
-        output: "output",
-        at: "out.json",
-        words: "fleet cases --effect {effects} --map-file {map_file} -o out.json",
+    WritingCommand {
+        words: "fleet cases --effect {effects} --map-file {map_file}",
         inputs: &[EFFECTS, MAP, ("folder", "cases/one/field.parquet")],
+        outputs: &[("output", "-o out.json", "out.json")],
     },
-    Line {
-        output: "output",
-        at: "shipment/part.fosm",
-        words: "fleet export {population} -o shipment",
+    WritingCommand {
+        words: "fleet export {population}",
         inputs: &[("population", "population.json"), ("", "population.json.rows")],
+        outputs: &[("output", "-o shipment", "shipment/part.fosm")],
     },
-    Line {
-        output: "output",
-        at: "out.html",
-        words: "fleet report {population} -o out.html",
+    WritingCommand {
+        words: "fleet report {population}",
         inputs: &[("population", "population.json"), ("", "population.json.rows")],
+        outputs: &[("output", "-o out.html", "out.html")],
     },
-    Line {
-        output: "outcomes",
-        at: "out.json",
-        words: "calibrate --cases 1 --effect {effects} --outcomes out.json",
+    WritingCommand {
+        words: "calibrate --cases 1 --effect {effects}",
         inputs: &[EFFECTS],
+        outputs: &[("outcomes", "--outcomes out.json", "out.json")],
     },
-    Line {
-        output: "image",
-        at: "out",
-        words: "export {study} --image out --instance 0 --px4 table --evaluate-on {evaluate_on}",
+    WritingCommand {
+        words: "export {study} --instance 0 --px4 table --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
+        outputs: &[
+            ("image", "--image out", "out"),
+            ("rust", "--rust out", "out"),
+            ("c", "--c out.h", "out.h"),
+        ],
     },
-    Line {
-        output: "rust",
-        at: "out",
-        words: "export {study} --rust out --instance 0 --px4 table --evaluate-on {evaluate_on}",
+    WritingCommand {
+        words: "export {study} --instance 0 --evaluate-on {evaluate_on}",
         inputs: &[UNIT, EVALUATION],
+        outputs: &[("px4", "--px4 out", "out"), ("ardupilot", "--ardupilot out", "out")],
     },
-    Line {
-        output: "c",
-        at: "out.h",
-        words: "export {study} --c out.h --instance 0 --px4 table --evaluate-on {evaluate_on}",
-        inputs: &[UNIT, EVALUATION],
-    },
-    Line {
-        output: "px4",
-        at: "out",
-        words: "export {study} --instance 0 --px4 out --evaluate-on {evaluate_on}",
-        inputs: &[UNIT, EVALUATION],
-    },
-    Line {
-        output: "ardupilot",
-        at: "out",
-        words: "export {study} --instance 0 --ardupilot out --evaluate-on {evaluate_on}",
-        inputs: &[UNIT, EVALUATION],
-    },
-    Line {
-        output: "csv",
-        at: "out",
-        words: "noise {log} --map-file {map_file} --axis gx --csv out",
+    WritingCommand {
+        words: "noise {log} --map-file {map_file} --axis gx",
         inputs: &[LOG, MAP],
+        outputs: &[("csv", "--csv out", "out"), ("svg", "--svg out", "out")],
     },
-    Line {
-        output: "svg",
-        at: "out",
-        words: "noise {log} --map-file {map_file} --axis gx --svg out",
+    WritingCommand {
+        words: "noise {log} --map-file {map_file}",
         inputs: &[LOG, MAP],
+        outputs: &[
+            ("imu_yaml", "--imu-yaml out", "out"),
+            ("orb_slam3", "--orb-slam3 out", "out"),
+            ("vins", "--vins out", "out"),
+        ],
     },
-    Line {
-        output: "imu_yaml",
-        at: "out",
-        words: "noise {log} --map-file {map_file} --imu-yaml out",
-        inputs: &[LOG, MAP],
-    },
-    Line {
-        output: "orb_slam3",
-        at: "out",
-        words: "noise {log} --map-file {map_file} --orb-slam3 out",
-        inputs: &[LOG, MAP],
-    },
-    Line {
-        output: "vins",
-        at: "out",
-        words: "noise {log} --map-file {map_file} --vins out",
-        inputs: &[LOG, MAP],
-    },
-    Line {
-        output: "output",
-        at: "out.csv",
-        words: "replay {image} {log} --map-file {map_file} -o out.csv",
+    WritingCommand {
+        words: "replay {image} {log} --map-file {map_file}",
         inputs: &[IMAGE, LOG, MAP],
+        outputs: &[
+            ("output", "-o out.csv", "out.csv"),
+            ("device_log", "--device-log out", "out"),
+            ("hub_log", "--hub-log out", "out"),
+        ],
     },
-    Line {
-        output: "device_log",
-        at: "out",
-        words: "replay {image} {log} --map-file {map_file} --device-log out",
-        inputs: &[IMAGE, LOG, MAP],
-    },
-    Line {
-        output: "hub_log",
-        at: "out",
-        words: "replay {image} {log} --map-file {map_file} --hub-log out",
-        inputs: &[IMAGE, LOG, MAP],
-    },
-    Line {
-        output: "output",
-        at: "out.csv",
-        words: "record {stream} -o out.csv",
+    WritingCommand {
+        words: "record {stream}",
         inputs: &[("stream", "device.stream")],
+        outputs: &[("output", "-o out.csv", "out.csv")],
     },
-    Line {
-        output: "output",
-        at: "out.md",
-        words: "report {study} --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effects} --map-file {map_file} -o out.md",
+    WritingCommand {
+        words: "report {study} --from {from} --reference {reference} --evaluate-on {evaluate_on} --effect {effects} --map-file {map_file}",
         inputs: &[UNIT, FROM, REFERENCE, EVALUATION, EFFECTS, MAP],
+        outputs: &[("output", "-o out.md", "out.md")],
     },
-    Line {
-        output: "output",
-        at: "out.md",
-        words: "report {study} --from {from} -o out.md",
+    WritingCommand {
+        words: "report {study} --from {from}",
         inputs: &[UNIT, FROM, FITTED],
+        outputs: &[("output", "-o out.md", "out.md")],
     },
-    Line {
-        output: "output",
-        at: "out.md",
-        words: "report {study} -o out.md",
+    WritingCommand {
+        words: "report {study}",
         inputs: &[REFINED, ("", "field.parquet")],
+        outputs: &[("output", "-o out.md", "out.md")],
     },
 ];
+
+/// A command line for every output of every command.
+fn lines() -> Vec<Line> {
+    let of = |command: &WritingCommand| {
+        let WritingCommand { words, inputs, outputs } = *command;
+        let line = move |(output, option, at): &(&'static str, &str, &'static str)| Line {
+            output,
+            at,
+            words: format!("{words} {option}"),
+            inputs,
+        };
+        outputs.iter().map(line).collect::<Vec<_>>()
+    };
+    COMMANDS.iter().flat_map(of).collect()
+}
 
 impl Line {
     /// Longest subcommand at the begin of the words: `fleet report`, not `fleet`.
@@ -368,23 +310,23 @@ fn arguments_of(subcommand: &clap::Command, roles: &[Role]) -> BTreeSet<String> 
 /// Every new path argument must be added to the table.
 #[test]
 fn the_table_has_every_input_and_every_output() {
-    let mut outputs = 0;
+    let (all, mut outputs) = (lines(), 0);
     for (name, subcommand) in subcommands() {
         let read = arguments_of(&subcommand, &[Role::Input]);
         let written = arguments_of(&subcommand, &[Role::OutputFile, Role::OutputFolder]);
         outputs += written.len();
         // a server never ends; it chooses the names of its outputs itself (workbench/folders.rs)
         if name == "serve" || read.is_empty() {
-            assert!(!LINES.iter().any(|line| line.subcommand() == name), "{name}");
+            assert!(!all.iter().any(|line| line.subcommand() == name), "{name}");
             continue;
         }
         for output in &written {
-            let lines = LINES.iter().filter(|line| line.subcommand() == name && line.output == output);
+            let lines = all.iter().filter(|line| line.subcommand() == name && line.output == output);
             let inputs = lines.flat_map(|line| line.inputs).map(|(id, _)| (*id).to_owned());
             let inputs: BTreeSet<String> = inputs.filter(|id| !id.is_empty()).collect();
             assert_eq!(inputs, read, "inputs of {name} in the table of its output {output}");
         }
-        let in_table = LINES.iter().filter(|line| line.subcommand() == name);
+        let in_table = all.iter().filter(|line| line.subcommand() == name);
         let in_table: BTreeSet<String> = in_table.map(|line| line.output.to_owned()).collect();
         assert_eq!(in_table, written, "outputs of {name} in the table");
     }
@@ -395,8 +337,8 @@ fn the_table_has_every_input_and_every_output() {
 fn no_output_replaces_an_input() {
     let source = tempfile::tempdir().expect("a folder");
     prepare(source.path());
-    let mut cases = Vec::new();
-    for line in &LINES {
+    let (lines, mut cases) = (lines(), Vec::new());
+    for line in &lines {
         for input in line.inputs {
             cases.extend(SPELLINGS.map(|spelling| (line, input, spelling)));
         }
@@ -468,8 +410,8 @@ fn no_output_replaces_an_input() {
     assert_eq!(found_out, SPELLINGS.len());
     println!(
         "attack: own input | {tried} command lines whose output is one of their inputs ({} subcommands, {} outputs; same path, another path, symbolic link, hard link): all refused with exit code 1, all inputs unchanged; {replaced} copies that are separate files are replaced | negative control: a comparison of names would accept {of_names} of {tried}; a writer without the check is detected {found_out} of {} times",
-        LINES.iter().map(Line::subcommand).collect::<BTreeSet<_>>().len(),
-        LINES.iter().map(|line| (line.subcommand(), line.output)).collect::<BTreeSet<_>>().len(),
+        lines.iter().map(Line::subcommand).collect::<BTreeSet<_>>().len(),
+        lines.iter().map(|line| (line.subcommand(), line.output)).collect::<BTreeSet<_>>().len(),
         SPELLINGS.len()
     );
 }
