@@ -3,24 +3,18 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use fos_testkit::noise::Noise;
+
 use crate::session::{done, fails, stderr_of};
 
 /// Two minutes at rest, with or without values of `gy_rads`.
 fn log(seed: u64, with_gy: bool) -> String {
-    let mut state = seed;
-    let mut noise = move || {
-        // the sum of twelve uniform numbers is nearly normal
-        let one = |state: &mut u64| {
-            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (*state >> 40) as f64 / (1_u64 << 24) as f64
-        };
-        (0..12).map(|_| one(&mut state)).sum::<f64>() - 6.0
-    };
+    let mut noise = Noise::new(seed);
     let mut text = "t_s,ax_mps2,ay_mps2,az_mps2,gx_rads,gy_rads,gz_rads,temp_c\n".to_owned();
     for row in 0..6000 {
         let time_s = f64::from(row) * 0.02;
-        let [ax, ay, az] = [0.1, 0.2, 9.8].map(|level| level + 0.01 * noise());
-        let [gx, gy, gz] = [0.001, 0.002, 0.003].map(|level| level + 1e-3 * noise());
+        let [ax, ay, az] = [0.1, 0.2, 9.8].map(|level| level + 0.01 * noise.normal());
+        let [gx, gy, gz] = [0.001, 0.002, 0.003].map(|level| level + 1e-3 * noise.normal());
         let gy = if with_gy { gy.to_string() } else { String::new() };
         writeln!(text, "{time_s:.2},{ax},{ay},{az},{gx},{gy},{gz},{}", 25.0 + time_s / 60.0).expect("text");
     }

@@ -6,6 +6,9 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use fos_testkit::foreign::{Flight, Rate, dataflash_of, ulog, ulog_of};
+use fos_testkit::noise::Noise;
+
 use crate::session::{done, fails, stderr_of};
 
 const RATE_HZ: usize = 20;
@@ -13,15 +16,8 @@ const ROWS: usize = 20 * 1200;
 
 /// Twenty minutes at rest while the temperature goes through `turns` of a cycle of ±`swing` K about 30 °C: cubics, and in
 /// gyro y more than a cubic. Rows are time, six axes, temperature.
-fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
-    let mut state = seed;
-    let mut noise = || {
-        // the sum of four uniform numbers is nearly normal
-        (0..4).fold(-2.0, |sum, _| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            sum + f64::from(state >> 8) / f64::from(1 << 24)
-        })
-    };
+pub(crate) fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
+    let mut noise = Noise::new(seed.into());
     let row = |n: usize| {
         let t = n as f64 / RATE_HZ as f64;
         let celsius = 30.0 - swing * (TAU * turns * n as f64 / ROWS as f64).cos();
@@ -37,8 +33,8 @@ fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
             cubic([0.002, 5e-5, 0.0, -5e-8]),
             celsius,
         ];
-        cells[1..4].iter_mut().for_each(|value| *value += 0.01 * noise());
-        cells[4..7].iter_mut().for_each(|value| *value += 0.001 * noise());
+        cells[1..4].iter_mut().for_each(|value| *value += 0.0058 * noise.normal());
+        cells[4..7].iter_mut().for_each(|value| *value += 0.00058 * noise.normal());
         cells
     };
     (0..ROWS).map(row).collect()
@@ -46,7 +42,7 @@ fn rows(turns: f64, swing: f64, seed: u32) -> Vec<[f64; 8]> {
 
 const COLUMNS: [&str; 6] = ["ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
 
-fn write(path: &Path, rows: &[[f64; 8]]) {
+pub(crate) fn write(path: &Path, rows: &[[f64; 8]]) {
     let mut text = format!("t_s,{},temp_c,still\n", COLUMNS.join(","));
     for row in rows {
         let cells: Vec<String> = row.iter().map(f64::to_string).collect();
@@ -151,7 +147,7 @@ fn written_table_gives_the_reported_error() {
             (axis["nothing"].as_f64().unwrap(), axis["corrected"][0].as_f64().unwrap());
         assert!(corrected < 0.8 * nothing, "{name}: {corrected} of {nothing}");
     }
-    // a cubic is corrected down to the noise, 0.001·0.577/√20, and the remainder at the clipped ends
+    // a cubic is corrected down to the noise, 0.00058/√20, and the remainder at the clipped ends
     assert!(report["axes"][3]["corrected"][0].as_f64().unwrap() < 6e-4, "{report}");
 }
 
@@ -189,50 +185,24 @@ fn rejects_a_log_without_temperature_change_with_a_remedy() {
     assert!(blind.contains("blind.csv: it has no temperature") && blind.contains("help: log"), "{blind}");
 }
 
-/// A flight whose temperature rises by 24 K, as messages of two IMUs: the second drifts three times as much, with
-/// opposite sign.
-fn two_imus() -> Vec<u8> {
-    let mut log = Vec::new();
-    let padded = |text: &str, length: usize| {
-        let mut bytes = text.as_bytes().to_vec();
-        bytes.resize(length, 0);
-        bytes
-    };
-    for (kind, length, name, format, labels) in [
-        (128_u8, 89_u8, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns"),
-        (32, 3 + 8 + 16 + 4, "PARM", "QNf", "TimeUS,Name,Value"),
-        (162, 3 + 8 + 1 + 7 * 4, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T"),
-    ] {
-        log.extend([0xa3, 0x95, 128, kind, length]);
-        for (text, length) in [(name, 4), (format, 16), (labels, 64)] {
-            log.extend(padded(text, length));
-        }
+/// Twenty minutes while the temperature rises by 24 K, with `factor` times the values of the gyros.
+fn warming(seed: u32, factor: f64) -> Flight {
+    let rows = rows(0.5, 12.0, seed);
+    let triad = |values: [f64; 3]| values.map(|value| value as f32);
+    Flight {
+        stamps_us: rows.iter().map(|row| (row[0] * 1e6).round() as u64 + 1_000_000).collect(),
+        acceleration: rows.iter().map(|row| triad([row[1] * 1e-2, row[2] * 1e-2, row[3]])).collect(),
+        rate: rows.iter().map(|row| triad([row[4], row[5], row[6]].map(|value| value * factor))).collect(),
+        temperature: rows.iter().map(|row| row[7] as f32).collect(),
     }
-    log.extend([0xa3, 0x95, 32]);
-    log.extend(1000_u64.to_le_bytes());
-    log.extend(padded("AHRS_ORIENTATION", 16));
-    log.extend(0.0_f32.to_le_bytes());
-    for row in rows(0.5, 12.0, 4) {
-        let us = (row[0] * 1e6).round() as u64 + 1_000_000;
-        for (instance, factor) in [(0_u8, 1.0), (1, -3.0)] {
-            let gyro = [row[4], row[5], row[6]].map(|value| value * factor);
-            let force = [row[1] * 1e-2, row[2] * 1e-2, row[3]];
-            log.extend([0xa3, 0x95, 162]);
-            log.extend(us.to_le_bytes());
-            log.push(instance);
-            for value in gyro.into_iter().chain(force).chain([row[7]]) {
-                log.extend((value as f32).to_le_bytes());
-            }
-        }
-    }
-    log
 }
 
 #[test]
 fn the_table_of_an_imu_is_written_for_that_imu() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    std::fs::write(folder.join("two.bin"), two_imus()).expect("written");
+    let log = dataflash_of([&warming(4, 1.0), &warming(4, -3.0)], &[("AHRS_ORIENTATION", 0.0)], false);
+    std::fs::write(folder.join("two.bin"), log).expect("written");
     let mut slopes = Vec::new();
     for (topic, group) in [("0", "INS_TCAL1"), ("1", "INS_TCAL2")] {
         let fit =
@@ -273,61 +243,15 @@ fn a_table_needs_a_sensor_that_the_autopilot_has() {
     }
 }
 
-/// A log of PX4 with the integrated topic alone, at 25 Hz for 20 minutes while the temperature rises by 24 K.
-fn px4_log(is_combined: bool) -> Vec<u8> {
-    let mut log = b"ULog\x01\x12\x35\x01".to_vec();
-    log.extend(1_000_000_u64.to_le_bytes());
-    let mut message = |kind: u8, parts: &[&[u8]]| {
-        let length: usize = parts.iter().map(|part| part.len()).sum();
-        log.extend((length as u16).to_le_bytes());
-        log.push(kind);
-        parts.iter().for_each(|part| log.extend(*part));
-    };
-    message(b'B', &[&[0; 40]]);
-    let raw = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;";
-    for name in ["sensor_accel", "sensor_gyro"] {
-        message(b'F', &[name.as_bytes(), b":", raw.as_bytes()]);
-    }
-    message(b'F', &[b"sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;float[3] accelerometer_m_s2;uint32_t accelerometer_integral_dt;"]);
-    // of the raw topics the second instance
-    for (id, instance, name) in [
-        (0_u16, 1_u8, "sensor_accel"),
-        (1, 1, "sensor_gyro"),
-        (2, 0, "sensor_combined"),
-        (3, 0, "sensor_accel"),
-    ] {
-        message(b'A', &[&[instance], &id.to_le_bytes(), name.as_bytes()]);
-    }
-    for (n, row) in rows(0.5, 12.0, 5).into_iter().enumerate() {
-        // slightly faster than the slowest topic that is read
-        let us = 1_000_000 + 40_000 * n as u64;
-        let bytes = |values: &[f64]| -> Vec<u8> {
-            values.iter().flat_map(|value| (*value as f32).to_le_bytes()).collect()
-        };
-        let (force, rate) = (bytes(&[row[1] * 1e-2, row[2] * 1e-2, -row[3]]), bytes(&row[4..7]));
-        let (stamp, warmth) = (us.to_le_bytes(), bytes(&row[7..8]));
-        if is_combined {
-            let dt = 40_000_u32.to_le_bytes();
-            message(b'D', &[&2_u16.to_le_bytes(), &stamp, &rate, &dt, &0_i32.to_le_bytes(), &force, &dt]);
-            if n % 25 == 0 {
-                let id = 111_u32.to_le_bytes();
-                message(b'D', &[&3_u16.to_le_bytes(), &stamp, &stamp, &id, &force, &warmth]);
-            }
-        } else {
-            for (topic, id, values) in [(0_u16, 333_u32, &force), (1, 444, &rate)] {
-                message(b'D', &[&topic.to_le_bytes(), &stamp, &stamp, &id.to_le_bytes(), values, &warmth]);
-            }
-        }
-    }
-    log
-}
-
 #[test]
 fn corrected_px4_values_make_an_image_but_no_table() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    std::fs::write(folder.join("combined.ulg"), px4_log(true)).expect("written");
-    std::fs::write(folder.join("raw.ulg"), px4_log(false)).expect("written");
+    let flight = warming(5, 1.0);
+    // of the raw topics the second instance
+    let raw = ulog_of(&[("sensor_accel", 1, 333, &flight), ("sensor_gyro", 1, 444, &flight)]);
+    std::fs::write(folder.join("combined.ulg"), ulog(&flight, Rate::Decimated)).expect("written");
+    std::fs::write(folder.join("raw.ulg"), raw).expect("written");
     let fit = |log: &str, topic: &str| {
         let fit = ["fit", log, "--topic", topic, "--axis", "gx", "--physical", "temp_c", "-o", "unit.json"];
         done(folder, &fit);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::session::done;
+use crate::temperature_tables::{rows, write};
 
 /// Endings of the logs named on the page, whatever their format.
 const LOGS: [&str; 5] = ["bag", "csv", "ulg", "bin", "mcap"];
@@ -13,30 +14,6 @@ fn commands(page: &str) -> Vec<Vec<String>> {
     let blocks = page.split("```sh\n").skip(1).map(|block| block.split("```").next().expect("an end"));
     let lines = blocks.flat_map(str::lines).flat_map(|line| line.split(" && "));
     lines.map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
-}
-
-/// Writes a log at rest for 20 minutes, cold to warm and back; without a swing at a constant temperature.
-fn write_log(path: &Path, seed: u32, swing: f64) {
-    let mut state = seed;
-    let mut noise = || {
-        (0..4).fold(-2.0, |sum, _| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            sum + f64::from(state >> 8) / f64::from(1 << 24)
-        })
-    };
-    let mut text = String::from("t_s,ax_mps2,ay_mps2,az_mps2,gx_rads,gy_rads,gz_rads,temp_c,still\n");
-    for n in 0..24_000 {
-        let celsius = 30.0 - swing * (f64::from(n) / 2500.0).cos();
-        let warm = celsius - 30.0;
-        let axes = [0.1 + 2e-3 * warm, -0.2, 9.8, 0.01 + 2e-4 * warm, -0.01, 0.0];
-        let axes: Vec<String> = axes
-            .iter()
-            .enumerate()
-            .map(|(axis, value)| (value + if axis < 3 { 0.01 } else { 0.001 } * noise()).to_string())
-            .collect();
-        text += &format!("{},{},{celsius},1\n", f64::from(n) / 20.0, axes.join(","));
-    }
-    std::fs::write(path, text).expect("written");
 }
 
 fn page(name: &str) -> String {
@@ -117,7 +94,8 @@ fn every_command_of_the_pages_succeeds() {
                 }
                 let log = format!("{stem}.{ending}.csv");
                 if logs.insert(word.clone(), log.clone()).is_none() {
-                    write_log(&folder.join(&log), at as u32, if stem == "rest" { 0.0 } else { 15.0 });
+                    let swing = if stem == "rest" { 0.0 } else { 15.0 };
+                    write(&folder.join(&log), &rows(1.5, swing, at as u32));
                 }
                 log
             })

@@ -15,6 +15,7 @@ use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_simulate::{self, Axis, CasePlan, Durations, Plant, Setup, SimulatedCase, simulate_case};
 use fos_testkit::is_thorough;
+use fos_testkit::noise::Noise;
 use rayon::prelude::*;
 
 use std::collections::BTreeSet;
@@ -123,18 +124,18 @@ impl Logs {
 fn widths_outside(model: &UnitModel) -> f64 {
     let bits = |model: &UnitModel| -> Vec<(f32, u32, Validity)> {
         let mut predictor = model.predictor::<f32>().expect("it runs");
-        let mut random = Random(7);
+        let mut random = Noise::new(7);
         let mut quantities = vec![0.0; model.quantities.len()];
         let samples = (0..20_000).map(|sample| {
             for (index, quantity) in quantities.iter_mut().enumerate() {
                 // held for a while, for effects with a memory; one changes each time
-                if random.share() < [0.5, 0.02, 0.001][sample % 3] {
+                if random.uniform() < [0.5, 0.02, 0.001][sample % 3] {
                     let inputs = model.inputs.iter().map(|named| &named.input);
                     let of = |input: &&Input<f64>| input.source == fos_core::Source::Quantity(index as u8);
                     let range =
                         inputs.clone().find(of).map_or(Range::new(0.0, 1.0), |input| input.source_range);
                     let width = range.high - range.low;
-                    *quantity = (range.low - 0.2 * width + 1.4 * width * random.share()) as f32;
+                    *quantity = (range.low - 0.2 * width + 1.4 * width * random.uniform()) as f32;
                 }
             }
             let found = predictor.coast(&Sample { measured: &[0.0], quantities: &quantities })[0];
@@ -156,16 +157,6 @@ fn widths_outside(model: &UnitModel) -> f64 {
         (p - high).max(low - p) / (high - low)
     };
     unlimited.iter().map(outside).filter(|widths| widths.is_finite()).fold(0.0, f64::max)
-}
-
-/// Linear congruential generator x ← 6364136223846793005·x + 1442695040888963407 (Knuth).
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
 /// Kind of search for an effect, and the transforms of its inputs.

@@ -14,8 +14,14 @@ fn padded<const N: usize>(text: &str) -> [u8; N] {
 }
 
 /// Log of a flight with these parameters, in messages IMU (all six axes and the temperature) or, if `raw`, ACC and GYR
-/// with an IMU of every tenth sample.
+/// with an IMU of every tenth sample. A second IMU has the same samples.
 pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<u8> {
+    dataflash_of([flight; 2], parameters, raw)
+}
+
+/// The same with the samples of two IMUs, which have the timestamps of the first.
+pub fn dataflash_of(imus: [&Flight; 2], parameters: &[(&str, f32)], raw: bool) -> Vec<u8> {
+    let [flight, _] = imus;
     let mut log = Vec::new();
     let formats: [(u8, u8, &str, &str, &str); 6] = [
         (128, 89, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns"),
@@ -53,8 +59,9 @@ pub fn dataflash(flight: &Flight, parameters: &[(&str, f32)], raw: bool) -> Vec<
             message(&mut log, 161, &[&later, &[0], &stamp, &turn]);
         }
         if !raw || sample % 10 == 0 {
-            let temperature = flight.temperature[sample].to_le_bytes();
-            for instance in 0..2 {
+            for (instance, imu) in (0_u8..).zip(imus) {
+                let (force, turn) = (triad(imu.acceleration[sample]), triad(imu.rate[sample]));
+                let temperature = imu.temperature[sample].to_le_bytes();
                 let fields: [&[u8]; 7] =
                     [&stamp, &[instance], &turn, &force, &[0; 8], &temperature, &[1, 1, 0, 0, 0, 0]];
                 message(&mut log, 162, &fields);

@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 pub use bag::{Chunks, bag, bag_of};
-pub use dataflash::{dataflash, dataflash_of_2014};
+pub use dataflash::{dataflash, dataflash_of, dataflash_of_2014};
 pub use mcap::{mcap, mcap_of};
 pub use text::{TEXTS, Text};
 pub use ulog::{Rate, ulog, ulog_of};

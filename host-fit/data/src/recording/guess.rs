@@ -394,6 +394,7 @@ fn temperature_unit(values: &[f64]) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fos_testkit::noise::Noise;
 
     fn guessed(columns: &[(&str, Vec<f64>)]) -> Vec<Option<(String, Option<&'static str>, bool)>> {
         let columns: Vec<(&str, &[f64])> = columns.iter().map(|(name, v)| (*name, v.as_slice())).collect();
@@ -499,10 +500,9 @@ mod tests {
             .zip(1..)
             .map(|(name, size)| (name.clone(), noise(1e-3 * f64::from(size), 0.0)))
             .collect();
-        let mut state = seed;
+        let mut random = Noise::new(seed);
         for last in (1..columns.len()).rev() {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            columns.swap(last, (state >> 33) as usize % (last + 1));
+            columns.swap(last, random.bits() as usize % (last + 1));
         }
         columns
     }

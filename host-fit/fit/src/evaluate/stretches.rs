@@ -278,6 +278,7 @@ mod tests {
     use super::super::trace::AxisTrace;
     use super::*;
     use fos_data::recording::{LoadOptions, Source};
+    use fos_testkit::noise::white_noise;
 
     /// Bursts of 5 s, or a row less, every 300 s at 200 Hz; the residuals of coasts are `sizes`, one per burst, from
     /// its second quarter on.
@@ -341,17 +342,9 @@ mod tests {
     /// White noise for an hour and a drift of a tenth of it in one minute: the samples hide it, the means do not.
     #[test]
     fn noise_has_no_worst_stretch_and_a_slow_drift_under_noise_is_one() {
-        let mut state = 1_u64;
-        let mut noise = || {
-            let mut uniform = || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-            };
-            (0..12).map(|_| uniform()).sum::<f64>()
-        };
         let rows = 36_000;
         let time: Vec<f64> = (0..rows).map(|row| 0.1 * f64::from(row)).collect();
-        let coast: Vec<f64> = time.iter().map(|_| noise()).collect();
+        let coast = white_noise(1, time.len());
         let columns = vec![("t_s".to_owned(), time.clone()), ("gx_rads".to_owned(), coast.clone())];
         let recording =
             Recording::from_columns(Source::made_by("a test"), columns, &LoadOptions::default()).unwrap();
