@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use crate::noise::Noise;
 
-/// Bias, m/s², and sensitivity of the accelerometer, and of the gyro (rad/s).
+/// Bias, m/s², and sensitivity of the accelerometer.
 pub const ACCELEROMETER: [(f64, f64); 3] = [(0.15, 1.012), (-0.22, 0.991), (0.08, 1.004)];
-/// As [`ACCELEROMETER`].
+/// Bias, rad/s, and sensitivity of the gyro.
 pub const GYRO: [(f64, f64); 3] = [(0.01, 1.013), (-0.006, 0.989), (0.003, 0.999)];
 
 /// Dwells of 2 s in 14 orientations, turned in between.

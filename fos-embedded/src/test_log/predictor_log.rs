@@ -141,21 +141,6 @@ mod tests {
     };
 
     #[test]
-    fn encodes_to_documented_bytes() {
-        assert_eq!(HEADER.encode(), *b"FOSR\x01\x00\x02\x01");
-        let bytes: Vec<u8> = RECORD.encode().collect();
-        assert_eq!(bytes.len(), HEADER.record_length());
-        let expected = [
-            [7, 0, 0, 0],
-            [1, 0, 0, 0],
-            [0, 0, 0xc0, 0x3f],
-            [0, 0, 0, 0x80],
-            (-3.25e-7_f32).to_bits().to_le_bytes(),
-        ];
-        assert_eq!(bytes, expected.concat());
-    }
-
-    #[test]
     fn decodes_encoded_records_with_trailing_bytes() {
         assert_eq!(PredictorLogHeader::decode(&HEADER.encode()), Ok(HEADER));
         let mut bytes: Vec<u8> = RECORD.encode().collect();

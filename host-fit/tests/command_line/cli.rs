@@ -203,18 +203,6 @@ fn replay_without_rest_reports_that_nothing_is_comparable() {
 }
 
 #[test]
-fn a_study_is_repeatable() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let folder = folder.path();
-    done(folder, &["simulate", "log.parquet", "--minutes", "2", "--seed", "8", "--at-rest"]);
-    for study in ["a.json", "b.json"] {
-        done(folder, &["fit", "log.parquet", "--axis", "ay", "-o", study]);
-    }
-    let read = |name: &str| std::fs::read(folder.join(name)).expect("it was written");
-    assert_eq!(read("a.json"), read("b.json"));
-}
-
-#[test]
 fn errors_state_place_and_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
@@ -260,18 +248,6 @@ fn wrong_usage_is_exit_code_two() {
     ] {
         fails(folder.path(), 2, arguments);
     }
-}
-
-#[test]
-fn replaces_files_atomically() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let folder = folder.path();
-    done(folder, &["simulate", "log.parquet", "--minutes", "1", "--at-rest"]);
-    std::fs::create_dir(folder.join("unit.json")).expect("a folder in the way");
-    let message = fails(folder, 1, &["fit", "log.parquet", "--axis", "gx", "-o", "unit.json"]);
-    assert!(message.contains("unit.json"), "{message}");
-    let left = std::fs::read_dir(folder).expect("readable").count();
-    assert_eq!(left, 2, "nothing half-written is left beside it");
 }
 
 #[test]

@@ -162,21 +162,6 @@ fn rejected_additions_state_the_reason() {
     assert!(study.refinements.is_empty(), "nothing is half-added");
 }
 
-/// One orientation does not determine an effect of gravity; the bias of the gyro used to change from 2e-4 to -2.6e-3
-/// rad/s.
-#[test]
-fn undetermined_effect_leaves_the_study_unchanged() {
-    let folder = with_hidden("thermal_lag", "desk", "5");
-    let folder = folder.path();
-    let before = std::fs::read(folder.join("unit.json")).expect("a study");
-    let message = fails(folder, 1, &[&["add", "unit.json", "g_sensitivity"][..], &FIELD, &LATER].concat());
-    assert!(
-        message.contains("not identifiable from this log") && message.contains("help: record"),
-        "{message}"
-    );
-    assert_eq!(std::fs::read(folder.join("unit.json")).expect("a study"), before);
-}
-
 #[test]
 fn interrupted_batch_resumes_and_answers_every_case() {
     let folder = tempfile::tempdir().expect("a folder");

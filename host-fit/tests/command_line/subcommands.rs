@@ -189,15 +189,6 @@ fn every_option_in_a_message_of_a_library_is_shown_by_its_flag() {
     );
 }
 
-#[test]
-fn error_for_missing_times_names_flags() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("log.csv"), "gx_rads\n0.1\n0.2\n0.3\n").expect("written");
-    let stderr = fails(folder.path(), 1, &["diagnose", "log.csv"]);
-    assert!(stderr.contains("--rate") && stderr.contains("with --map, as in t_s=time:ms"), "{stderr}");
-    assert!(!stderr.contains("rate_hz") && !stderr.contains('`'), "{stderr}");
-}
-
 /// The libraries are also used without the program, from a page or from another program: their messages name options by
 /// the names of their fields.
 #[test]

@@ -193,7 +193,7 @@ class AxisComparison:
         measured: Measured error, offset included, unit of the axis, shape `(n,)`; NaN where it is not known.
         innovation: Measured − predicted one step ahead, shape `(n,)`.
         left: Measured − predicted from own history of at most 60 s, shape `(n,)`.
-        draw: Draws `figures` as JSON, when they are asked for.
+        draw: Draws `figures` as JSON, once they are requested.
     """
 
     column: str

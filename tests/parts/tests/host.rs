@@ -385,52 +385,11 @@ fn faults_of_the_bus_end() {
 }
 
 #[test]
-fn burst_that_is_cut_short_reads_ones() {
-    for name in NAMES {
-        let mut host = Host::set_up(name, Codes::Generated);
-        host.wait_ms(500.0);
-        host.part.fault(Fault::Cut, 50.0);
-        let (fifo, dummy) = match name {
-            "bmi323" => (0x16, 1),
-            "icm42688" => (0x30, 0),
-            _ => (0x78, 0),
-        };
-        let burst = host.read(fifo, dummy + 80);
-        assert!(burst[dummy + 50..].iter().all(|byte| *byte == 0xff), "{name}");
-        assert!(burst[dummy..dummy + 50].iter().any(|byte| *byte != 0xff), "{name}");
-        assert!(!host.read(fifo, dummy + 80).ends_with(&[0xff; 30]), "{name}: once");
-    }
-}
-
-#[test]
 fn stretches_the_clock_only_if_it_is_told_to() {
     for name in NAMES {
         let mut host = Host::new(name, Codes::Generated);
         assert_eq!(host.part.stretch_ns(), 0);
         host.part.fault(Fault::Stretch, 50_000.0);
         assert_eq!(host.part.stretch_ns(), 50_000);
-    }
-}
-
-#[test]
-fn frozen_silent_and_forgetful_parts() {
-    for name in NAMES {
-        let mut host = Host::set_up(name, Codes::Generated);
-        host.wait_ms(200.0);
-        host.part.fault(Fault::Frozen, 1.0);
-        host.wait_ms(100.0);
-        let [.., before, last] = host.part.delivered() else { panic!("{name}: no samples") };
-        assert_eq!(before.codes, last.codes, "{name}");
-        host.part.fault(Fault::Silent, 1.0);
-        let delivered = host.part.delivered().len();
-        host.wait_ms(100.0);
-        assert_eq!(host.part.delivered().len(), delivered, "{name}");
-        host.part.fault(Fault::Overrun, 1.0);
-        assert!(host.part.delivered().iter().all(|row| row.fate == Fate::Lost), "{name}");
-        host.part.fault(Fault::Forgetful, 1.0);
-        let register: u8 = if name == "bmi323" { 0x35 } else { 0x60 };
-        let before = host.read(register, 3);
-        host.write(&[&[register, 77, 0]]);
-        assert_eq!(host.read(register, 3), before, "{name}");
     }
 }

@@ -162,30 +162,6 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
 }
 
 #[test]
-fn reads_logs_of_wearables() {
-    let flight = flight();
-    let g = 9.80665;
-    for (name, bytes, axes, step) in [
-        ("a.bin", geneactiv(&flight), 3, 0.5 * 100.0 / 25_344.0 * g),
-        ("a.cwa", axivity(&flight, Axivity::Packed), 3, 0.5 / 256.0 * g),
-        ("b.cwa", axivity(&flight, Axivity::Unpacked), 3, 0.5 / 256.0 * g),
-        ("c.cwa", axivity(&flight, Axivity::WithGyro), 6, 0.5 / 2048.0 * g),
-    ] {
-        let log = read(name, &bytes);
-        assert_eq!((log.axes().unwrap().len(), log.n_rows(), log.quality.gaps), (axes, SAMPLES, 0), "{name}");
-        assert!((log.rate.true_hz - 200.0).abs() < 0.01, "{name}: {}", log.rate.true_hz);
-        for (column, expected) in flight.columns() {
-            let Ok(channel) = log.channel(column) else { continue };
-            let allowed = if column == "temp_c" { 0.5 } else { step + 1e-6 };
-            let far = channel.values.iter().zip(&expected).map(|(found, expected)| (found - expected).abs());
-            let far = far.filter(|far| far.is_finite()).fold(0.0, f64::max);
-            assert!(far <= allowed, "{name}: {column} is off by {far}");
-        }
-        assert!(log.channel("temp_c").unwrap().n_missing() < 10, "{name}");
-    }
-}
-
-#[test]
 fn skips_damaged_blocks_of_wearables_with_a_warning() {
     let flight = flight();
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
@@ -227,18 +203,6 @@ fn names_the_export_for_known_unreadable_files() {
         let error = read_as(name, &bytes, &LoadOptions::default()).unwrap_err();
         assert!(error.contains(product) && error.contains("help: export it"), "{error}");
     }
-}
-
-#[test]
-fn recognises_a_single_sensor_file_by_its_name() {
-    let rows = "1,0.0,9.81,0.1,0.2\n2,0.01,9.82,0.1,0.2\n3,0.02,9.8,0.1,0.2\n";
-    let text = format!("time,seconds_elapsed,z,y,x\n{rows}");
-    let turn = read("Gyroscope.csv", text.as_bytes());
-    assert_eq!(turn.channel("gz_rads").unwrap().values[1], 9.82);
-    let force = read("TotalAcceleration.csv", text.as_bytes());
-    assert_eq!(force.channel("ax_mps2").unwrap().values[1], 0.2);
-    let error = read_as("Accelerometer.csv", text.as_bytes(), &LoadOptions::default()).unwrap_err();
-    assert!(error.contains("without gravity"), "{error}");
 }
 
 #[test]

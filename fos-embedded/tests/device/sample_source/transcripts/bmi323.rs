@@ -70,13 +70,6 @@ fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
 }
 
 #[test]
-fn is_set_up_and_read_back() {
-    let (result, counts) = bmi323(1, &set_up());
-    assert_eq!(result, [Ok(vec![])]);
-    assert_eq!(counts, super::Counts::default());
-}
-
-#[test]
 fn every_eight_words_make_a_sample() {
     let (result, counts) = polls(1, burst((1..=10).flat_map(frame).collect()));
     assert_eq!(result, [Ok((1..=10).map(sample).collect())]);
@@ -157,41 +150,10 @@ fn another_part_is_an_error() {
 }
 
 #[test]
-fn reports_registers_that_do_not_hold_their_value() {
-    let mut steps = set_up();
-    steps.truncate(steps.len() - 3);
-    steps.push(read(0x21, vec![0x39, 0x70]));
-    let (result, counts) = bmi323(1, &steps);
-    assert_eq!(result, [Err(SourceError::NotKept { register: 0x21, written: 0x7029, read: 0x7039 })]);
-    assert_eq!(counts.not_kept, 1);
-}
-
-#[test]
-fn twenty_equal_samples_are_stuck() {
-    let frames: Vec<u8> = (1..=20).flat_map(|n| words(n, &sample(0))).collect();
-    let (result, counts) = polls(2, [burst(frames), set_up()].concat());
-    let Ok(samples) = &result[0] else { panic!("{result:?}") };
-    let stuck: Vec<bool> = samples.iter().map(|sample| sample.faults == Faults::STUCK).collect();
-    assert_eq!(stuck, (1..=20).map(|n| n >= 19).collect::<Vec<_>>());
-    assert_eq!((counts.stuck, counts.resets), (2, 1));
-}
-
-#[test]
 fn flags_invalid_temperatures() {
     let cold = |n| RawSample { temperature: None, faults: Faults::TEMPERATURE, ..sample(n) };
     let frames = [frame(1), words(2, &cold(2)), frame(3)].concat();
     let (result, counts) = polls(1, burst(frames));
     assert_eq!(result, [Ok(vec![sample(1), cold(2), sample(3)])]);
     assert_eq!(counts.temperature, 1);
-}
-
-#[test]
-fn sets_up_a_reset_sensor_at_once() {
-    // two checks, because the first may be damaged
-    let reset = vec![read(0x20, vec![0; 2]); 2];
-    let steps = [reset, set_up(), burst(frame(20))].concat();
-    let (result, counts) = polls(2, steps);
-    let faults = Faults::RESET | Faults::GAP;
-    assert_eq!(result, [Ok(vec![]), Ok(vec![RawSample { skipped: 19, faults, ..sample(20) }])]);
-    assert_eq!(counts.resets, 1);
 }

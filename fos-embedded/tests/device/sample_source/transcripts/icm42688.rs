@@ -108,14 +108,3 @@ fn another_part_is_not_set_up() {
     assert_eq!(result, [Err(SourceError::WrongPart(0xe9)), Ok(vec![])]);
     assert_eq!(counts.wrong_part, 1);
 }
-
-#[test]
-fn sets_up_a_reset_sensor_at_once() {
-    let reset = Read(0x4c, vec![0x30, 0x91, 0x00, 0x06, 0x06, 0x16, 0x11, 0x0d, 0x23]);
-    // two checks, because the first may be damaged
-    let steps = [vec![reset.clone(), reset], set_up(), burst(packet(20))].concat();
-    let (result, counts) = polls(2, steps);
-    let faults = Faults::RESET | Faults::GAP;
-    assert_eq!(result, [Ok(vec![]), Ok(vec![RawSample { skipped: 19, faults, ..sample(20) }])]);
-    assert_eq!(counts.resets, 1);
-}

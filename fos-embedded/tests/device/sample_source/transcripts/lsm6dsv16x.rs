@@ -84,13 +84,6 @@ fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
 }
 
 #[test]
-fn is_set_up_and_read_back() {
-    let (result, counts) = lsm6dsv16x(1, &set_up());
-    assert_eq!(result, [Ok(vec![])]);
-    assert_eq!(counts, super::Counts::default());
-}
-
-#[test]
 fn words_of_one_instant_make_a_sample_in_any_order() {
     let words = [
         vec![accel(1), gyro(1), stamp(1)],
