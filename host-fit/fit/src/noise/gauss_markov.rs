@@ -74,7 +74,7 @@ pub(super) fn gauss_markov(
         slopes: density_slopes,
         frequencies: frequencies(blocks.samples() as f64 * blocks.period_s, blocks.length_s),
     };
-    let best = profile.best(&starts(regression, white.at_most(), allan_deviation, &profile.deviance));
+    let best = profile.best(&starts(regression, white.at_most(), allan_deviation, profile.deviance));
     let more = (2 - detected) as f64;
     let gain = deviance - best.deviance - more * (blocks.len() as f64).ln();
     if gain < PREFERRED {
