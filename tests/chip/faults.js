@@ -78,7 +78,7 @@ function kinds(images, random) {
       end: part().end,
     }, 1, 2.5, 450, AGAIN],
     ['codes stand still', part(Fault.frozen, 1), 1, 1.5, 200],
-    ['no temperature', part(Fault.noTemperature, 1), 1, 0.1, 0],
+    ['no temperature', part(Fault.noTemperature, 1), 1, 0.15, 0],
     ['FIFO stays empty', part(Fault.silent, 1), 1, 2, 300, 5],
     ['FIFO runs over', part(Fault.overrun, 1), 0, 1.5, 20],
     ['clock of the part 3 % fast', part(Fault.ppm, 30000), 5, 0.1, 0],
