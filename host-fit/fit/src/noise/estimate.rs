@@ -97,9 +97,7 @@ pub fn estimate(blocks: &Blocks, y: &[f64], regressors: &[&[f64]]) -> Result<Noi
 
 /// −2 ln L of N, B and K, with flicker noise as fast as the samples.
 pub(super) fn deviance(regression: &Regression<'_>, logs: &LogLevels) -> f64 {
-    let [white, flicker, walk] = logs.map(f64::exp);
-    let (white, faster) = regression.blocks.faster_flicker(white, flicker);
-    restricted_deviance(regression, NoiseLevels { white, flicker, walk, gauss_markov: Some(faster) })
+    restricted_deviance(regression, regression.blocks.with_faster_flicker(logs.map(f64::exp)))
 }
 
 fn is_constant(y: &[f64]) -> bool {

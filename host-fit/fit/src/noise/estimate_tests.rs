@@ -28,17 +28,16 @@ fn intervals_have_their_stated_coverage() {
     // an hour in blocks of 0.8 s, some missing
     let counts: Vec<usize> = (0..1500).map(|block| if (700..760).contains(&block) { 0 } else { 8 }).collect();
     let blocks = blocks_of(&counts);
-    let (white, flicker, walk) = (1.0_f64, 0.4, 0.06);
-    let (with_faster, faster) = blocks.faster_flicker(white, flicker);
-    let levels = NoiseLevels { white: with_faster, flicker, walk, gauss_markov: Some(faster) };
+    let truth = [1.0, 0.4, 0.06];
+    let levels = blocks.with_faster_flicker(truth);
     let mut held = [0; 3];
     let mut below = [0; 3];
     for seed in 0..100 {
         let found = simulated(&levels, &blocks, seed);
-        for (held, (level, truth)) in held.iter_mut().zip(found.iter().zip([white, flicker, walk])) {
+        for (held, (level, truth)) in held.iter_mut().zip(found.iter().zip(truth)) {
             *held += usize::from(holds(level, truth));
         }
-        for (below, (level, truth)) in below.iter_mut().zip(found.iter().zip([white, flicker, walk])) {
+        for (below, (level, truth)) in below.iter_mut().zip(found.iter().zip(truth)) {
             *below += usize::from(level.high < truth);
         }
     }
@@ -52,8 +51,7 @@ fn intervals_have_their_stated_coverage() {
 fn no_truth_is_more_likely_than_the_estimate() {
     let blocks = blocks_of(&[8; 2000]);
     let truth = [1.0_f64, 0.4, 0.03];
-    let (white, faster) = blocks.faster_flicker(truth[0], truth[1]);
-    let levels = NoiseLevels { white, flicker: truth[1], walk: truth[2], gauss_markov: Some(faster) };
+    let levels = blocks.with_faster_flicker(truth);
     let ones = vec![1.0; blocks.len()];
     let mut compared = 0;
     for seed in 0..30 {

@@ -3,11 +3,11 @@
 //! The expected information about the logarithms of the levels is F_ij = Σ_k ∂ln S/∂θ_i · ∂ln S/∂θ_j over the frequencies
 //! k/T up to half the rate of the block means (Whittle 1953), with S = N² + B²/(2πf) + (K/(2πf))².
 
-use nalgebra::DMatrix;
+use nalgebra::{Matrix3, Vector3};
 
 use super::least::least_where;
+use super::level::RISE;
 use super::model::NoiseLevels;
-use super::profile::RISE;
 
 /// Times searched: up to so many doublings of a recording's length, 2¹⁶ of which are months.
 const MOST_DOUBLINGS: i32 = 16;
@@ -39,27 +39,28 @@ pub(super) fn density_slopes(levels: &NoiseLevels, frequency_hz: f64) -> [f64; 3
 /// Expected standard deviations of ln N, ln B and ln K after `seconds` at rest in block means of `block_s`, by the
 /// Cramér-Rao bound. Infinite for a level of 0, which is treated as known to be absent.
 pub fn log_deviations(levels: &NoiseLevels, seconds: f64, block_s: f64) -> [f64; 3] {
-    let present: Vec<usize> = [levels.white, levels.flicker, levels.walk]
-        .iter()
-        .enumerate()
-        .filter(|(_, level)| **level > 0.0)
-        .map(|(at, _)| at)
-        .collect();
-    let mut information = DMatrix::<f64>::zeros(present.len(), present.len());
-    let mut deviations = [f64::INFINITY; 3];
-    for k in 1..=(0.5 * seconds / block_s) as usize {
-        let of_all = density_slopes(levels, k as f64 / seconds);
-        let slopes: Vec<f64> = present.iter().map(|level| of_all[*level]).collect();
-        for i in 0..slopes.len() {
-            for j in 0..slopes.len() {
-                information[(i, j)] += slopes[i] * slopes[j];
-            }
-        }
-    }
-    if let Some(covariance) = information.cholesky().map(|factor| factor.inverse()) {
-        present.iter().enumerate().for_each(|(at, level)| deviations[*level] = covariance[(at, at)].sqrt());
-    }
-    deviations
+    let every = (1..=(0.5 * seconds / block_s) as usize).map(|k| (k as f64 / seconds, 1.0));
+    let mut information = information(|frequency_hz| density_slopes(levels, frequency_hz), every);
+    let is_absent = [levels.white, levels.flicker, levels.walk].map(|level| level <= 0.0);
+    // an absent level has no information, and must not stand in the way of the inverse
+    (0..3).filter(|level| is_absent[*level]).for_each(|level| information[(level, level)] = 1.0);
+    let covariance = information.cholesky().map(|factor| factor.inverse());
+    std::array::from_fn(|level| match &covariance {
+        Some(covariance) if !is_absent[level] => covariance[(level, level)].sqrt(),
+        _ => f64::INFINITY,
+    })
+}
+
+/// Information about the logarithms of three parameters: Σ ∂ln S/∂θ_i · ∂ln S/∂θ_j over frequencies, Hz, and the number of
+/// frequencies that each stands for.
+pub(super) fn information(
+    slopes: impl Fn(f64) -> [f64; 3],
+    frequencies: impl IntoIterator<Item = (f64, f64)>,
+) -> Matrix3<f64> {
+    frequencies.into_iter().fold(Matrix3::zeros(), |sum, (frequency_hz, number)| {
+        let slopes = Vector3::from(slopes(frequency_hz));
+        sum + slopes * slopes.transpose() * number
+    })
 }
 
 /// Frequencies k/T of block means of `block_s` over `seconds`, Hz, and the number of frequencies that each stands for: one

@@ -5,6 +5,9 @@ use serde::Serialize;
 use super::levels::Regression;
 use super::model::NoiseLevels;
 
+/// Increase of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
+pub(super) const RISE: f64 = 2.705_543;
+
 /// Estimate of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Level {

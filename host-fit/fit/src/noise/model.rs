@@ -95,15 +95,16 @@ fn rung_variance() -> f64 {
 }
 
 impl Blocks {
-    /// Returns white noise, unit·√s, and a process that together with the ladder are white noise of `white` and flicker
-    /// noise of a bias instability, unit. The process is the next faster rung; all rungs below it are nearly white in
-    /// block means and have their variance.
-    pub(super) fn faster_flicker(&self, white: f64, flicker: f64) -> (f64, GaussMarkov) {
+    /// Returns the levels in block means of white noise N, unit·√s, flicker noise B, unit, that continues below the ladder,
+    /// and a random walk K, unit/√s. The further process is the next faster rung; all rungs below it are nearly white in
+    /// block means and add their variance to the white noise.
+    pub(super) fn with_faster_flicker(&self, [white, flicker, walk]: [f64; 3]) -> NoiseLevels {
         let variance = flicker * flicker * rung_variance();
         let tau_s = |rung: i32| self.flicker_from_s * 3.0_f64.powi(-rung);
         let means: f64 = (2..=FASTER_RUNGS).map(|rung| variance_of_mean(self.length_s / tau_s(rung))).sum();
         let next = GaussMarkov { deviation: variance.sqrt(), tau_s: tau_s(1) };
-        ((white * white + variance * means * self.length_s).sqrt(), next)
+        let white = (white * white + variance * means * self.length_s).sqrt();
+        NoiseLevels { white, flicker, walk, gauss_markov: Some(next) }
     }
 }
 

@@ -5,10 +5,9 @@
 
 use nalgebra::Matrix3;
 
+use super::information::information;
+use super::level::RISE;
 use super::levels::{LogLevels, minimise_from};
-
-/// Increase of −2 ln L at the ends of an interval: the 90 % quantile of χ² with one degree of freedom.
-pub(super) const RISE: f64 = 2.705_543;
 
 /// Distance below the estimate, in logarithms, at which a process counts as absent: if the profile is within [`RISE`]
 /// there, the process was not detected.
@@ -82,11 +81,9 @@ impl<F: Fn(&LogLevels) -> f64, S: Fn(&LogLevels, f64) -> LogLevels> Profile<F, S
 
     /// Inverse of the expected second derivatives.
     fn inverse(&self, logs: &LogLevels) -> Matrix3<f64> {
-        let mut curvature = Matrix3::from_diagonal_element(LEAST_CURVATURE);
-        for (frequency_hz, number) in &self.frequencies {
-            let slopes = (self.slopes)(logs, *frequency_hz);
-            curvature += Matrix3::from_fn(|i, j| 2.0 * number * slopes[i] * slopes[j]);
-        }
+        let slopes = |frequency_hz| (self.slopes)(logs, frequency_hz);
+        let curvature = 2.0 * information(slopes, self.frequencies.iter().copied())
+            + Matrix3::from_diagonal_element(LEAST_CURVATURE);
         curvature.try_inverse().unwrap_or_else(|| Matrix3::from_diagonal_element(1.0 / LEAST_CURVATURE))
     }
 
