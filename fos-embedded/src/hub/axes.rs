@@ -43,6 +43,13 @@ pub(super) fn channel_of(axis: Axis) -> Option<u8> {
     }
 }
 
+/// True if `channel` is one of the axes of a model.
+#[inline(always)]
+pub(super) fn is_modelled(axes: &[u8], channel: u8) -> bool {
+    #[expect(clippy::manual_contains, reason = "`contains` compares eight at a time with much code")]
+    axes.iter().any(|modelled| *modelled == channel)
+}
+
 /// Value of one of the six axes. A wrong index, which cannot occur, gives 0.
 #[inline(always)]
 pub(super) fn at<R: Scalar>(values: &[R; AXES], channel: u8) -> R {

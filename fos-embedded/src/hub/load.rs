@@ -7,7 +7,7 @@ use fos_core::{
     Quantity, Scalar, StillnessDetector, StillnessLimits,
 };
 
-use super::axes::{AXES, Gate, channel_of};
+use super::axes::{AXES, Gate, channel_of, is_modelled};
 use super::gravity::Gravity;
 use super::quantity_source::QuantitySource;
 use super::{Hub, HubError};
@@ -190,8 +190,7 @@ impl<const INPUTS: usize, const TERMS: usize, const HISTORY: usize, R: Scalar<St
     #[inline(never)]
     fn connect_axis(&mut self, index: usize, parameters: &AxisParameters<f32>) -> Option<()> {
         let channel = channel_of(parameters.axis)?;
-        #[expect(clippy::manual_contains, reason = "`contains` compares eight at a time with much code")]
-        if self.axes.iter().any(|modelled| *modelled == channel) {
+        if is_modelled(&self.axes, channel) {
             return None;
         }
         if index == 0 {

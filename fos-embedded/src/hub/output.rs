@@ -4,7 +4,7 @@
 use fos_core::Calibration;
 use fos_core::{Correction, Scalar, Validity};
 
-use super::axes::AXES;
+use super::axes::{AXES, is_modelled};
 use crate::raw::{Faults, Scales};
 
 /// One corrected sample. Units: m/s² for accelerometers, rad/s for gyros. Every corrected and predicted value
@@ -121,8 +121,7 @@ impl<R: Scalar<Stored = f32>> Output<R> {
     #[inline(never)]
     pub(super) fn pass_others(&mut self, axes: &[u8], scales: &Scales) {
         for (channel, (correction, measured)) in (0..).zip(self.corrections.iter_mut().zip(&self.measured)) {
-            #[expect(clippy::manual_contains, reason = "`contains` compares eight at a time with much code")]
-            if axes.iter().any(|modelled| *modelled == channel) {
+            if is_modelled(axes, channel) {
                 continue;
             }
             correction.validity = Validity::NOT_MODELLED;
