@@ -72,39 +72,70 @@ impl Scale {
 
     /// ln of the mean square of the second differences in each window; NaN where fewer than half are known.
     pub(super) fn log_energy(&self, means: &[f64], segments: &[Segment]) -> Vec<f64> {
-        let mut pieces = vec![(0.0, 0_usize); means.len().div_ceil(self.stride)];
+        // sum of squares and number of rows of each stride; numbers of rows are exact in f64
+        let mut pieces = vec![[0.0_f64; 2]; means.len().div_ceil(self.stride)];
         for segment in segments {
-            for row in self.inner(segment) {
-                let second = self.second_difference(means, row);
-                if second.is_finite() {
-                    let (sum, count) = &mut pieces[row / self.stride];
-                    *sum += second * second;
-                    *count += 1;
+            let rows = self.inner(segment);
+            let mut start = rows.start;
+            while start < rows.end {
+                let piece = start / self.stride;
+                let end = ((piece + 1) * self.stride).min(rows.end);
+                let before = &means[start - self.block..end - self.block];
+                let after = &means[start + self.block..end + self.block];
+                let [sum, count] = &mut pieces[piece];
+                for ((at, before), after) in means[start..end].iter().zip(before).zip(after) {
+                    let second = before - 2.0 * at + after;
+                    let is_known = second.is_finite();
+                    *sum += if is_known { second * second } else { 0.0 };
+                    *count += f64::from(u8::from(is_known));
                 }
+                start = end;
             }
         }
-        let per_window = self.window / self.stride;
-        let of = |window: usize| {
-            let pieces = &pieces[window..window + per_window];
-            let (sum, count) =
-                pieces.iter().fold((0.0, 0), |(sum, count), piece| (sum + piece.0, count + piece.1));
-            log_mean(sum, count, self.window)
-        };
-        (0..self.windows(means.len())).map(of).collect()
+        let windows = sliding_sums(pieces, self.window / self.stride);
+        let windows = windows.iter().take(self.windows(means.len()));
+        windows.map(|[sum, count]| log_mean(*sum, *count as usize, self.window)).collect()
     }
 
     /// Means of blocks twice as long; NaN where a value is missing.
-    pub(super) fn doubled(&self, mut means: Vec<f64>) -> Vec<f64> {
-        let known = means.len().saturating_sub(self.block);
-        (0..known).for_each(|row| means[row] = 0.5 * (means[row] + means[row + self.block]));
-        means[known..].fill(f64::NAN);
-        means
+    pub(super) fn doubled(&self, means: &[f64]) -> Vec<f64> {
+        let after = means.iter().skip(self.block);
+        let mut doubled: Vec<f64> =
+            means.iter().zip(after).map(|(mean, after)| 0.5 * (mean + after)).collect();
+        doubled.resize(means.len(), f64::NAN);
+        doubled
     }
 
     /// Sets the means of all blocks that contain one of these rows to NaN.
     pub(super) fn forget(&self, means: &mut [f64], rows: &Range<usize>) {
         means[(rows.start + 1).saturating_sub(self.block)..rows.end].fill(f64::NAN);
     }
+}
+
+/// Sums of `width` consecutive elements, from every element on. Sums of 1, 2, 4, … elements make up any width, so each
+/// costs a few additions however wide it is.
+fn sliding_sums(mut powers: Vec<[f64; 2]>, width: usize) -> Vec<[f64; 2]> {
+    let mut sums = vec![[0.0; 2]; (powers.len() + 1).saturating_sub(width)];
+    let add = |sums: &mut [[f64; 2]], others: &[[f64; 2]]| {
+        for ([sum, count], [more, counted]) in sums.iter_mut().zip(others) {
+            *sum += more;
+            *count += counted;
+        }
+    };
+    let (mut taken, mut power) = (0, 1);
+    while taken < width {
+        if width & power != 0 {
+            add(&mut sums, &powers[taken.min(powers.len())..]);
+            taken += power;
+        }
+        powers = powers
+            .iter()
+            .zip(powers.iter().skip(power))
+            .map(|(one, next)| [one[0] + next[0], one[1] + next[1]])
+            .collect();
+        power *= 2;
+    }
+    sums
 }
 
 /// ln of the mean of `count` squares; NaN if fewer than half of `of` are known.

@@ -3,30 +3,64 @@
 /// Separator value for cells separated by any number of spaces or tabs.
 pub(super) const SPACES: u8 = b' ';
 
-/// Passes every cell of a line to `take` with its index, without spaces around it; returns the number of cells.
-pub(super) fn for_each_cell(line: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) -> usize {
-    let mut n = 0;
-    if line.contains(&b'"') {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(separator).from_reader(line);
-        let mut record = csv::ByteRecord::new();
-        if let Ok(true) = reader.read_byte_record(&mut record) {
-            for cell in &record {
-                take(n, cell.trim_ascii());
-                n += 1;
-            }
-        }
-    } else if separator == SPACES {
-        for cell in line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()) {
+/// Splits lines into cells.
+pub(super) struct Cells {
+    separator: u8,
+    /// Made at the first quotation mark: a reader is a table, and building one for every line took longer than the line.
+    quoted: Option<Quoted>,
+}
+
+struct Quoted {
+    reader: csv_core::Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Cells {
+    pub(super) const fn separated_by(separator: u8) -> Self {
+        Self { separator, quoted: None }
+    }
+
+    /// Passes every cell of a line to `take` with its index, without spaces around it; returns the number of cells.
+    pub(super) fn for_each(&mut self, line: &[u8], mut take: impl FnMut(usize, &[u8])) -> usize {
+        let mut n = 0;
+        let mut next = |cell: &[u8]| {
             take(n, cell);
             n += 1;
+        };
+        if line.contains(&b'"') {
+            let quoted = self.quoted.get_or_insert_with(|| Quoted::separated_by(self.separator));
+            quoted.for_each(line, |cell| next(cell.trim_ascii()));
+        } else if self.separator == SPACES {
+            line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()).for_each(next);
+        } else {
+            line.split(|&byte| byte == self.separator).for_each(|cell| next(cell.trim_ascii()));
         }
-    } else {
-        for cell in line.split(|&byte| byte == separator) {
-            take(n, cell.trim_ascii());
-            n += 1;
+        n
+    }
+}
+
+impl Quoted {
+    fn separated_by(separator: u8) -> Self {
+        let reader = csv_core::ReaderBuilder::new().delimiter(separator).build();
+        Self { reader, text: Vec::new(), ends: Vec::new() }
+    }
+
+    fn for_each(&mut self, line: &[u8], mut take: impl FnMut(&[u8])) {
+        // no cell is longer than its text, and each but the last takes a separator
+        self.text.resize(line.len(), 0);
+        self.ends.resize(line.len() + 1, 0);
+        self.reader.reset();
+        let (_, _, written, ended) = self.reader.read_record(line, &mut self.text, &mut self.ends);
+        // the end of the line, which ends the last cell
+        let (_, _, _, last) =
+            self.reader.read_record(&[], &mut self.text[written..], &mut self.ends[ended..]);
+        let mut start = 0;
+        for &end in &self.ends[..ended + last] {
+            take(&self.text[start..end]);
+            start = end;
         }
     }
-    n
 }
 
 pub(super) enum Cell {

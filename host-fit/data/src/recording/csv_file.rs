@@ -16,7 +16,7 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
-use super::cell::{Cell, for_each_cell, parse_cell};
+use super::cell::{Cell, Cells, parse_cell};
 use super::column_map::ColumnMap;
 use super::error::RecordingError;
 use super::header::{self, Header, not_a_log};
@@ -178,7 +178,7 @@ enum Kind {
 
 /// Converts lines to rows of a table.
 struct Parser<'a> {
-    separator: u8,
+    cells: Cells,
     decimal_comma: bool,
     names: &'a [String],
     kinds: Vec<Kind>,
@@ -205,10 +205,12 @@ impl<'a> Parser<'a> {
         let names = header.names.as_slice();
         let (mut numbers, mut texts) = (vec![0_u32; names.len()], vec![0_u32; names.len()]);
         for (_, line) in first_lines {
-            for_each_cell(line, header.separator, |i, cell| match parse_cell(cell, header.decimal_comma) {
-                Cell::Number(_) if i < names.len() => numbers[i] += 1,
-                Cell::Text if i < names.len() => texts[i] += 1,
-                _ => {}
+            Cells::separated_by(header.separator).for_each(line, |i, cell| {
+                match parse_cell(cell, header.decimal_comma) {
+                    Cell::Number(_) if i < names.len() => numbers[i] += 1,
+                    Cell::Text if i < names.len() => texts[i] += 1,
+                    _ => {}
+                }
             });
         }
         let mut table = Table { is_unnamed: header.is_unnamed, ..Table::default() };
@@ -246,7 +248,7 @@ impl<'a> Parser<'a> {
         }
         let n = table.columns.len();
         Ok(Parser {
-            separator: header.separator,
+            cells: Cells::separated_by(header.separator),
             decimal_comma: header.decimal_comma,
             names,
             kinds,
@@ -268,7 +270,7 @@ impl<'a> Parser<'a> {
         let names = self.names;
         let mut problem = None;
         let mut extra_is_empty = false;
-        let n_cells = for_each_cell(line, self.separator, |i, cell| {
+        let n_cells = self.cells.for_each(line, |i, cell| {
             let Some(&kind) = self.kinds.get(i) else {
                 extra_is_empty = cell.is_empty();
                 return;
@@ -372,7 +374,7 @@ impl<'a> Parser<'a> {
 fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Option<Box<BadRow>> {
     lines.iter().find_map(|(line, text)| {
         let mut found = None;
-        for_each_cell(text, header.separator, |i, cell| {
+        Cells::separated_by(header.separator).for_each(text, |i, cell| {
             if i == column && matches!(parse_cell(cell, header.decimal_comma), Cell::Text) {
                 let place = Place::Line { line: *line, cell: i as u64 + 1 };
                 let name = header.names[i].as_str();

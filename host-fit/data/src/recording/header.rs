@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::cell::{Cell, SPACES, for_each_cell, parse_cell};
+use super::cell::{Cell, Cells, SPACES, parse_cell};
 use super::error::RecordingError;
 use super::format::is_unit;
 use super::table::{check_names, column_name};
@@ -72,7 +72,7 @@ fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
         let by = separator(units, spaced);
         let row = Shape::by(row, by);
         let (mut cells, mut known) = (0, 0);
-        for_each_cell(units, by, |_, cell| {
+        Cells::separated_by(by).for_each(units, |_, cell| {
             cells += usize::from(!cell.is_empty());
             known += usize::from(is_unit(&String::from_utf8_lossy(cell)));
         });
@@ -89,7 +89,7 @@ fn decimal_comma(rows: &[(u64, Vec<u8>)], separator: u8) -> bool {
     let mut has_point = false;
     if separator != b',' {
         for (_, row) in rows {
-            for_each_cell(row, separator, |_, cell| {
+            Cells::separated_by(separator).for_each(row, |_, cell| {
                 has_point |= cell.contains(&b'.') && matches!(parse_cell(cell, false), Cell::Number(_));
             });
         }
@@ -106,13 +106,13 @@ fn parse(
 ) -> Result<Header, RecordingError> {
     let separator = separator(line, spaced);
     let mut names = Vec::new();
-    for_each_cell(line, separator, |i, cell| {
+    Cells::separated_by(separator).for_each(line, |i, cell| {
         names.push(column_name(&String::from_utf8_lossy(cell), i));
     });
     // some loggers end every row with a separator, and the header too
     let ends_empty = |line: &[u8]| {
         let mut is_empty = false;
-        for_each_cell(line, separator, |_, cell| is_empty = cell.is_empty());
+        Cells::separated_by(separator).for_each(line, |_, cell| is_empty = cell.is_empty());
         is_empty
     };
     if names.len() > 2 && ends_empty(line) && rows.iter().all(|(_, row)| ends_empty(row)) {
@@ -122,7 +122,7 @@ fn parse(
         let problem = "the first line holds numbers where the names of the columns should be";
         return Err(not_a_log(path, problem.into()));
     }
-    for_each_cell(units.unwrap_or_default(), separator, |i, cell| {
+    Cells::separated_by(separator).for_each(units.unwrap_or_default(), |i, cell| {
         let unit = column_name(&String::from_utf8_lossy(cell), i);
         if let Some(name) = names.get_mut(i).filter(|_| !cell.is_empty()) {
             let unit = unit.trim_matches(['[', ']', '(', ')']);
@@ -160,10 +160,12 @@ impl Shape {
 
     fn by(line: &[u8], separator: u8) -> Self {
         let (mut numbers, mut texts) = (0, 0);
-        let cells = for_each_cell(line, separator, |_, cell| match parse_cell(cell, separator != b',') {
-            Cell::Number(_) => numbers += 1,
-            Cell::Text => texts += 1,
-            Cell::Empty => {}
+        let cells = Cells::separated_by(separator).for_each(line, |_, cell| {
+            match parse_cell(cell, separator != b',') {
+                Cell::Number(_) => numbers += 1,
+                Cell::Text => texts += 1,
+                Cell::Empty => {}
+            }
         });
         Self { cells, numbers, texts, separator }
     }

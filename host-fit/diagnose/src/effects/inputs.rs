@@ -89,8 +89,16 @@ impl<'a> Inputs<'a> {
     ///
     /// A column is missing.
     pub fn block_means(&self, regressor: &Regressor, blocks: &Blocks) -> Result<Vec<f64>, RecordingError> {
-        if let [Product { inputs }] = &regressor.products[..]
-            && let [spec] = &inputs[..]
+        let mut means = vec![0.0; blocks.len()];
+        for product in &regressor.products {
+            let of_product = self.block_means_of(product, blocks)?;
+            means.iter_mut().zip(of_product).for_each(|(sum, mean)| *sum += mean);
+        }
+        Ok(means)
+    }
+
+    fn block_means_of(&self, product: &Product, blocks: &Blocks) -> Result<Vec<f64>, RecordingError> {
+        if let [spec] = &product.inputs[..]
             && is_parametrised(&spec.to_string())
         {
             let held = self.held(spec.column.as_deref())?;
@@ -101,7 +109,7 @@ impl<'a> Inputs<'a> {
                 return Ok(averaging.means);
             }
         }
-        Ok(blocks.means(&self.regressor(regressor)?))
+        Ok(blocks.means(&product.over(|spec| self.input(spec))?))
     }
 
     /// Evaluates a regressor over all rows with its inputs clamped to `limits`.

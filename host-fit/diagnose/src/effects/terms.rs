@@ -22,6 +22,14 @@ impl Product {
         Ok(Self { inputs: text.split('*').map(|input| input.trim().parse()).collect::<Result<_, _>>()? })
     }
 
+    /// Evaluates the product row by row from the values of its inputs.
+    pub(super) fn over<E>(
+        &self,
+        input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
+    ) -> Result<Arc<[f64]>, E> {
+        combined(self.inputs.iter().map(input), |a, b| a * b)
+    }
+
     /// Returns the columns that the product needs.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.inputs.iter().filter_map(|input| input.column.as_deref())
@@ -78,8 +86,7 @@ impl Regressor {
         &self,
         input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
     ) -> Result<Arc<[f64]>, E> {
-        let product = |product: &Product| combined(product.inputs.iter().map(&input), |a, b| a * b);
-        combined(self.products.iter().map(product), |a, b| a + b)
+        combined(self.products.iter().map(|product| product.over(&input)), |a, b| a + b)
     }
 }
 

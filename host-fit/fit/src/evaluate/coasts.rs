@@ -364,18 +364,20 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
             });
             (lanes, kept)
         });
-        let of_alone = |Alone { predictor, rows }| {
+        // in their places: a predictor is large, and moving it would cost more than a step
+        let of_alone = |Alone { predictor, rows }: &mut Alone<R, TERMS, HISTORY>| {
             let mut kept = T::default();
-            self.alone(predictor, &rows, &when, |axis, ahead, error| {
-                keep(&mut kept, (&rows, 0), axis, ahead, error);
+            self.alone(predictor, rows, &when, |axis, ahead, error| {
+                keep(&mut kept, (rows, 0), axis, ahead, error);
             });
-            (vec![rows], kept)
+            (vec![rows.clone()], kept)
         };
         let alone: Vec<_> = match self.is_held {
             // one step each: not worth waiting for other threads, as this one would begin another trace meanwhile
-            true => waiting.alone.drain(..).map(of_alone).collect(),
-            false => in_parallel(waiting.alone.drain(..), of_alone),
+            true => waiting.alone.iter_mut().map(of_alone).collect(),
+            false => in_parallel(waiting.alone.iter_mut(), of_alone),
         };
+        waiting.alone.clear();
         waiting.n_begun = 0;
         self.waiting[length] = waiting;
         side_by_side.into_iter().chain(alone).collect()
@@ -384,7 +386,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
     /// Runs one coast sample by sample.
     fn alone(
         &self,
-        mut predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
+        predictor: &mut Predictor<R, AXES, INPUTS, TERMS, HISTORY>,
         rows: &Range<usize>,
         when: impl Fn(usize) -> bool,
         mut keep: impl FnMut(usize, usize, f64),
@@ -393,7 +395,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Coasting<'p, 'a,
         let is_held = self.is_held && self.playback.is_measured(rows.clone());
         for (ahead, row) in rows.clone().enumerate() {
             if ahead == 0 || !is_held {
-                let _ = feed.coast(&mut predictor, row);
+                let _ = feed.coast(predictor, row);
             }
             if !when(ahead) {
                 continue;
