@@ -105,7 +105,7 @@ impl<'a> Inputs<'a> {
             // a column without gaps needs no back-filling, so its transform need not be stored
             if !held.iter().any(|value| value.is_nan()) {
                 let mut averaging = blocks.averaging();
-                self.transformed(spec, &held, |value| averaging.push(value));
+                self.transformed(spec, &held, |values| averaging.extend(values));
                 return Ok(averaging.means);
             }
         }
@@ -177,29 +177,40 @@ impl<'a> Inputs<'a> {
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
         let held = self.held(spec.column.as_deref())?;
         let mut values = Vec::with_capacity(held.len());
-        self.transformed(spec, &held, |value| values.push(value));
+        self.transformed(spec, &held, |transformed| values.extend_from_slice(transformed));
         back_filled(&mut values);
         Ok(values)
     }
 
-    /// Transforms a held column row by row; NaN stays NaN.
-    fn transformed(&self, spec: &InputSpec, held: &[f64], mut take: impl FnMut(f64)) {
+    /// Transforms a held column; NaN stays NaN. `take` gets the rows in order, some at a time.
+    fn transformed(&self, spec: &InputSpec, held: &[f64], mut take: impl FnMut(&[f64])) {
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
+        let mut transformed = [0.0; AT_ONCE];
         for segment in &self.recording.segments {
             match segment.boundary {
                 Boundary::Start => {}
                 Boundary::Recording => transformer = Transformer::new(&spec.transform, period_s),
                 _ => transformer.skip(u32::try_from(segment.missing_before).unwrap_or(u32::MAX)),
             }
-            for x in &held[segment.rows.clone()] {
-                let u = transformer.update(*x);
-                // the output of a transform before its first input is not a value
-                take(if x.is_nan() { f64::NAN } else { u });
+            for rows in held[segment.rows.clone()].chunks(AT_ONCE) {
+                let transformed = &mut transformed[..rows.len()];
+                // a copy, whose state the compiler can keep in registers
+                let mut running = transformer;
+                for (u, x) in transformed.iter_mut().zip(rows) {
+                    let value = running.update(*x);
+                    // the output of a transform before its first input is not a value
+                    *u = if x.is_nan() { f64::NAN } else { value };
+                }
+                transformer = running;
+                take(transformed);
             }
         }
     }
 }
+
+/// Number of rows transformed at a time: their values stay in the nearest memory of the processor.
+const AT_ONCE: usize = 1024;
 
 /// Returns true if an input has a parameter: there are too many of those to cache.
 fn is_parametrised(name: &str) -> bool {

@@ -61,19 +61,23 @@ pub struct Averaging<'b> {
 }
 
 impl Averaging<'_> {
-    /// Adds the value of the next row.
-    #[inline]
-    pub fn push(&mut self, value: f64) {
-        let row = self.row;
-        self.row += 1;
-        let Some(block) = self.blocks.blocks.get(self.means.len()) else { return };
-        if row < block.rows.start {
-            return;
-        }
-        if self.blocks.known[row] {
-            self.sum += value;
-        }
-        if self.row == block.rows.end {
+    /// Adds the values of the next rows.
+    pub fn extend(&mut self, values: &[f64]) {
+        let first = self.row;
+        self.row += values.len();
+        while let Some(block) = self.blocks.blocks.get(self.means.len()) {
+            let rows = block.rows.start.max(first)..block.rows.end.min(self.row);
+            if !rows.is_empty() {
+                let known = &self.blocks.known[rows.clone()];
+                for (value, known) in values[rows.start - first..rows.end - first].iter().zip(known) {
+                    if *known {
+                        self.sum += value;
+                    }
+                }
+            }
+            if self.row < block.rows.end {
+                return;
+            }
             self.means.push(self.sum / block.count as f64);
             self.sum = 0.0;
         }
