@@ -215,3 +215,45 @@ pub(super) fn stretches(flags: &[bool], within: usize) -> Vec<Range<usize>> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Boundary;
+    use fos_testkit::noise::Noise;
+
+    /// Against the sum over the rows of each window, for widths with and without binary digits, gaps and short segments.
+    #[test]
+    fn energy_is_the_mean_square_of_each_window() {
+        let mut noise = Noise::new(5);
+        for (level, period_s) in [(0, 0.005), (0, 0.01), (2, 0.02), (4, 0.005)] {
+            let scale = Scale::new(level, period_s);
+            let mut means: Vec<f64> = (0..3000).map(|_| noise.normal()).collect();
+            means[700..900].fill(f64::NAN);
+            let segment = |rows: Range<usize>, tick| Segment {
+                rows,
+                tick,
+                missing_before: 0,
+                boundary: Boundary::Start,
+            };
+            let segments = [segment(0..1201, 0), segment(1201..1203, 1300), segment(1203..3000, 1400)];
+            let found = scale.log_energy(&means, &segments);
+            assert_eq!(found.len(), scale.windows(means.len()));
+            for (window, found) in found.into_iter().enumerate() {
+                let of_segment = |segment: &Segment| {
+                    let rows = scale.rows(window);
+                    let inner = scale.inner(segment);
+                    (inner.start.max(rows.start)..inner.end.min(rows.end))
+                        .map(|row| scale.second_difference(&means, row).powi(2))
+                        .filter(|square| square.is_finite())
+                        .collect::<Vec<f64>>()
+                };
+                let squares: Vec<f64> = segments.iter().flat_map(of_segment).collect();
+                let direct = log_mean(squares.iter().sum(), squares.len(), scale.window);
+                // as many roundings as additions
+                let agrees = (found - direct).abs() < 1e-12 || found.is_nan() && direct.is_nan();
+                assert!(agrees, "{level} {window}: {found} {direct}");
+            }
+        }
+    }
+}

@@ -89,3 +89,43 @@ pub(super) fn parse_cell(cell: &[u8], decimal_comma: bool) -> Cell {
         () => Cell::Text,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cells of every line in turn are those that a fresh reader of the csv crate finds.
+    #[test]
+    fn quoted_cells_are_those_of_the_csv_crate() {
+        let lines = [
+            r#"a,"b,c",d"#,
+            r#""","x""y"," z ""#,
+            "plain,1.5,",
+            r#""never closed,1,2"#,
+            r#"1," 2 " ,"3"#,
+            r#""","#,
+            r#"a"b,c"#,
+            "\u{feff}\"t_s\",\"gx\"",
+        ];
+        for separator in [b',', b';', b'\t'] {
+            let mut cells = Cells::separated_by(separator);
+            for line in lines {
+                let line = line.replace(',', &char::from(separator).to_string());
+                let mut found = Vec::new();
+                let count = cells.for_each(line.as_bytes(), |i, cell| {
+                    assert_eq!(i, found.len());
+                    found.push(cell.to_vec());
+                });
+                let mut reader = csv::ReaderBuilder::new()
+                    .has_headers(false)
+                    .delimiter(separator)
+                    .from_reader(line.as_bytes());
+                let mut record = csv::ByteRecord::new();
+                assert!(reader.read_byte_record(&mut record).unwrap());
+                let expected: Vec<Vec<u8>> = record.iter().map(|cell| cell.trim_ascii().to_vec()).collect();
+                assert_eq!(found, expected, "{line}");
+                assert_eq!(count, expected.len());
+            }
+        }
+    }
+}
