@@ -135,7 +135,7 @@ impl<'a> Changes<'a> {
         back_filled(&mut means);
         let mut shorter = 1;
         while shorter < scale.block {
-            means = Scale { block: shorter, ..*scale }.doubled(&means);
+            means = Scale { block: shorter, ..*scale }.doubled(means);
             shorter *= 2;
         }
         let mut second = vec![0.0; n];

@@ -4,6 +4,7 @@
 //! Blocks begin at every row and windows overlap by 15 sixteenths, so that a detection does not depend on the first row
 //! of a log.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use crate::recording::{Segment, runs};
@@ -98,12 +99,14 @@ impl Scale {
     }
 
     /// Means of blocks twice as long; NaN where a value is missing.
-    pub(super) fn doubled(&self, means: &[f64]) -> Vec<f64> {
-        let after = means.iter().skip(self.block);
-        let mut doubled: Vec<f64> =
-            means.iter().zip(after).map(|(mean, after)| 0.5 * (mean + after)).collect();
-        doubled.resize(means.len(), f64::NAN);
-        doubled
+    pub(super) fn doubled(&self, mut means: Vec<f64>) -> Vec<f64> {
+        let rows = Cell::from_mut(&mut means[..]).as_slice_of_cells();
+        for (mean, after) in rows.iter().zip(rows.iter().skip(self.block)) {
+            mean.set(0.5 * (mean.get() + after.get()));
+        }
+        let known = means.len().saturating_sub(self.block);
+        means[known..].fill(f64::NAN);
+        means
     }
 
     /// Sets the means of all blocks that contain one of these rows to NaN.
@@ -116,26 +119,24 @@ impl Scale {
 /// costs a few additions however wide it is.
 fn sliding_sums(mut powers: Vec<[f64; 2]>, width: usize) -> Vec<[f64; 2]> {
     let mut sums = vec![[0.0; 2]; (powers.len() + 1).saturating_sub(width)];
-    let add = |sums: &mut [[f64; 2]], others: &[[f64; 2]]| {
-        for ([sum, count], [more, counted]) in sums.iter_mut().zip(others) {
-            *sum += more;
-            *count += counted;
-        }
-    };
+    // in place, for every sum takes elements from its own on: a log is long
+    let powers = Cell::from_mut(&mut powers[..]).as_slice_of_cells();
     let (mut taken, mut power) = (0, 1);
     while taken < width {
         if width & power != 0 {
-            add(&mut sums, &powers[taken.min(powers.len())..]);
+            let rest = powers.iter().skip(taken);
+            sums.iter_mut().zip(rest).for_each(|(sum, more)| *sum = plus(*sum, more.get()));
             taken += power;
         }
-        powers = powers
-            .iter()
-            .zip(powers.iter().skip(power))
-            .map(|(one, next)| [one[0] + next[0], one[1] + next[1]])
-            .collect();
+        let next = powers.iter().skip(power);
+        powers.iter().zip(next).for_each(|(one, next)| one.set(plus(one.get(), next.get())));
         power *= 2;
     }
     sums
+}
+
+fn plus(one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
+    [one[0] + other[0], one[1] + other[1]]
 }
 
 /// ln of the mean of `count` squares; NaN if fewer than half of `of` are known.

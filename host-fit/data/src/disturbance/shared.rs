@@ -94,7 +94,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_referenc
         let found = runs(0..n, |row| moved[row]);
         means = in_parallel(means, |mut means| {
             found.iter().for_each(|rows| scale.forget(&mut means, rows));
-            scale.doubled(&means)
+            scale.doubled(means)
         });
     }
     let joined = (MERGE_S / period_s) as usize;
