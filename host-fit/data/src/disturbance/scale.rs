@@ -62,7 +62,7 @@ impl Scale {
     /// Second difference of block means about the block that begins at `row`; NaN where a value is missing.
     /// `means[row]` is the mean of the block that begins there.
     pub(super) fn second_difference(&self, means: &[f64], row: usize) -> f64 {
-        means[row - self.block] - 2.0 * means[row] + means[row + self.block]
+        second_difference(means[row - self.block], means[row], means[row + self.block])
     }
 
     /// Rows of a segment at which all three blocks of a second difference are within it.
@@ -85,7 +85,7 @@ impl Scale {
                 let after = &means[start + self.block..end + self.block];
                 let [sum, count] = &mut pieces[piece];
                 for ((at, before), after) in means[start..end].iter().zip(before).zip(after) {
-                    let second = before - 2.0 * at + after;
+                    let second = second_difference(*before, *at, *after);
                     let is_known = second.is_finite();
                     *sum += if is_known { second * second } else { 0.0 };
                     *count += f64::from(u8::from(is_known));
@@ -113,6 +113,10 @@ impl Scale {
     pub(super) fn forget(&self, means: &mut [f64], rows: &Range<usize>) {
         means[(rows.start + 1).saturating_sub(self.block)..rows.end].fill(f64::NAN);
     }
+}
+
+fn second_difference(before: f64, at: f64, after: f64) -> f64 {
+    before - 2.0 * at + after
 }
 
 /// Sums of `width` consecutive elements, from every element on. Sums of 1, 2, 4, … elements make up any width, so each

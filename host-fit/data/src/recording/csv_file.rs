@@ -204,13 +204,12 @@ impl<'a> Parser<'a> {
     ) -> Result<Parser<'a>, RecordingError> {
         let names = header.names.as_slice();
         let (mut numbers, mut texts) = (vec![0_u32; names.len()], vec![0_u32; names.len()]);
+        let mut cells = Cells::separated_by(header.separator);
         for (_, line) in first_lines {
-            Cells::separated_by(header.separator).for_each(line, |i, cell| {
-                match parse_cell(cell, header.decimal_comma) {
-                    Cell::Number(_) if i < names.len() => numbers[i] += 1,
-                    Cell::Text if i < names.len() => texts[i] += 1,
-                    _ => {}
-                }
+            cells.for_each(line, |i, cell| match parse_cell(cell, header.decimal_comma) {
+                Cell::Number(_) if i < names.len() => numbers[i] += 1,
+                Cell::Text if i < names.len() => texts[i] += 1,
+                _ => {}
             });
         }
         let mut table = Table { is_unnamed: header.is_unnamed, ..Table::default() };
@@ -248,7 +247,7 @@ impl<'a> Parser<'a> {
         }
         let n = table.columns.len();
         Ok(Parser {
-            cells: Cells::separated_by(header.separator),
+            cells,
             decimal_comma: header.decimal_comma,
             names,
             kinds,
@@ -372,9 +371,10 @@ impl<'a> Parser<'a> {
 
 /// First row with text in a column.
 fn first_text(header: &Header, lines: &[(u64, Vec<u8>)], column: usize) -> Option<Box<BadRow>> {
+    let mut cells = Cells::separated_by(header.separator);
     lines.iter().find_map(|(line, text)| {
         let mut found = None;
-        Cells::separated_by(header.separator).for_each(text, |i, cell| {
+        cells.for_each(text, |i, cell| {
             if i == column && matches!(parse_cell(cell, header.decimal_comma), Cell::Text) {
                 let place = Place::Line { line: *line, cell: i as u64 + 1 };
                 let name = header.names[i].as_str();

@@ -88,8 +88,9 @@ fn units_below_names(lines: &[(u64, Vec<u8>)], spaced: bool) -> Option<usize> {
 fn decimal_comma(rows: &[(u64, Vec<u8>)], separator: u8) -> bool {
     let mut has_point = false;
     if separator != b',' {
+        let mut cells = Cells::separated_by(separator);
         for (_, row) in rows {
-            Cells::separated_by(separator).for_each(row, |_, cell| {
+            cells.for_each(row, |_, cell| {
                 has_point |= cell.contains(&b'.') && matches!(parse_cell(cell, false), Cell::Number(_));
             });
         }
@@ -105,14 +106,15 @@ fn parse(
     spaced: bool,
 ) -> Result<Header, RecordingError> {
     let separator = separator(line, spaced);
+    let mut cells = Cells::separated_by(separator);
     let mut names = Vec::new();
-    Cells::separated_by(separator).for_each(line, |i, cell| {
+    cells.for_each(line, |i, cell| {
         names.push(column_name(&String::from_utf8_lossy(cell), i));
     });
     // some loggers end every row with a separator, and the header too
-    let ends_empty = |line: &[u8]| {
+    let mut ends_empty = |line: &[u8]| {
         let mut is_empty = false;
-        Cells::separated_by(separator).for_each(line, |_, cell| is_empty = cell.is_empty());
+        cells.for_each(line, |_, cell| is_empty = cell.is_empty());
         is_empty
     };
     if names.len() > 2 && ends_empty(line) && rows.iter().all(|(_, row)| ends_empty(row)) {
@@ -122,7 +124,7 @@ fn parse(
         let problem = "the first line holds numbers where the names of the columns should be";
         return Err(not_a_log(path, problem.into()));
     }
-    Cells::separated_by(separator).for_each(units.unwrap_or_default(), |i, cell| {
+    cells.for_each(units.unwrap_or_default(), |i, cell| {
         let unit = column_name(&String::from_utf8_lossy(cell), i);
         if let Some(name) = names.get_mut(i).filter(|_| !cell.is_empty()) {
             let unit = unit.trim_matches(['[', ']', '(', ')']);

@@ -283,7 +283,7 @@ impl Blocks {
         self.blocks.iter().map(mean).collect()
     }
 
-    /// Starts a computation of means from values given row by row.
+    /// Starts a computation of means from values given in the order of the rows.
     pub fn averaging(&self) -> Averaging<'_> {
         Averaging { blocks: self, row: 0, sum: 0.0, means: Vec::with_capacity(self.blocks.len()) }
     }
