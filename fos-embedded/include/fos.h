@@ -228,7 +228,7 @@ enum fos_status
     // Store: a function of the flash failed, or the contents cannot be repaired.
     FOS_STATUS_FLASH = 19,
     // Store: the image was written but did not read back: worn flash.
-    FOS_STATUS_NOT_KEPT = 20,
+    FOS_STATUS_VERIFY_FAILED = 20,
     // Store: there is no valid image.
     FOS_STATUS_NO_MODEL = 21,
     // Unit: the record belongs to the image of another part.
@@ -721,7 +721,7 @@ fos_status fos_store_init(void *memory,
 // - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: the image is invalid, as for fos_hub_load(). Nothing was written.
 // - FOS_STATUS_NO_ROOM: the image is longer than FOS_STORE_IMAGE_BYTES, or than 2027 bytes in a store of four or five
 //   pages. Nothing was written.
-// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the previous image is still the newest; the call may be repeated.
+// - FOS_STATUS_FLASH, FOS_STATUS_VERIFY_FAILED: the previous image is still the newest; the call may be repeated.
 fos_status fos_store_save(struct fos_store *store,
                           const uint8_t *image,
                           size_t length);

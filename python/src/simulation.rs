@@ -69,7 +69,7 @@ fn plan(
     axis: &str,
     seed: u64,
     world: &str,
-    [baseline_s, field_s, eval_s]: [f64; 3],
+    [reference_s, log_s, evaluation_s]: [f64; 3],
 ) -> Result<CasePlan, String> {
     let target =
         Axis::named(axis).ok_or_else(|| format!("there is no axis {axis:?}\nhelp: choose from ax … gz"))?;
@@ -77,7 +77,7 @@ fn plan(
         format!("there is no set-up {setup:?}\nhelp: bench, desk, pose_rig, shaker or rate_table")
     })?;
     let mut plan = CasePlan::new(seed, part, setup, target);
-    plan.durations = Durations { baseline_s, field_s, eval_s };
+    plan.durations = Durations { reference_s, log_s, evaluation_s };
     plan.disturbance =
         Disturbance::ALL.into_iter().find(|disturbance| disturbance.name() == world).ok_or_else(|| {
             let names = Disturbance::ALL.map(Disturbance::name).join(", ");

@@ -142,10 +142,7 @@ fn deviation_ratio_is_the_growth_of_the_noise() {
     let budget = if cfg!(feature = "micromath") { 0.0607 } else { 6.0e-8 };
     for growth in [0.1, 1.0, 2.0, 30.0] {
         let (mut monitor, mut noise) = (monitor::<f32>(0.0), Noise::new(7));
-        assert!(
-            (f64::from(monitor.deviation_ratio()) - 1.0).abs() <= budget,
-            "as fitted until told otherwise"
-        );
+        assert!((f64::from(monitor.deviation_ratio()) - 1.0).abs() <= budget, "as fitted unless set");
         // ten time constants: the initial value of 1 has decayed
         for _ in 0..60_000 {
             let _ = monitor.update(&correction(growth * noise.normal()));

@@ -55,7 +55,7 @@ pub enum fos_status {
     /// Store: a function of the flash failed, or the contents cannot be repaired.
     Flash = 19,
     /// Store: the image was written but did not read back: worn flash.
-    NotKept = 20,
+    VerifyFailed = 20,
     /// Store: there is no valid image.
     NoModel = 21,
     /// Unit: the record belongs to the image of another part.
@@ -87,7 +87,7 @@ const ALL: [fos_status; 23] = [
     fos_status::OtherQuantity,
     fos_status::NotTaken,
     fos_status::Flash,
-    fos_status::NotKept,
+    fos_status::VerifyFailed,
     fos_status::NoModel,
     fos_status::OtherPart,
 ];
@@ -122,7 +122,7 @@ impl fos_status {
             Self::OtherQuantity => c"a quantity of the model is none of the sensor's",
             Self::NotTaken => c"the sample was not taken",
             Self::Flash => c"the flash failed",
-            Self::NotKept => c"the flash did not keep the image",
+            Self::VerifyFailed => c"the flash did not keep the image",
             Self::NoModel => c"no model is stored",
             Self::OtherPart => c"a record for the image of another part",
         }

@@ -89,7 +89,7 @@ pub unsafe extern "C" fn fos_store_init(
 /// - FOS_STATUS_TRUNCATED to FOS_STATUS_UNUSABLE: the image is invalid, as for fos_hub_load(). Nothing was written.
 /// - FOS_STATUS_NO_ROOM: the image is longer than FOS_STORE_IMAGE_BYTES, or than 2027 bytes in a store of four or five
 ///   pages. Nothing was written.
-/// - FOS_STATUS_FLASH, FOS_STATUS_NOT_KEPT: the previous image is still the newest; the call may be repeated.
+/// - FOS_STATUS_FLASH, FOS_STATUS_VERIFY_FAILED: the previous image is still the newest; the call may be repeated.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fos_store_save(
     store: *mut fos_store,
@@ -158,7 +158,7 @@ impl From<StoreError<FlashError>> for fos_status {
             StoreError::Range => Self::Argument,
             StoreError::Image(error) => error.into(),
             StoreError::TooLong(_) => Self::NoRoom,
-            StoreError::VerifyFailed => Self::NotKept,
+            StoreError::VerifyFailed => Self::VerifyFailed,
             StoreError::Flash(_) => Self::Flash,
         }
     }

@@ -143,7 +143,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Bmi323<S, D> {
         driver.set_gyro_config(GYRO).await?;
         driver.flush_fifo().await?;
         match self.first_mismatch().await? {
-            Some((register, written, read)) => Err(SourceError::NotKept { register, written, read }),
+            Some((register, written, read)) => Err(SourceError::VerifyFailed { register, written, read }),
             None => Ok(()),
         }
     }

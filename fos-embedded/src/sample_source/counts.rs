@@ -13,7 +13,7 @@ pub struct Counts {
     /// Transfers that failed, repetitions included ([`Faults::BUS`]).
     pub bus: u32,
     /// Frames discarded because they were incomplete or out of order ([`Faults::BUS`]).
-    pub torn: u32,
+    pub damaged: u32,
     /// Polls that found a FIFO overrun ([`Faults::OVERRUN`]).
     pub overruns: u32,
     /// Gaps of any length ([`Faults::GAP`]).
@@ -25,7 +25,7 @@ pub struct Counts {
     /// Set-ups that found another part ([`Faults::WRONG_PART`]).
     pub wrong_part: u32,
     /// Set-ups that failed because a register did not hold its value, or the part reported a fatal error.
-    pub not_kept: u32,
+    pub verify_failed: u32,
     /// Samples from a stuck sensor, which repeats the same codes ([`Faults::STUCK`]).
     pub stuck: u32,
     /// Samples without a temperature ([`Faults::TEMPERATURE`]).
@@ -36,13 +36,13 @@ impl Counts {
     pub(super) const ZERO: Self = Self {
         samples: 0,
         bus: 0,
-        torn: 0,
+        damaged: 0,
         overruns: 0,
         gaps: 0,
         skipped: 0,
         resets: 0,
         wrong_part: 0,
-        not_kept: 0,
+        verify_failed: 0,
         stuck: 0,
         temperature: 0,
     };
@@ -52,7 +52,7 @@ impl Counts {
         let (fault, count) = match error {
             SourceError::Bus(_) => (Faults::BUS, &mut self.bus),
             SourceError::WrongPart(_) => (Faults::WRONG_PART, &mut self.wrong_part),
-            SourceError::NotKept { .. } | SourceError::Fatal => (Faults::RESET, &mut self.not_kept),
+            SourceError::VerifyFailed { .. } | SourceError::Fatal => (Faults::RESET, &mut self.verify_failed),
             SourceError::Resting(_) => return,
         };
         *faults |= fault;

@@ -12,7 +12,7 @@ pub enum SourceError<E> {
     /// Another part answers; holds its identity.
     WrongPart(u8),
     /// A register does not hold the value written to it.
-    NotKept {
+    VerifyFailed {
         /// Address of the register in the data sheet.
         register: u8,
         /// Value written at the set-up.
@@ -32,7 +32,9 @@ impl<E> SourceError<E> {
         match *self {
             Self::Bus(_) => SourceError::Bus(()),
             Self::WrongPart(id) => SourceError::WrongPart(id),
-            Self::NotKept { register, written, read } => SourceError::NotKept { register, written, read },
+            Self::VerifyFailed { register, written, read } => {
+                SourceError::VerifyFailed { register, written, read }
+            }
             Self::Fatal => SourceError::Fatal,
             Self::Resting(polls) => SourceError::Resting(polls),
         }
@@ -44,7 +46,7 @@ impl<E: fmt::Debug> fmt::Display for SourceError<E> {
         match self {
             Self::Bus(error) => write!(f, "the bus: {error:?}"),
             Self::WrongPart(id) => write!(f, "another part: its identity is {id:#04x}"),
-            Self::NotKept { register, written, read } => {
+            Self::VerifyFailed { register, written, read } => {
                 write!(f, "register {register:#04x} reads {read:#06x} after {written:#06x} was written")
             }
             Self::Fatal => write!(f, "the part reports a fatal error"),

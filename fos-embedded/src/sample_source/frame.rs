@@ -18,7 +18,7 @@ pub struct FifoFrame {
     /// Timestamp of the sensor, in counts of its clock; wraps.
     pub stamp: u32,
     /// Number of incomplete frames directly before this one.
-    pub torn: u16,
+    pub damaged: u16,
 }
 
 /// Frames read from a FIFO in one poll.
@@ -30,7 +30,7 @@ pub struct Batch {
     /// The FIFO overran since the previous poll.
     pub overrun: bool,
     /// Number of incomplete frames after the last complete one.
-    pub torn: u16,
+    pub damaged: u16,
     /// Number of frames left in the FIFO.
     pub left: u16,
 }
@@ -38,7 +38,7 @@ pub struct Batch {
 impl Batch {
     /// A batch without frames.
     pub const fn new() -> Self {
-        Self { frames: Vec::new(), overrun: false, torn: 0, left: 0 }
+        Self { frames: Vec::new(), overrun: false, damaged: 0, left: 0 }
     }
 
     /// Number of frames that still fit.
@@ -48,13 +48,13 @@ impl Batch {
 
     /// Adds a complete frame; there must be [room](Self::room).
     pub fn push(&mut self, accel: [i16; 3], gyro: [i16; 3], temperature: Option<i16>, stamp: u32) {
-        let torn = core::mem::take(&mut self.torn);
-        let _ = self.frames.push(FifoFrame { accel, gyro, temperature, stamp, torn });
+        let damaged = core::mem::take(&mut self.damaged);
+        let _ = self.frames.push(FifoFrame { accel, gyro, temperature, stamp, damaged });
     }
 
     /// Counts an incomplete frame.
     pub fn tear(&mut self) {
-        self.torn = self.torn.saturating_add(1);
+        self.damaged = self.damaged.saturating_add(1);
     }
 
     pub(super) fn clear(&mut self) {

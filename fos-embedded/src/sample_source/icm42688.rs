@@ -170,7 +170,7 @@ impl<S: SpiDevice, D: DelayNs> Imu for Icm42688<S, D> {
             let [read] = read;
             if read != written {
                 let (written, read) = (u16::from(written), u16::from(read));
-                return Err(SourceError::NotKept { register, written, read });
+                return Err(SourceError::VerifyFailed { register, written, read });
             }
         }
         Ok(())

@@ -301,7 +301,7 @@ impl<P: Imu> SampleSource<P> {
         let mut stuck = false;
         for frame in &frames {
             younger = younger.saturating_sub(1);
-            self.count_damaged(frame.torn);
+            self.count_damaged(frame.damaged);
             let at_us = now_us.saturating_sub(younger.saturating_mul(P::CLOCK.period_us()));
             let Some(ticks) = self.timeline.step(&P::CLOCK, frame.stamp, at_us, overrun) else {
                 self.count_damaged(1);
@@ -310,7 +310,7 @@ impl<P: Imu> SampleSource<P> {
             self.heard_us = now_us;
             stuck = self.deliver_frame(frame, ticks.saturating_sub(1));
         }
-        self.count_damaged(self.batch.torn);
+        self.count_damaged(self.batch.damaged);
         #[cfg(feature = "defmt")]
         self.log_new_faults();
         if stuck {
@@ -362,7 +362,7 @@ impl<P: Imu> SampleSource<P> {
     fn count_damaged(&mut self, frames: u16) {
         if frames > 0 {
             self.pending |= Faults::BUS;
-            self.counts.torn = self.counts.torn.saturating_add(u32::from(frames));
+            self.counts.damaged = self.counts.damaged.saturating_add(u32::from(frames));
         }
     }
 

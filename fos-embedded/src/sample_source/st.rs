@@ -184,7 +184,7 @@ impl<P: StPart, B: I2c, D: DelayNs> Imu for St<P, B, D> {
             let [read] = read;
             if read != *written {
                 let (written, read) = (u16::from(*written), u16::from(read));
-                return Err(SourceError::NotKept { register: *register, written, read });
+                return Err(SourceError::VerifyFailed { register: *register, written, read });
             }
         }
         Ok(())

@@ -58,7 +58,7 @@ fn output_agrees_with_f32() {
         furthest = furthest.max(steps_apart(&a.corrected(), &b.corrected()));
         assert_eq!(a.innovation().map(f32::is_nan), b.innovation().map(f32::is_nan), "sample {n}");
     }
-    println!("still {still} of 60000, told otherwise {otherwise}, furthest {furthest} steps");
+    println!("still {still} of 60000, decided differently {otherwise}, furthest {furthest} steps");
     assert!((20_000..59_000).contains(&still), "{still}");
     assert!(otherwise < 3, "{otherwise}");
     assert!(furthest > 0.0 && furthest < FEW, "{furthest}");

@@ -241,7 +241,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let (cases, output) = (folder.path().join("cases"), folder.path().join("answers"));
         let mut plan = CasePlan::new(1, "lsm6dso", Setup::Bench, Axis::Gx);
-        plan.durations = Durations { baseline_s: 60.0, field_s: 60.0, eval_s: 60.0 };
+        plan.durations = Durations { reference_s: 60.0, log_s: 60.0, evaluation_s: 60.0 };
         // a case states the name of the folder that it was written to
         let written = cases.join("before");
         simulate_case(&plan).expect("a case").write(&written).expect("a case folder");

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use crate::coefficient::LEAST_ERROR;
-use crate::known::{Known, is_square, matrix_of};
+use crate::information::{Information, is_square, matrix_of};
 
 /// Reference temperature, °C; the bias is that at this temperature.
 pub const REFERENCE_C: f64 = 25.0;
@@ -39,7 +39,7 @@ pub struct Estimate {
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
     /// Information about the coefficients of the population.
-    pub(crate) known: Known,
+    pub(crate) information: Information,
     /// Scaled values; 0 for coefficients missing from the estimate.
     pub(crate) values: DVector<f64>,
 }
@@ -145,7 +145,7 @@ impl Estimate {
                     inverse.as_ref().map_or(0.0, |inverse| inverse[(row, column)]);
             }
         }
-        Measured { known: Known { weighted: &information * &values, information }, values }
+        Measured { information: Information { weighted: &information * &values, information }, values }
     }
 }
 

@@ -9,7 +9,7 @@ mod estimate;
 mod fleet;
 mod folder;
 mod gathered;
-mod known;
+mod information;
 mod odd;
 mod population;
 mod row;

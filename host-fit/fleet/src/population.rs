@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::coefficient::{Coefficient, Value, Variances};
 use crate::estimate::{Estimate, Measured};
-use crate::known::{Known, Seen, is_square, matrix_of, symmetric};
+use crate::information::{Information, MeanInformation, is_square, matrix_of, symmetric};
 use crate::tails::half_interval;
 
 /// Maximum number of rounds of three steps, and the decrease of −2 ln L per round below which the search ends.
@@ -285,7 +285,7 @@ impl Population {
         let size = self.sizes(&self.prior_in(Some(lot)).1);
         let (mean, of_lot) = (scaled(&lot.mean, &size), scaled_matrix(&lot.covariance, &size));
         let scatter = scaled_matrix(&self.between_units, &size);
-        let seen = estimate.measured(&self.names, &size).known.through(&scatter);
+        let seen = estimate.measured(&self.names, &size).information.through(&scatter);
         let values = &mean + &scatter * (&seen.weighted - &seen.information * &mean);
         let gain = &scatter * &seen.information;
         let rest = DMatrix::identity(mean.len(), mean.len()) - &gain;
@@ -300,7 +300,7 @@ impl Population {
         let (mean, prior) = self.prior(lot);
         let size = self.sizes(&prior);
         let (mean, prior) = (scaled(&mean, &size), scaled_matrix(&prior, &size));
-        let seen = estimate.measured(&self.names, &size).known.through(&prior);
+        let seen = estimate.measured(&self.names, &size).information.through(&prior);
         let values = &mean + &prior * (&seen.weighted - &seen.information * &mean);
         let covariance = symmetric(&(&prior - &prior * &seen.information * &prior));
         self.estimate_of(&values, &covariance, &size)
@@ -472,17 +472,17 @@ impl Grouped {
     /// One step of expectation and maximisation.
     fn step(&self, covariances: &Covariances) -> Step {
         let n = covariances.units.nrows();
-        let seen: Vec<Vec<Seen>> = self
+        let seen: Vec<Vec<MeanInformation>> = self
             .lots
             .iter()
-            .map(|lot| lot.iter().map(|unit| unit.known.through(&covariances.units)).collect())
+            .map(|lot| lot.iter().map(|unit| unit.information.through(&covariances.units)).collect())
             .collect();
         let mut deviance = 0.0;
         let mut of_lots = Vec::new();
-        let mut all = Known::nothing(n);
+        let mut all = Information::nothing(n);
         let mut together = Vec::new();
         for (lot, units) in seen.iter().zip(&self.lots) {
-            let mut of_lot = Known::nothing(n);
+            let mut of_lot = Information::nothing(n);
             for (seen, unit) in lot.iter().zip(units) {
                 deviance += seen.log_determinant + unit.values.dot(&seen.weighted);
                 of_lot.add(seen);

@@ -91,10 +91,11 @@ impl LogSummary {
         let read_as =
             log.sources.iter().filter_map(|source| source.read_as.as_ref()).map(ToString::to_string);
         let quality = read_as.chain(joined.lines().chain(quality.lines()).map(str::to_owned));
-        let told = disturbance::describe_disturbances(log, &stillness.disturbances)
+        let motion = disturbance::describe_disturbances(log, &stillness.disturbances)
             .into_iter()
-            .map(|told| format!("motion: {told}"));
-        let oddities = log.oddities(&stillness.still).into_iter().map(|oddity| format!("caution: {oddity}"));
+            .map(|moved| format!("motion: {moved}"));
+        let warnings =
+            log.warnings(&stillness.still).into_iter().map(|warning| format!("caution: {warning}"));
         Self {
             path: log.paths(),
             sha256: log.sources.first().map_or_else(String::new, |source| source.sha256.clone()),
@@ -108,7 +109,7 @@ impl LogSummary {
             still_share: still as f64 / log.n_rows().max(1) as f64,
             still_known_by: stillness.known_by,
             columns: log.channels().iter().map(|channel| column(&channel.name)).collect(),
-            quality: quality.chain(told).chain(oddities).collect(),
+            quality: quality.chain(motion).chain(warnings).collect(),
             moved: moved(log, &stillness),
         }
     }

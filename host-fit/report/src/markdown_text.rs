@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_markdown_would_take_for_its_own_is_shown() {
+    fn escapes_markdown_syntax() {
         assert_eq!(
             escaped("a|b\n<img src=x> [link](http://x) *"),
             "a\\|b \\<img src=x> \\[link](http\\://x) \\*"

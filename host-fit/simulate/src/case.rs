@@ -105,8 +105,8 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
     let part = unit.part;
     let target = plan.target;
     let noise = &unit.noise[target as usize];
-    let baseline = scene.baseline(plan.durations.baseline_s, &mut random(seed, Stream::World(BASELINE)));
-    let eval = scene.log(plan.durations.eval_s, true, &mut random(seed, Stream::World(EVAL)));
+    let baseline = scene.baseline(plan.durations.reference_s, &mut random(seed, Stream::World(BASELINE)));
+    let eval = scene.log(plan.durations.evaluation_s, true, &mut random(seed, Stream::World(EVAL)));
 
     let nothing_moves = Motion::default();
     let quiet = recorder::analog(

@@ -7,7 +7,7 @@ use super::*;
 use fos_data::case::CaseMeta;
 use fos_data::statistics::{mean, variance};
 
-const SHORT: Durations = Durations { baseline_s: 60.0, field_s: 600.0, eval_s: 300.0 };
+const SHORT: Durations = Durations { reference_s: 60.0, log_s: 600.0, evaluation_s: 300.0 };
 
 fn plan(seed: u64, setup: Setup, target: Axis) -> CasePlan {
     CasePlan { durations: SHORT, ..CasePlan::new(seed, "bmi270", setup, target) }
@@ -191,7 +191,7 @@ fn the_reference_force_is_gravity_carried_along_by_the_reference_rate() {
 #[test]
 fn case_metadata_survives_a_round_trip() {
     let mut plan = plan(2, Setup::Shaker, Axis::Az);
-    plan.durations = Durations { baseline_s: 60.0, field_s: 200.0, eval_s: 60.0 };
+    plan.durations = Durations { reference_s: 60.0, log_s: 200.0, evaluation_s: 60.0 };
     plan.planted.push(Plant { effect: Effect::VibrationRectification, parameter: None, size: 30.0 });
     let case = simulate_case(&plan).expect("it works");
     let folder = tempfile::tempdir().expect("a folder");

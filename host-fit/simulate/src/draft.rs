@@ -28,7 +28,7 @@ pub(super) struct Draft {
 /// Draws device, surroundings, columns, log to explain and shapes.
 pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
     let part = Part::named(&plan.part).ok_or_else(|| PlanError::Part(plan.part.clone()))?;
-    let durations = [plan.durations.baseline_s, plan.durations.field_s, plan.durations.eval_s];
+    let durations = [plan.durations.reference_s, plan.durations.log_s, plan.durations.evaluation_s];
     if !durations.iter().all(|duration_s| *duration_s >= 60.0) {
         return Err(PlanError::Short);
     }
@@ -81,8 +81,8 @@ pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
         1.0 / rate_hz,
         &mut random(plan.seed, Stream::World(9)),
     );
-    let field = scene.log(plan.durations.field_s, false, &mut random(plan.seed, Stream::World(FIELD)));
-    let shortest_s = plan.durations.field_s.min(plan.durations.eval_s);
+    let field = scene.log(plan.durations.log_s, false, &mut random(plan.seed, Stream::World(FIELD)));
+    let shortest_s = plan.durations.log_s.min(plan.durations.evaluation_s);
     let draw = |(number, plant): (usize, &Plant)| {
         Shape::draw(plant, number as u64, (plan.setup, plan.target), (&field, shortest_s), plan.seed)
     };

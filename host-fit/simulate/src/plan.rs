@@ -17,16 +17,16 @@ pub const NOMINAL_RATE_HZ: f64 = 200.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Durations {
     /// Duration of the reference log, s.
-    pub baseline_s: f64,
+    pub reference_s: f64,
     /// Duration of the log to explain, s.
-    pub field_s: f64,
+    pub log_s: f64,
     /// Duration of the evaluation log, s.
-    pub eval_s: f64,
+    pub evaluation_s: f64,
 }
 
 impl Default for Durations {
     fn default() -> Self {
-        Self { baseline_s: 600.0, field_s: 1500.0, eval_s: 900.0 }
+        Self { reference_s: 600.0, log_s: 1500.0, evaluation_s: 900.0 }
     }
 }
 

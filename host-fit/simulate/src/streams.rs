@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn split_streams_join_to_the_same_rows() {
         let mut plan = CasePlan::new(3, "bmi270", Setup::Bench, Axis::Ax);
-        plan.durations = Durations { baseline_s: 60.0, field_s: 120.0, eval_s: 60.0 };
+        plan.durations = Durations { reference_s: 60.0, log_s: 120.0, evaluation_s: 60.0 };
         plan.disturbance = Disturbance::Streams;
         let case = simulate_case(&plan).expect("a case");
         let [_, field, _] = case.recordings().expect("logs");

@@ -3,8 +3,8 @@
 mod cases;
 mod error;
 mod figures;
-mod kept;
 mod outcome;
+mod stored_outcomes;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,8 +14,8 @@ use serde::Serialize;
 pub use cases::Cases;
 pub use error::CalibrationError;
 pub use figures::{Goal, Statistic, figures, in_world};
-pub use kept::KeptOutcomes;
 pub use outcome::{Outcome, examine};
+pub use stored_outcomes::StoredOutcomes;
 
 use fos_diagnose::effects::Library;
 use fos_simulate::{Disturbance, suite_in};
@@ -33,7 +33,7 @@ pub struct Calibration {
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates and diagnoses the cases with the effects of `library`. Outcomes stored in `kept` are reused, and new ones are stored there.
+/// Simulates and diagnoses the cases with the effects of `library`. Outcomes stored in `stored_outcomes` are reused, and new ones are stored there.
 /// `progress` receives the number of finished cases.
 ///
 /// # Errors
@@ -42,7 +42,7 @@ pub struct Calibration {
 pub fn calibrate(
     cases: Cases,
     library: &Library,
-    kept: Option<&KeptOutcomes>,
+    stored_outcomes: Option<&StoredOutcomes>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
     let Cases { seed, count, world, every_axis } = cases;
@@ -52,11 +52,11 @@ pub fn calibrate(
         .par_iter()
         .enumerate()
         .map(|(case, plan)| {
-            let outcome = match kept.and_then(|kept| kept.of(case)) {
+            let outcome = match stored_outcomes.and_then(|stored_outcomes| stored_outcomes.of(case)) {
                 Some(known) => known,
                 None => {
                     let outcome = examine(case, plan, every_axis, library)?;
-                    kept.map(|kept| kept.add(&outcome)).transpose()?;
+                    stored_outcomes.map(|stored_outcomes| stored_outcomes.add(&outcome)).transpose()?;
                     outcome
                 }
             };

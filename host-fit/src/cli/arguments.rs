@@ -263,12 +263,12 @@ fn timestamps(rate: &Rate) -> String {
 fn quality(recording: &Recording, stillness: &Stillness, printed: Printed) -> String {
     let quality = recording.quality.to_string();
     let options = Reading::augment_args(clap::Command::new("options"));
-    let oddities = recording.oddities(&stillness.still).into_iter();
-    let oddities =
-        oddities.map(|oddity| format!("caution: {}", warning_in_words(&oddity, options.get_arguments())));
+    let warnings = recording.warnings(&stillness.still).into_iter();
+    let warnings =
+        warnings.map(|warning| format!("caution: {}", warning_in_words(&warning, options.get_arguments())));
     let moved = disturbance::describe_disturbances(recording, &stillness.disturbances);
     let moved = first(moved, printed.at_most(3)).into_iter();
     let joined = recording.alignment.as_ref().map_or_else(String::new, ToString::to_string);
-    let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(oddities);
+    let lines = joined.lines().chain(quality.lines()).map(str::to_owned).chain(warnings);
     lines.chain(moved.map(|moved| format!("motion: {moved}"))).map(|line| format!("\n  {line}")).collect()
 }

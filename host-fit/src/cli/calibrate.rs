@@ -9,7 +9,7 @@ use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
 use super::world::Worlds;
-use crate::calibration::{Calibration, Cases, Goal, KeptOutcomes, Statistic, calibrate, in_world};
+use crate::calibration::{Calibration, Cases, Goal, Statistic, StoredOutcomes, calibrate, in_world};
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
 use fos_simulate::Disturbance;
@@ -52,11 +52,11 @@ impl Calibrate {
             Some(world) => vec![world],
             None => Disturbance::ALL.to_vec(),
         };
-        let (mut calibrations, mut all_kept) = (Vec::new(), Vec::new());
+        let (mut calibrations, mut all_stored) = (Vec::new(), Vec::new());
         for world in worlds {
-            let kept = self.outcomes.as_ref().map(|path| self.kept(path, world, &library)).transpose()?;
-            calibrations.push(self.calibrated(world, &library, kept.as_ref())?);
-            all_kept.extend(kept);
+            let stored = self.outcomes.as_ref().map(|path| self.stored(path, world, &library)).transpose()?;
+            calibrations.push(self.calibrated(world, &library, stored.as_ref())?);
+            all_stored.extend(stored);
         }
         let is_one = self.world.0.is_some();
         if let Some(path) = &self.outcomes {
@@ -68,7 +68,7 @@ impl Calibrate {
             };
             write_atomically(path, &text)?;
         }
-        all_kept.into_iter().for_each(KeptOutcomes::remove);
+        all_stored.into_iter().for_each(StoredOutcomes::remove);
         let rated: Vec<(Disturbance, Vec<Statistic>)> = calibrations
             .iter()
             .map(|one| match is_one && one.world == Disturbance::Clean {
@@ -110,28 +110,28 @@ impl Calibrate {
     }
 
     /// Results of a world, held until the outcomes of all are written.
-    fn kept(
+    fn stored(
         &self,
         path: &OutputFile,
         world: Disturbance,
         library: &Library,
-    ) -> Result<KeptOutcomes, Failure> {
+    ) -> Result<StoredOutcomes, Failure> {
         let mut of_world = path.as_os_str().to_owned();
         if self.world.0.is_none() {
             of_world.push(format!(".{}", world.name()));
         }
-        Ok(KeptOutcomes::beside(Path::new(&of_world), &self.cases_in(world), library)?)
+        Ok(StoredOutcomes::beside(Path::new(&of_world), &self.cases_in(world), library)?)
     }
 
     fn calibrated(
         &self,
         world: Disturbance,
         library: &Library,
-        kept: Option<&KeptOutcomes>,
+        stored: Option<&StoredOutcomes>,
     ) -> Result<Calibration, Failure> {
         let bar = progress(self.cases as u64, world.name());
         let advance = |done| bar.set_position(done as u64);
-        let calibration = calibrate(self.cases_in(world), library, kept, advance)?;
+        let calibration = calibrate(self.cases_in(world), library, stored, advance)?;
         bar.finish_and_clear();
         Ok(calibration)
     }

@@ -230,9 +230,9 @@ impl CalibrateImu {
         }
         let options = Reading::augment_args(clap::Command::new("options"));
         let still = vec![false; recording.n_rows()];
-        for oddity in recording.oddities(&still) {
-            if matches!(oddity, LogWarning::AssumedMap(_) | LogWarning::Clock(_)) {
-                print_warning(&warning_in_words(&oddity, options.get_arguments()));
+        for warning in recording.warnings(&still) {
+            if matches!(warning, LogWarning::AssumedMap(_) | LogWarning::Clock(_)) {
+                print_warning(&warning_in_words(&warning, options.get_arguments()));
             }
         }
     }

@@ -33,10 +33,10 @@ pub fn role_of(argument: &Arg) -> Option<Role> {
 
 /// A conflict of paths that would lose a file.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum OneFile {
+pub(super) enum PathConflict {
     /// An output is an input.
     #[error("{output} {}: it is what {input} reads, {}, and would be lost\nhelp: write to another file", at.display(), read.display())]
-    IsRead {
+    OutputIsInput {
         /// Argument of the output.
         output: String,
         /// Path of the output.
@@ -48,7 +48,7 @@ pub(super) enum OneFile {
     },
     /// Two outputs are the same.
     #[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
-    IsWritten {
+    TwoOutputs {
         /// First argument.
         first: String,
         /// Second argument.
@@ -61,7 +61,7 @@ pub(super) enum OneFile {
 /// # Errors
 ///
 /// An output is an input, or another output.
-pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), OneFile> {
+pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), PathConflict> {
     let mut inputs: Vec<(String, &Path)> = Vec::new();
     let mut outputs: Vec<(String, &Path)> = Vec::new();
     for argument in command.get_arguments() {
@@ -77,12 +77,12 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), OneFi
         let place = Place::of(output);
         if let Some((first, _)) = outputs[..index].iter().find(|(_, other)| Place::of(other) == place) {
             let (first, second) = (first.clone(), name.clone());
-            return Err(OneFile::IsWritten { first, second, at: output.to_path_buf() });
+            return Err(PathConflict::TwoOutputs { first, second, at: output.to_path_buf() });
         }
         let Place::Taken(identity) = place else { continue };
         let is_output = |(_, input): &&(String, &Path)| Identity::of(input).as_ref() == Some(&identity);
         if let Some((input, read)) = inputs.iter().find(is_output) {
-            return Err(OneFile::IsRead {
+            return Err(PathConflict::OutputIsInput {
                 output: name.clone(),
                 at: output.to_path_buf(),
                 input: input.clone(),

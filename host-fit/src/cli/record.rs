@@ -14,7 +14,7 @@ use super::output::{Failure, print_json, print_line, print_note, print_warning};
 use fos_data::file::{self, FileError};
 use fos_data::recording::{check_log_path, write_columns};
 use fos_device_io::record::arriving::{Arriving, Notice};
-use fos_device_io::record::kept::Kept;
+use fos_device_io::record::received_file::ReceivedFile;
 use fos_device_io::record::{Report, record_watched};
 
 /// Time of the log between two lines of guidance, s.
@@ -52,11 +52,11 @@ impl Record {
         check_log_path(&self.output)?;
         let stream = Stream::at(&self.stream)?;
         // The bytes of a file are stored already.
-        let kept = (stream.kind != Kind::File).then(|| self.keep()).transpose()?;
+        let received_file = (stream.kind != Kind::File).then(|| self.keep()).transpose()?;
         let of = |error: &dyn Display| format!("{}: {error}", stream.name());
         let notify = |notice: &Notice| print_warning(&of(&stream.says(notice)));
         let opened = stream.clone();
-        let arriving = Arriving::of(move || opened.open(), until, kept, notify);
+        let arriving = Arriving::of(move || opened.open(), until, received_file, notify);
         let mut arriving = arriving.map_err(|error| of(&error))?;
         let every_s = self.guide.map_or(f64::INFINITY, |_| GUIDED_EVERY_S);
         let mut said = String::new();
@@ -67,7 +67,7 @@ impl Record {
                 said = line;
             }
         });
-        let kept = arriving.into_kept();
+        let received_file = arriving.into_received_file();
         let done =
             recorded.map_err(|error| (error.holds_something(), of(&error).into())).and_then(|recorded| {
                 let columns = recorded.columns.iter();
@@ -76,30 +76,30 @@ impl Record {
                 let written = write_columns(&self.output, &columns);
                 written.map(|()| recorded.report).map_err(|error| (true, Failure::from(error)))
             });
-        match (done, kept) {
-            (Err((true, failure)), Some(kept)) => Err(format!(
+        match (done, received_file) {
+            (Err((true, failure)), Some(received_file)) => Err(format!(
                 "{failure}\nwhat arrived is in {0}: `fos record {0} -o {1}` makes a log of it",
-                kept.path().display(),
+                received_file.path().display(),
                 self.output.display()
             )
             .into()),
-            (done, kept) => {
-                kept.into_iter().for_each(Kept::remove);
+            (done, received_file) => {
+                received_file.into_iter().for_each(ReceivedFile::remove);
                 self.print(&stream, &done.map_err(|(_, failure)| failure)?)
             }
         }
     }
 
     /// Opens the file for the received bytes, and reports one from an earlier recording.
-    fn keep(&self) -> Result<Kept, Failure> {
-        let (kept, left) = Kept::beside(&self.output)?;
+    fn keep(&self) -> Result<ReceivedFile, Failure> {
+        let (received_file, left) = ReceivedFile::beside(&self.output)?;
         for left in left {
             print_warning(&format!(
                 "{0} is from an interrupted recording and is not touched: `fos record {0} -o LOG` converts it to a log",
                 left.display()
             ));
         }
-        Ok(kept)
+        Ok(received_file)
     }
 
     fn print(&self, stream: &Stream, report: &Report) -> Result<(), Failure> {
@@ -178,7 +178,7 @@ impl Stream {
             }
             Notice::NotOpen => "waiting for it to open, Ctrl-C ends".to_owned(),
             Notice::Silent => "nothing has come yet; still waiting, Ctrl-C ends".to_owned(),
-            Notice::NotKept(error) => format!(
+            Notice::WriteFailed(error) => format!(
                 "what arrives cannot be kept on the disk any more ({error}); from now on it is in memory only, until the log is written"
             ),
         }

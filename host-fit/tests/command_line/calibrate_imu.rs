@@ -187,10 +187,10 @@ fn recording_is_guided_to_the_next_orientation() {
     fs::write(folder.join("turned.stream"), telemetry_of(&turned_log())).expect("written");
     let guide =
         |purpose| stderr_of(folder, &["record", "turned.stream", "--guide", purpose, "-o", "log.csv"]);
-    let told = guide("calibration");
-    let (first, last) = (told.lines().next().expect("a line"), told.lines().last().expect("a line"));
-    assert!(first.contains("orientation") && first.contains("next: "), "{told}");
-    assert!(last.contains("rests in") && last.contains("mg at 1 g; next: "), "{told}");
+    let printed = guide("calibration");
+    let (first, last) = (printed.lines().next().expect("a line"), printed.lines().last().expect("a line"));
+    assert!(first.contains("orientation") && first.contains("next: "), "{printed}");
+    assert!(last.contains("rests in") && last.contains("mg at 1 g; next: "), "{printed}");
     assert!(guide("noise").contains("at rest"));
     // as the command says of the whole log
     assert!(done(folder, &["calibrate-imu", "log.csv"]).contains("next: "));

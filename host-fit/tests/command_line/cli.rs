@@ -20,9 +20,9 @@ fn a_session_goes_from_a_log_to_a_corrected_log() {
     );
     // a line for each axis before the details
     let details = compared.find("\ngx_rads: ").expect("the details");
-    let (glance, _) = compared.split_at(details);
+    let (summary, _) = compared.split_at(details);
     for axis in ["gx_rads", "gz_rads"] {
-        let line = glance.lines().find(|line| line.trim_start().starts_with(axis)).expect("a line");
+        let line = summary.lines().find(|line| line.trim_start().starts_with(axis)).expect("a line");
         assert!(line.contains("°/") && line.contains(" %") && line.contains("depends on"), "{line}");
     }
     let one = done(folder, &["fit", "log.csv.gz", "--axis", "gx", "-o", "one.json"]);

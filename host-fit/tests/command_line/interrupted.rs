@@ -233,7 +233,7 @@ fn waiting_for_a_fifo_is_reported_and_interruptible() {
     assert!(message.contains("port: nothing came") && message.contains("help: "), "{message}");
     let mut waiting = record(folder, &["port", "-o", "log.csv"]);
     let mut printed = String::new();
-    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut printed).expect("told");
+    BufReader::new(waiting.stderr.take().expect("piped")).read_line(&mut printed).expect("complete");
     send(&waiting, "INT");
     let ended = waiting.wait().expect("it ends");
     assert_eq!(ended.code(), Some(1), "it ends, and says that there is no log");

@@ -3,8 +3,8 @@
 mod cases;
 mod every_effect;
 mod fitted_rows;
-mod glance;
 mod missing_cells;
 mod real_effects;
-mod searches_end;
+mod sanity;
+mod search_termination;
 mod two_poses;

@@ -149,9 +149,6 @@ sizes: { [key in string]: UnitChoice }, };
 /** Band in which an effect shows. */
 export type Band = "slow" | "wide" | "data" | "stochastic";
 
-/** Status that is sent to the page with every change. */
-export type Beat = { revision: number, job: Job | null, };
-
 /** Channel that is drawn below on the same time axis. */
 export type Beside = { column: string, label: string, unit: string, values: LowAndHigh, };
 
@@ -1029,6 +1026,9 @@ read_as?: ReadAs | null, };
 export type Standing = { outcome: Outcome, sentence: string,
 /** Data to record so that the tests become possible. */
 record: Array<string>, };
+
+/** Status that is sent to the page with every change. */
+export type StatusEvent = { revision: number, job: Job | null, };
 
 export type StepWithRms = {
 /** Effect added in this step; none in the first state. */

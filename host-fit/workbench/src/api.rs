@@ -16,12 +16,12 @@ use tokio::io::AsyncWriteExt;
 use tokio_stream::wrappers::WatchStream;
 use tokio_stream::{Stream, StreamExt};
 
-use super::desk::Desk;
 use super::folders::Listed;
 use super::series::{Joined, Rows, Series, ViewKind, series as series_of};
 use super::study::Study;
 use super::task::{LogFiles, Open};
-use super::told::{Entry, Page};
+use super::view::{Entry, Page};
+use super::workspace::Workspace;
 use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 use fos_data::text::capitalised;
@@ -69,7 +69,7 @@ pub(super) fn wrong(what: impl ToString) -> Refused {
 }
 
 /// Runs slow work on a thread for blocking work, so that other requests do not wait.
-pub(super) async fn beside<T: Send + 'static>(
+pub(super) async fn in_background<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
 ) -> Result<T, Refused> {
     let failed = |_| {
@@ -78,8 +78,8 @@ pub(super) async fn beside<T: Send + 'static>(
     tokio::task::spawn_blocking(work).await.map_err(failed)?
 }
 
-pub(super) async fn studies(State(desk): State<Arc<Desk>>) -> Json<Vec<Entry>> {
-    Json(desk.entries())
+pub(super) async fn studies(State(workspace): State<Arc<Workspace>>) -> Json<Vec<Entry>> {
+    Json(workspace.entries())
 }
 
 /// Request for a new study: the example, or logs.
@@ -100,21 +100,24 @@ pub(super) struct Wanted {
     rate_hz: Option<f64>,
 }
 
-pub(super) async fn open(State(desk): State<Arc<Desk>>, Json(wanted): Json<Wanted>) -> Answer<Value> {
+pub(super) async fn open(
+    State(workspace): State<Arc<Workspace>>,
+    Json(wanted): Json<Wanted>,
+) -> Answer<Value> {
     let open = match wanted.example {
-        true => Open::Example(desk.folders.example()),
-        false => Open::Logs(wanted.files(&desk, LoadOptions::default())?),
+        true => Open::Example(workspace.folders.example()),
+        false => Open::Logs(wanted.files(&workspace, LoadOptions::default())?),
     };
-    Ok(Json(json!({ "id": desk.open(open).map_err(not_now)? })))
+    Ok(Json(json!({ "id": workspace.open(open).map_err(not_now)? })))
 }
 
 impl Wanted {
     /// Returns the logs if they may be read; their columns and rate replace those of `read`.
-    fn files(self, desk: &Desk, read: LoadOptions) -> Result<LogFiles, Refused> {
+    fn files(self, workspace: &Workspace, read: LoadOptions) -> Result<LogFiles, Refused> {
         let Self { log, reference, evaluation, columns, rate_hz, .. } = self;
         let log = log.ok_or_else(|| wrong("which log? \"log\" is missing"))?;
         for path in [Some(&log), reference.as_ref(), evaluation.as_ref()].into_iter().flatten() {
-            desk.folders.permitted(path).map_err(forbidden)?;
+            workspace.folders.permitted(path).map_err(forbidden)?;
         }
         let columns = ColumnMap::from_specs(columns).map_err(wrong)?;
         Ok(LogFiles { log, reference, evaluation, read: LoadOptions { columns, rate_hz, ..read } })
@@ -123,34 +126,34 @@ impl Wanted {
 
 /// Reads a study's logs again, with other columns or in other roles.
 pub(super) async fn read_again(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Json(wanted): Json<Wanted>,
 ) -> Answer<Value> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     let before = study.files().map_or_else(LoadOptions::default, |files| files.read);
-    study.read_again(wanted.files(&desk, before)?);
+    study.read_again(wanted.files(&workspace, before)?);
     Ok(Json(json!({ "id": id })))
 }
 
-pub(super) async fn close(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
-    desk.close(id).map_err(not_found)?;
+pub(super) async fn close(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Value> {
+    workspace.close(id).map_err(not_found)?;
     Ok(Json(json!({})))
 }
 
-pub(super) async fn state(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Page> {
-    let study = desk.study(id).map_err(not_found)?;
-    Ok(Json(beside(move || Ok(study.page())).await?))
+pub(super) async fn state(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Page> {
+    let study = workspace.study(id).map_err(not_found)?;
+    Ok(Json(in_background(move || Ok(study.page())).await?))
 }
 
 pub(super) async fn events(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Refused> {
-    let study = desk.study(id).map_err(not_found)?;
-    let beats = WatchStream::new(study.beats());
-    let events = beats.map(|beat| {
-        Ok(Event::default().json_data(&beat).unwrap_or_else(|_| Event::default().comment("unreadable")))
+    let study = workspace.study(id).map_err(not_found)?;
+    let status_events = WatchStream::new(study.status_events());
+    let events = status_events.map(|status| {
+        Ok(Event::default().json_data(&status).unwrap_or_else(|_| Event::default().comment("unreadable")))
     });
     Ok(Sse::new(events).keep_alive(KeepAlive::default()))
 }
@@ -162,17 +165,17 @@ pub(super) struct AxisWanted {
 }
 
 pub(super) async fn look_at(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Json(wanted): Json<AxisWanted>,
 ) -> Answer<Value> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     study.look_at(&wanted.axis).map_err(wrong)?;
     Ok(Json(json!({})))
 }
 
-pub(super) async fn cancel(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Value> {
-    desk.study(id).map_err(not_found)?.stop();
+pub(super) async fn cancel(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Value> {
+    workspace.study(id).map_err(not_found)?.stop();
     Ok(Json(json!({})))
 }
 
@@ -184,12 +187,12 @@ pub(super) struct Addition {
 }
 
 pub(super) async fn add(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Json(addition): Json<Addition>,
 ) -> Answer<Value> {
-    let study = desk.study(id).map_err(not_found)?;
-    desk.library.get(&addition.effect).map_err(wrong)?;
+    let study = workspace.study(id).map_err(not_found)?;
+    workspace.library.get(&addition.effect).map_err(wrong)?;
     study.add(&addition.axis, &addition.effect).map_err(not_now)?;
     Ok(Json(json!({})))
 }
@@ -202,11 +205,11 @@ pub(super) struct Undoing {
 }
 
 pub(super) async fn undo(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Json(undoing): Json<Undoing>,
 ) -> Answer<Value> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     study.undo(&undoing.axis, undoing.keep).map_err(not_now)?;
     Ok(Json(json!({})))
 }
@@ -220,11 +223,11 @@ pub(super) struct Motion {
 }
 
 pub(super) async fn keep_moved(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Json(motion): Json<Motion>,
 ) -> Answer<Value> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     study.keep_moved(motion.keep).map_err(not_now)?;
     Ok(Json(json!({})))
 }
@@ -256,15 +259,15 @@ pub(super) struct AxisSeries {
 }
 
 pub(super) async fn series(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Query(window): Query<Window>,
 ) -> Answer<AxisSeries> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     if !(window.from.is_finite() && window.to > window.from && window.mean_s > 0.0) {
         return Err(wrong("\"from\" and \"to\" do not make a window"));
     }
-    let drawn = beside(move || {
+    let drawn = in_background(move || {
         let read = study.read().map_err(not_now)?;
         let axis = study.axis(&window.axis).map_err(wrong)?;
         let log = &read.logs.log;
@@ -300,12 +303,12 @@ pub(super) struct NamedFigure {
 }
 
 pub(super) async fn figures(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Query(stretch): Query<Stretch>,
 ) -> Answer<Vec<NamedFigure>> {
-    let study = desk.study(id).map_err(not_found)?;
-    Ok(Json(beside(move || drawn(&study, &stretch)).await?))
+    let study = workspace.study(id).map_err(not_found)?;
+    Ok(Json(in_background(move || drawn(&study, &stretch)).await?))
 }
 
 fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> {
@@ -352,12 +355,12 @@ pub(super) struct NoiseOf {
 
 /// Draws the Allan deviation with N, B and K like `fos noise`; none where the log is too short.
 pub(super) async fn noise(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
     Query(of): Query<NoiseOf>,
 ) -> Answer<Option<Figure>> {
-    let study = desk.study(id).map_err(not_found)?;
-    let drawn = beside(move || {
+    let study = workspace.study(id).map_err(not_found)?;
+    let drawn = in_background(move || {
         let Some(noise) = study.noise(&of.axis).map_err(not_now)? else { return Ok(None) };
         let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, of.units);
         let label = capitalised(Column::named(&of.axis).label());
@@ -368,20 +371,20 @@ pub(super) async fn noise(
 
 /// Heading and position errors of all six axes together without aiding, before the models and with them.
 pub(super) async fn strapdown(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
 ) -> Answer<Vec<[UnaidedError; 2]>> {
-    let study = desk.study(id).map_err(not_found)?;
+    let study = workspace.study(id).map_err(not_found)?;
     let errors = move || {
         let file = study.whole_file().map_err(not_now)?;
         study.strapdown(&file).map_err(wrong)
     };
-    Ok(Json(beside(errors).await?))
+    Ok(Json(in_background(errors).await?))
 }
 
 /// Draws a figure of the page as SVG.
 pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused> {
-    let drawn = beside(move || svg(&figure).map_err(wrong)).await?;
+    let drawn = in_background(move || svg(&figure).map_err(wrong)).await?;
     Ok(([(header::CONTENT_TYPE, "image/svg+xml")], drawn).into_response())
 }
 
@@ -389,20 +392,20 @@ pub(super) async fn draw(Json(figure): Json<Figure>) -> Result<Response, Refused
 const SHORTEST: usize = 64;
 
 pub(super) async fn export(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path((id, format)): Path<(u64, String)>,
 ) -> Result<Response, Refused> {
-    let study = desk.study(id).map_err(not_found)?;
-    beside(move || exported(&study, &format)).await
+    let study = workspace.study(id).map_err(not_found)?;
+    in_background(move || exported(&study, &format)).await
 }
 
 /// Returns the certificate of a calibration by hand from the log to explain.
 pub(super) async fn certificate(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Path(id): Path<u64>,
 ) -> Result<Response, Refused> {
-    let study = desk.study(id).map_err(not_found)?;
-    let page = beside(move || {
+    let study = workspace.study(id).map_err(not_found)?;
+    let page = in_background(move || {
         let read = study.read().map_err(not_now)?;
         let none = || {
             not_found(
@@ -472,9 +475,9 @@ impl Hubs {
     }
 }
 
-pub(super) async fn hubs(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Hubs> {
-    let study = desk.study(id).map_err(not_found)?;
-    Ok(Json(beside(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await?))
+pub(super) async fn hubs(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Hubs> {
+    let study = workspace.study(id).map_err(not_found)?;
+    Ok(Json(in_background(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await?))
 }
 
 /// Result of running the exported image over the evaluation log, or over the log to explain if there is none.
@@ -490,9 +493,9 @@ pub(super) struct Replayed {
     bytes: usize,
 }
 
-pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -> Answer<Replayed> {
-    let study = desk.study(id).map_err(not_found)?;
-    let answer = beside(move || {
+pub(super) async fn replay(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Replayed> {
+    let study = workspace.study(id).map_err(not_found)?;
+    let answer = in_background(move || {
         let read = study.read().map_err(not_now)?;
         let file = study.whole_file().map_err(not_now)?;
         let bytes = image(&file.model, "", &file.provenance()).map_err(wrong)?;
@@ -505,8 +508,8 @@ pub(super) async fn replay(State(desk): State<Arc<Desk>>, Path(id): Path<u64>) -
     Ok(Json(answer.await?))
 }
 
-pub(super) async fn logs(State(desk): State<Arc<Desk>>) -> Answer<Vec<Listed>> {
-    Ok(Json(beside(move || Ok(desk.folders.logs())).await?))
+pub(super) async fn logs(State(workspace): State<Arc<Workspace>>) -> Answer<Vec<Listed>> {
+    Ok(Json(in_background(move || Ok(workspace.folders.logs())).await?))
 }
 
 #[derive(Deserialize)]
@@ -518,14 +521,17 @@ pub(super) struct Previewed {
     columns: Vec<String>,
 }
 
-pub(super) async fn preview(State(desk): State<Arc<Desk>>, Json(wanted): Json<Previewed>) -> Answer<Preview> {
-    let path = desk.folders.permitted(&wanted.path).map_err(forbidden)?;
+pub(super) async fn preview(
+    State(workspace): State<Arc<Workspace>>,
+    Json(wanted): Json<Previewed>,
+) -> Answer<Preview> {
+    let path = workspace.folders.permitted(&wanted.path).map_err(forbidden)?;
     let map = ColumnMap::from_specs(wanted.columns).map_err(wrong)?;
-    Ok(Json(beside(move || preview_of(&path, &map).map_err(wrong)).await?))
+    Ok(Json(in_background(move || preview_of(&path, &map).map_err(wrong)).await?))
 }
 
-pub(super) async fn effects(State(desk): State<Arc<Desk>>) -> Json<Vec<Card>> {
-    Json(desk.library.effects().iter().map(Card::of).collect())
+pub(super) async fn effects(State(workspace): State<Arc<Workspace>>) -> Json<Vec<Card>> {
+    Json(workspace.library.effects().iter().map(Card::of).collect())
 }
 
 #[derive(Deserialize)]
@@ -535,11 +541,11 @@ pub(super) struct Named {
 
 /// Streams a dropped file into a temporary file next to its destination; only a complete file is moved there.
 pub(super) async fn upload(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Query(named): Query<Named>,
     body: Body,
 ) -> Answer<Value> {
-    let mut places = desk.folders.for_upload(&named.name).map_err(wrong)?.peekable();
+    let mut places = workspace.folders.for_upload(&named.name).map_err(wrong)?.peekable();
     let path = places.peek().cloned().unwrap_or_default();
     let failed = |error: std::io::Error| {
         let error = FileError::writing(&path)(error);
@@ -560,6 +566,6 @@ pub(super) async fn upload(
         file.write_all(&piece).await.map_err(failed)?;
     }
     file.flush().await.map_err(failed)?;
-    let path = beside(move || Ok(arriving.put_as_new(places))).await?.map_err(failed)?;
+    let path = in_background(move || Ok(arriving.put_as_new(places))).await?.map_err(failed)?;
     Ok(Json(json!({ "path": path.display().to_string() })))
 }

@@ -6,7 +6,6 @@
 
 mod api;
 mod assets;
-mod desk;
 mod example;
 mod folders;
 mod guard;
@@ -21,7 +20,8 @@ mod state;
 mod study;
 mod task;
 mod tasks;
-mod told;
+mod view;
+mod workspace;
 
 #[cfg(test)]
 mod page_types_tests;

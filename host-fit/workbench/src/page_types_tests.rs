@@ -10,7 +10,7 @@ use super::api::{AxisSeries, Hubs, NamedFigure, Replayed, Wanted};
 use super::folders::Listed;
 use super::populations::{PopulationPage, UnitPage};
 use super::series::ViewKind;
-use super::told::{Beat, Entry, Page};
+use super::view::{Entry, Page, StatusEvent};
 use fos_data::recording::Preview;
 use fos_report::Card;
 
@@ -49,7 +49,7 @@ fn declared() -> String {
     let mut all = Declarations { config, known: BTreeMap::new() };
     all.visit::<Wanted>();
     all.visit::<ViewKind>();
-    all.visit::<Beat>();
+    all.visit::<StatusEvent>();
     all.visit::<Entry>();
     all.visit::<Page>();
     all.visit::<AxisSeries>();
@@ -66,7 +66,7 @@ fn declared() -> String {
 }
 
 #[test]
-fn the_page_knows_the_types_of_the_server() {
+fn page_types_match_the_server() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/types.d.ts");
     let declared = declared();
     if std::env::var_os("FOS_WRITE_PAGE_TYPES").is_some() {

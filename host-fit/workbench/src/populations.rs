@@ -8,9 +8,9 @@ use axum::extract::{Query, State};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::api::{Answer, Refused, beside, forbidden, not_found, wrong};
-use super::desk::Desk;
+use super::api::{Answer, Refused, forbidden, in_background, not_found, wrong};
 use super::folders::{Folders, Listed};
+use super::workspace::Workspace;
 use fos_data::file::open;
 use fos_data::text::hexadecimal;
 use fos_fleet::{Fleet, UnitRow, rows_beside};
@@ -56,16 +56,16 @@ pub(super) struct UnitWanted {
 }
 
 /// Lists the populations that may be opened.
-pub(super) async fn listed(State(desk): State<Arc<Desk>>) -> Answer<Vec<Listed>> {
-    Ok(Json(beside(move || Ok(desk.folders.populations())).await?))
+pub(super) async fn listed(State(workspace): State<Arc<Workspace>>) -> Answer<Vec<Listed>> {
+    Ok(Json(in_background(move || Ok(workspace.folders.populations())).await?))
 }
 
 pub(super) async fn population(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Query(Wanted { path }): Query<Wanted>,
 ) -> Answer<PopulationPage> {
-    let read = beside(move || {
-        let (fleet, rows) = read(&desk.folders, &path)?;
+    let read = in_background(move || {
+        let (fleet, rows) = read(&workspace.folders, &path)?;
         let report = FleetReport::of(&fleet, &rows, Path::new(&path));
         let entry = |row: UnitRow| UnitEntry { part: row.part, unit: row.unit, lot: row.lot };
         Ok(PopulationPage { report, units: rows.into_iter().map(entry).collect() })
@@ -74,17 +74,17 @@ pub(super) async fn population(
 }
 
 pub(super) async fn unit(
-    State(desk): State<Arc<Desk>>,
+    State(workspace): State<Arc<Workspace>>,
     Query(wanted): Query<UnitWanted>,
 ) -> Answer<UnitPage> {
-    let read = beside(move || {
-        let (fleet, rows) = read(&desk.folders, &wanted.path)?;
+    let read = in_background(move || {
+        let (fleet, rows) = read(&workspace.folders, &wanted.path)?;
         let row = rows.iter().find(|row| row.unit == wanted.unit && row.part == wanted.part);
         let part = fleet.parts.iter().find(|part| part.part == wanted.part);
         let Some((row, part)) = row.zip(part) else {
             return Err(not_found(format!("{}: no unit {:?} in it", wanted.path, wanted.unit)));
         };
-        Ok(UnitPage { report: UnitReport::of(row, part), log: log_of(row, &desk.folders) })
+        Ok(UnitPage { report: UnitReport::of(row, part), log: log_of(row, &workspace.folders) })
     });
     Ok(Json(read.await?))
 }

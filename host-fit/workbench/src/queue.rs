@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_takes_along_only_what_needs_it() {
+    fn failed_task_cancels_only_its_dependents() {
         let mut queue = Queue::default();
         queue.ask([add("gx"), examine("gx"), fit("gz"), fit("ax")]);
         queue.drop_after(&fit("gz"));

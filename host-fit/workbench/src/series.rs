@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_predicted_and_left_add_up_to_what_is_measured() {
+    fn prediction_and_residual_add_up_to_the_measurement() {
         let log = log(2_000, 2_000);
         let left: Vec<f64> = (0..1_000).map(|n| f64::from(n % 7)).collect();
         let axis = AxisTrace { one_step: left.clone(), coast: left, ..AxisTrace::default() };

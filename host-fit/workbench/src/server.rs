@@ -17,10 +17,10 @@ use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
 use tokio_stream::StreamExt;
 
-use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, guard};
 use super::task::LogFiles;
+use super::workspace::Workspace;
 use super::{api, assets, populations};
 use fos_data::file::FileError;
 use fos_data::recording::LoadOptions;
@@ -58,7 +58,7 @@ pub enum ServeError {
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
-    desk: Arc<Desk>,
+    workspace: Arc<Workspace>,
 }
 
 impl Server {
@@ -72,7 +72,7 @@ impl Server {
         let failed = |source| ServeError::Listen { address, source };
         let listener = TcpListener::bind(address).await.map_err(failed)?;
         let address = listener.local_addr()?;
-        Ok(Self { listener, address, desk: Arc::new(Desk::new(folders, library)?) })
+        Ok(Self { listener, address, workspace: Arc::new(Workspace::new(folders, library)?) })
     }
 
     /// Returns the address of the listener.
@@ -92,7 +92,7 @@ impl Server {
         evaluation: Option<String>,
         read: LoadOptions,
     ) -> Result<u64, String> {
-        self.desk.open_or_resume(LogFiles { log, reference, evaluation, read })
+        self.workspace.open_or_resume(LogFiles { log, reference, evaluation, read })
     }
 
     /// Answers requests until `end` resolves.
@@ -109,7 +109,7 @@ impl Server {
         patience: Duration,
         end: impl Future<Output = ()> + Send,
     ) -> Result<(), ServeError> {
-        let router = router(self.desk, Names::of(self.address.ip(), self.address.port()), patience);
+        let router = router(self.workspace, Names::of(self.address.ip(), self.address.port()), patience);
         // event streams never end by themselves: the end does not wait for them
         tokio::select! {
             () = serve(self.listener, router, patience) => Ok(()),
@@ -148,7 +148,7 @@ async fn impatient(State(patience): State<Duration>, request: Request, next: Nex
 }
 
 /// All routes.
-pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Router {
+pub(super) fn router(workspace: Arc<Workspace>, names: Names, patience: Duration) -> Router {
     Router::new()
         .route("/api/studies", get(api::studies).post(api::open))
         .route("/api/studies/{id}", delete(api::close).get(api::state))
@@ -178,7 +178,7 @@ pub(super) fn router(desk: Arc<Desk>, names: Names, patience: Duration) -> Route
         .route("/api/draw", post(api::draw).layer(DefaultBodyLimit::max(LARGEST_FIGURE)))
         .route("/api/uploads", post(api::upload).layer(DefaultBodyLimit::disable()))
         .fallback(assets::asset)
-        .with_state(desk)
+        .with_state(workspace)
         .layer(from_fn_with_state(patience, impatient))
         .layer(from_fn_with_state(names, guard))
 }

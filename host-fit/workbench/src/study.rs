@@ -16,7 +16,7 @@ use super::known::{Change, KnownAxis, Read, Snapshot};
 use super::state::State;
 use super::task::{LogFiles, Open, Task};
 use super::tasks;
-use super::told::{Beat, Entry, Page};
+use super::view::{Entry, Page, StatusEvent};
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::file::{FileError, name_of};
 use fos_data::interrupt::{Interrupted, StopRequest, interruptible};
@@ -35,7 +35,7 @@ pub(super) struct Study {
     pub(super) id: u64,
     state: Mutex<State>,
     wake: Condvar,
-    beat: watch::Sender<Beat>,
+    status: watch::Sender<StatusEvent>,
     begun: AtomicBool,
     library: Arc<Library>,
     /// File that the study is stored in, as it was last written.
@@ -83,7 +83,7 @@ impl Study {
     ) -> Arc<Self> {
         let files = open.as_ref().ok().and_then(Open::files);
         let mut state = State { name, files, ..State::default() };
-        let (beat, _) = watch::channel(Beat::of(&state));
+        let (status, _) = watch::channel(StatusEvent::of(&state));
         match open {
             Ok(open) => state.queue.ask([Task::Read(open)]),
             Err(reason) => state.error = Some(reason),
@@ -92,7 +92,7 @@ impl Study {
             id,
             state: Mutex::new(state),
             wake: Condvar::new(),
-            beat,
+            status,
             begun: AtomicBool::new(false),
             library,
             file: Mutex::new(file),
@@ -209,7 +209,7 @@ impl Study {
 
     /// Sends the status while the lock is held, so that the last one sent is current.
     fn tell(&self, state: &State) {
-        self.beat.send_replace(Beat::of(state));
+        self.status.send_replace(StatusEvent::of(state));
     }
 
     /// Opens an axis: its missing results are computed next.
@@ -320,8 +320,8 @@ impl Study {
     }
 
     /// Subscribes to the status from now on.
-    pub(super) fn beats(&self) -> watch::Receiver<Beat> {
-        self.beat.subscribe()
+    pub(super) fn status_events(&self) -> watch::Receiver<StatusEvent> {
+        self.status.subscribe()
     }
 
     /// Returns the entry in the list of all studies.

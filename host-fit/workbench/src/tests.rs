@@ -12,11 +12,11 @@ use serde_json::{Value, json};
 use tower::ServiceExt;
 
 use super::api::Hubs;
-use super::desk::Desk;
 use super::folders::Folders;
 use super::guard::{Names, OWN_HEADER};
 use super::server::{Server, router};
 use super::task::LogFiles;
+use super::workspace::Workspace;
 use fos_data::recording::{LoadOptions, write_columns};
 use fos_diagnose::effects::Library;
 use fos_export::Refusal;
@@ -27,7 +27,7 @@ const PORT: u16 = 4180;
 /// Workbench in a folder of its own.
 struct Bench {
     folder: tempfile::TempDir,
-    desk: Arc<Desk>,
+    workspace: Arc<Workspace>,
 }
 
 impl Bench {
@@ -36,14 +36,17 @@ impl Bench {
         let readable = folder.path().join("logs");
         std::fs::create_dir_all(&readable).unwrap();
         let folders = Folders::new(&[readable], &folder.path().join("own")).unwrap();
-        Self { folder, desk: Arc::new(Desk::new(folders, Library::built_in()).unwrap()) }
+        Self { folder, workspace: Arc::new(Workspace::new(folders, Library::built_in()).unwrap()) }
     }
 
     /// The same folders served by another server, as after a restart.
     fn restarted(self) -> Self {
         let readable = self.logs();
         let folders = Folders::new(&[readable], &self.folder.path().join("own")).unwrap();
-        Self { folder: self.folder, desk: Arc::new(Desk::new(folders, Library::built_in()).unwrap()) }
+        Self {
+            folder: self.folder,
+            workspace: Arc::new(Workspace::new(folders, Library::built_in()).unwrap()),
+        }
     }
 
     fn stored(&self, id: u64) -> std::path::PathBuf {
@@ -56,7 +59,7 @@ impl Bench {
 
     async fn ask(&self, request: Request<Body>) -> Response {
         let names = Names::of(IpAddr::V4(Ipv4Addr::LOCALHOST), PORT);
-        router(Arc::clone(&self.desk), names, Duration::from_secs(30)).oneshot(request).await.unwrap()
+        router(Arc::clone(&self.workspace), names, Duration::from_secs(30)).oneshot(request).await.unwrap()
     }
 
     async fn get(&self, path: &str) -> (StatusCode, Value) {
@@ -114,7 +117,7 @@ fn write_log(path: &Path, minutes: f64) {
 const HOSTILE: &str = "<img src=x onerror=alert(1)>";
 
 #[tokio::test]
-async fn a_foreign_page_can_neither_read_nor_change_anything() {
+async fn rejects_requests_of_foreign_pages() {
     let bench = Bench::new();
     let own = format!("127.0.0.1:{PORT}");
     let foreign: [&[(&str, &str)]; 8] = [
@@ -152,7 +155,7 @@ async fn a_foreign_page_can_neither_read_nor_change_anything() {
 }
 
 #[tokio::test]
-async fn what_changes_something_needs_the_header_that_a_form_cannot_send() {
+async fn changing_requests_need_a_header_that_forms_cannot_send() {
     let bench = Bench::new();
     for (method, path) in
         [("POST", "/api/studies"), ("DELETE", "/api/studies/1"), ("POST", "/api/uploads?name=a.csv")]
@@ -164,7 +167,7 @@ async fn what_changes_something_needs_the_header_that_a_form_cannot_send() {
 }
 
 #[tokio::test]
-async fn the_page_is_held_to_its_own_files() {
+async fn content_policy_allows_own_files_only() {
     let bench = Bench::new();
     let response = bench.ask(page("GET", "/").body(Body::empty()).unwrap()).await;
     assert_eq!(response.status(), StatusCode::OK);
@@ -178,7 +181,7 @@ async fn the_page_is_held_to_its_own_files() {
 }
 
 #[tokio::test]
-async fn only_logs_in_the_folders_that_were_named_are_read() {
+async fn reads_logs_in_permitted_folders_only() {
     let bench = Bench::new();
     let outside = bench.folder.path().join("outside.csv");
     std::fs::write(&outside, "t_s,gx_rads\n0,1\n1,2\n").unwrap();
@@ -197,7 +200,7 @@ async fn only_logs_in_the_folders_that_were_named_are_read() {
 }
 
 #[tokio::test]
-async fn an_oversized_request_is_refused_and_an_upload_goes_to_its_folder() {
+async fn rejects_oversized_requests_and_stores_uploads_in_their_folder() {
     let bench = Bench::new();
     let (status, _) = bench.post("/api/studies", json!({ "log": "x".repeat(100_000) })).await;
     assert_eq!(status, StatusCode::PAYLOAD_TOO_LARGE);
@@ -211,7 +214,7 @@ async fn an_oversized_request_is_refused_and_an_upload_goes_to_its_folder() {
 }
 
 #[tokio::test]
-async fn two_files_of_one_name_that_arrive_at_once_are_both_kept() {
+async fn concurrent_uploads_of_one_name_are_both_stored() {
     let bench = Bench::new();
     let upload = |pieces: tokio::sync::mpsc::Receiver<Result<String, std::io::Error>>| {
         let body = Body::from_stream(tokio_stream::wrappers::ReceiverStream::new(pieces));
@@ -243,7 +246,7 @@ async fn two_files_of_one_name_that_arrive_at_once_are_both_kept() {
 
 /// Regression: a browser that disconnected in the middle of a request kept its connection for ever.
 #[tokio::test]
-async fn a_request_that_does_not_go_on_is_given_up() {
+async fn stalled_requests_time_out() {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
     let folder = tempfile::tempdir().unwrap();
@@ -277,7 +280,7 @@ async fn a_request_that_does_not_go_on_is_given_up() {
 }
 
 #[tokio::test]
-async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
+async fn rejects_a_broken_log_and_keeps_other_studies() {
     let bench = Bench::new();
     let broken = bench.logs().join("broken.csv");
     std::fs::write(&broken, "t_s,gx_rads\n0,1\n0.005,oops\n0.010,2\n0.015,3\n").unwrap();
@@ -294,7 +297,7 @@ async fn a_broken_log_is_refused_whole_and_nothing_else_is_lost() {
 }
 
 #[tokio::test]
-async fn logs_of_others_are_listed_taken_looked_into_and_read_as_what_they_are() {
+async fn lists_previews_and_reads_logs_of_foreign_formats() {
     use fos_testkit::foreign::{Chunks, Flight, Rate, TEXTS, bag, dataflash, mcap, ulog};
 
     let bench = Bench::new();
@@ -358,17 +361,17 @@ async fn turned_log_has_a_certificate() {
 }
 
 #[test]
-fn the_page_offers_what_may_be_a_log() {
+fn lists_files_that_may_be_logs() {
     let page = include_str!("../page/openpanel.js");
     let accepted = format!("accept: \"{}\"", fos_data::recording::LOG_ENDINGS.join(","));
     assert!(page.contains(&accepted), "{accepted}");
 }
 
 #[tokio::test]
-async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
+async fn reads_fits_compares_diagnoses_and_exports_a_log() {
     let bench = Bench::new();
     let log = bench.logs().join(format!("{HOSTILE}.csv"));
-    write_log(&log, 4.0);
+    write_log(&log, 2.0);
     let (status, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     assert_eq!(status, StatusCode::OK);
     let id = opened["id"].as_u64().unwrap();
@@ -385,7 +388,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
     assert!(outcomes.clone().any(|outcome| *outcome == state["outcome"]), "{}", state["outcome"]);
     assert_eq!(gyro["units"]["noise"][0]["field"]["label"], "°/√h");
     let at = |what: &str| format!("/api/studies/{id}/{what}");
-    let (status, series) = bench.get(&at("series?axis=gx_rads&view=coast&from=0&to=240&width=500")).await;
+    let (status, series) = bench.get(&at("series?axis=gx_rads&view=coast&from=0&to=120&width=500")).await;
     assert_eq!(status, StatusCode::OK);
     assert_eq!(series["time_s"].as_array().unwrap().len(), 500);
     assert!(series["left"]["low"].as_array().unwrap().iter().any(Value::is_number));
@@ -406,7 +409,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
         (response.status(), &response.headers()["content-type"]),
         (StatusCode::OK, &"image/svg+xml".parse().unwrap())
     );
-    for stretch in ["", "&from=150&to=180"] {
+    for stretch in ["", "&from=60&to=90"] {
         let (status, figures) = bench.get(&at(&format!("figures?axis=gx_rads{stretch}"))).await;
         assert_eq!(status, StatusCode::OK, "{figures}");
         let names: Vec<&str> =
@@ -450,7 +453,7 @@ async fn a_log_is_read_fitted_compared_diagnosed_and_exported() {
         (StatusCode::OK, json!({ "refusal": null })),
         "all hubs take it"
     );
-    let file = bench.desk.study(id).unwrap().file().unwrap();
+    let file = bench.workspace.study(id).unwrap().file().unwrap();
     let mut large = file.model;
     let term = large.axes[0].stochastic[0].clone();
     large.axes[0].stochastic.extend(vec![term; 128]);
@@ -489,7 +492,7 @@ fn write_knocked_log(path: &Path) {
 const MOVED: &str = "excluded: detected motion";
 
 #[tokio::test]
-async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
+async fn detected_motion_is_reported_and_can_be_kept_or_excluded() {
     let bench = Bench::new();
     let log = bench.logs().join("knocked.parquet");
     write_knocked_log(&log);
@@ -550,10 +553,10 @@ async fn where_a_unit_was_moved_is_told_shaded_taken_back_and_left_out_again() {
 }
 
 #[tokio::test]
-async fn a_job_ends_when_asked_and_what_is_known_stays() {
+async fn cancelled_job_keeps_earlier_results() {
     let bench = Bench::new();
     let log = bench.logs().join("unit.csv");
-    write_log(&log, 4.0);
+    write_log(&log, 2.0);
     let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     let id = opened["id"].as_u64().unwrap();
     let began = Instant::now();
@@ -580,7 +583,7 @@ async fn a_job_ends_when_asked_and_what_is_known_stays() {
 }
 
 #[tokio::test]
-async fn a_population_is_read_from_where_it_may_be_with_the_rows_that_lie_there() {
+async fn reads_populations_from_permitted_folders_with_their_rows() {
     let bench = Bench::new();
     let asked = fos_fleet::Asked { regressors: Vec::new(), diagnosed: false, read: Default::default() };
     let fleet = json!(fos_fleet::Fleet::of(&[], &asked, &Library::built_in(), "a test"));
@@ -616,10 +619,10 @@ fn without_revision(mut state: Value) -> Value {
 }
 
 #[tokio::test]
-async fn a_study_survives_a_restart_of_the_server() {
+async fn studies_survive_a_server_restart() {
     let bench = Bench::new();
     let log = bench.logs().join("device.csv");
-    write_log(&log, 2.0);
+    write_log(&log, 1.0);
     let asked = json!({ "log": log.display().to_string(), "columns": ["!temp_c"] });
     let (status, opened) = bench.post("/api/studies", asked).await;
     assert_eq!(status, StatusCode::OK, "{opened}");
@@ -648,10 +651,10 @@ async fn a_study_survives_a_restart_of_the_server() {
 }
 
 #[tokio::test]
-async fn a_stored_study_that_cannot_be_used_shows_the_reason() {
+async fn unusable_stored_study_shows_the_reason() {
     let bench = Bench::new();
     let log = bench.logs().join("device.csv");
-    write_log(&log, 2.0);
+    write_log(&log, 1.0);
     let (_, opened) = bench.post("/api/studies", json!({ "log": log.display().to_string() })).await;
     let id = opened["id"].as_u64().unwrap();
     bench.settled(id).await;
@@ -683,17 +686,17 @@ async fn a_stored_study_that_cannot_be_used_shows_the_reason() {
     assert_eq!(opened["id"], 5, "no file is overwritten");
 
     // another log in the place of the one that the study names
-    write_log(&log, 3.0);
+    write_log(&log, 1.5);
     let bench = bench.restarted();
     let error = bench.settled(id).await["error"].as_str().unwrap().to_owned();
     assert!(error.contains("device.csv: changed since the study was stored\nhelp: "), "{error}");
 }
 
 #[tokio::test]
-async fn a_log_that_is_named_again_resumes_its_study() {
+async fn opening_the_same_log_again_resumes_its_study() {
     let bench = Bench::new();
     let log = bench.logs().join("device.csv");
-    write_log(&log, 2.0);
+    write_log(&log, 1.0);
     let field = log.display().to_string();
     let (_, opened) = bench.post("/api/studies", json!({ "log": field })).await;
     bench.settled(opened["id"].as_u64().unwrap()).await;
@@ -704,8 +707,8 @@ async fn a_log_that_is_named_again_resumes_its_study() {
         evaluation: None,
         read: LoadOptions { keep_moved, ..LoadOptions::default() },
     };
-    assert_eq!(bench.desk.open_or_resume(files(true)), Ok(2), "read in another way");
-    assert_eq!(bench.desk.open_or_resume(files(false)), Ok(3));
+    assert_eq!(bench.workspace.open_or_resume(files(true)), Ok(2), "read in another way");
+    assert_eq!(bench.workspace.open_or_resume(files(false)), Ok(3));
     let (_, listed) = bench.get("/api/studies").await;
     let ids: Vec<&Value> = listed.as_array().unwrap().iter().map(|study| &study["id"]).collect();
     assert_eq!(ids, [2, 3], "the study moved to the end of the list");
@@ -713,7 +716,7 @@ async fn a_log_that_is_named_again_resumes_its_study() {
 }
 
 #[tokio::test]
-async fn columns_are_corrected_after_reading() {
+async fn column_corrections_apply_after_reading() {
     let bench = Bench::new();
     let log = bench.logs().join("counts.csv");
     let rows: String = (0..24_000)

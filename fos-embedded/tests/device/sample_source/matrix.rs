@@ -158,7 +158,7 @@ const FAULTS: [Fault; 15] = [
         },
         ends: |board| board.fault(PartFault::Forgetful, 0.0),
         flagged: Faults::RESET.union(Faults::GAP),
-        errors: &["NotKept"],
+        errors: &["VerifyFailed"],
         ..SECOND
     },
     Fault {
@@ -277,7 +277,7 @@ fn name(error: &SourceError<NoAnswer>) -> &'static str {
     match error {
         SourceError::Bus(_) => "Bus",
         SourceError::WrongPart(_) => "WrongPart",
-        SourceError::NotKept { .. } => "NotKept",
+        SourceError::VerifyFailed { .. } => "VerifyFailed",
         SourceError::Resting(_) => "Resting",
         _ => "another",
     }

@@ -44,7 +44,7 @@ fn assert_no_loss<P: Simulated>(fast: f64) {
     // only the first temperature is a few samples late
     assert!(samples.iter().skip(17).all(|raw| raw.faults.is_empty() && raw.skipped == 0));
     let counts = source.counts();
-    assert_eq!((counts.bus, counts.torn, counts.overruns, counts.gaps, counts.resets), (0, 0, 0, 0, 0));
+    assert_eq!((counts.bus, counts.damaged, counts.overruns, counts.gaps, counts.resets), (0, 0, 0, 0, 0));
 }
 
 #[test]
@@ -320,7 +320,7 @@ fn accepts_any_answers<P: Imu>(part: P) {
         }
     }
     let counts = source.counts();
-    assert!(counts.samples > 100 && counts.torn > 100 && counts.resets > 100, "{}: {counts:?}", P::NAME);
+    assert!(counts.samples > 100 && counts.damaged > 100 && counts.resets > 100, "{}: {counts:?}", P::NAME);
 }
 
 #[test]

@@ -165,7 +165,9 @@ fn named<E: Debug>(
     polled.map(<[_]>::to_vec).map_err(|error| match error {
         SourceError::Bus(error) => SourceError::Bus(format!("{error:?}")),
         SourceError::WrongPart(id) => SourceError::WrongPart(id),
-        SourceError::NotKept { register, written, read } => SourceError::NotKept { register, written, read },
+        SourceError::VerifyFailed { register, written, read } => {
+            SourceError::VerifyFailed { register, written, read }
+        }
         SourceError::Resting(polls) => SourceError::Resting(polls),
         other => panic!("{other:?}"),
     })

@@ -218,7 +218,7 @@ mod tests {
     }
 
     fn clock_warnings(log: &Recording) -> Vec<String> {
-        let odd = log.oddities(&vec![true; log.n_rows()]).into_iter();
+        let odd = log.warnings(&vec![true; log.n_rows()]).into_iter();
         odd.filter(|odd| matches!(odd, LogWarning::Clock(_))).map(|odd| odd.to_string()).collect()
     }
 

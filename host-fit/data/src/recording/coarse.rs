@@ -125,7 +125,7 @@ mod tests {
             };
             let (stairs, smooth) = (off(&channel.values), off(&log.between_steps(&channel.values, step)));
             assert!(stairs > 0.27 && smooth < 0.07, "{stairs} {smooth}");
-            let odd = log.oddities(&[true; 9000]);
+            let odd = log.warnings(&[true; 9000]);
             assert!(
                 matches!(&odd[..], [LogWarning::CoarseSteps { step: found, .. }] if *found == step),
                 "{odd:?}"

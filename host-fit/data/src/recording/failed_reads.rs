@@ -131,10 +131,10 @@ mod tests {
         assert!([0, 700, 920, 950, 1999].iter().all(|row| channel.values[*row].is_nan()));
         let held = log.held_from_first(channel);
         assert!(held.iter().enumerate().all(|(row, t)| (t - 20.0 - 0.01 * row as f64).abs() < 0.6));
-        let oddities = log.oddities(&[true; 2000]);
-        let [LogWarning::FailedReads(failed)] = &oddities[..] else { panic!("{oddities:?}") };
+        let warnings = log.warnings(&[true; 2000]);
+        let [LogWarning::FailedReads(failed)] = &warnings[..] else { panic!("{warnings:?}") };
         assert_eq!((failed.rows, &failed.said[..]), (54, &[-273.15, -127.0, 0.0, 85.0][..]));
-        let text = oddities[0].to_string();
+        let text = warnings[0].to_string();
         assert!(text.contains("temp_c") && text.contains("54") && text.contains("-273.15"), "{text}");
     }
 
@@ -142,7 +142,7 @@ mod tests {
     fn excludes_a_thermometer_that_shows_only_zeros() {
         let log = recording("temp_c", vec![0.0; 2000]);
         assert!(log.channel("temp_c").is_err());
-        let text = log.oddities(&[true; 2000])[0].to_string();
+        let text = log.warnings(&[true; 2000])[0].to_string();
         assert!(text.contains("temp_c is exactly 0 °C in every row") && text.contains("excluded"), "{text}");
     }
 

@@ -116,7 +116,7 @@ fn simulated_cases_with_jitter_have_no_gap() {
 /// Times reading and writing of 720,000 rows of 7 columns; run in release with `--ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, not a check; .ci/release prints it"]
-fn how_long_an_hour_at_200_hz_takes() {
+fn time_to_read_and_write_an_hour_at_200_hz() {
     let n = 720_000;
     let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.005).collect();
     let axis: Vec<f64> = (0..n).map(|i| f64::from(i * 79 % 10_007) * 1.3316e-4 - 0.6).collect();

@@ -150,7 +150,7 @@ fn reads_dataflash_of_2014_and_its_second_imu() {
     assert!(format_of(&first).1.contains("there are 1 too"), "{}", format_of(&first).1);
     // placeholder values of an absent thermometer
     assert!(first.channel("temp_c").is_err());
-    assert!(first.oddities(&[true; SAMPLES]).iter().any(|odd| odd.to_string().contains("not a temperature")));
+    assert!(first.warnings(&[true; SAMPLES]).iter().any(|odd| odd.to_string().contains("not a temperature")));
     for topic in ["1", "IMU 1", "IMU2"] {
         let second = of_topic(Some(topic));
         assert_eq!(

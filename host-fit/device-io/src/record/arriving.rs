@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::end::when_asked_to_end;
-use super::kept::Kept;
+use super::received_file::ReceivedFile;
 
 /// Bytes per read, and reads that may wait for a slow disk: seconds of a serial port.
 const PIECE: usize = 4096;
@@ -24,7 +24,7 @@ pub enum Notice {
     /// The stream is open, and no data have come.
     Silent,
     /// Further data are in memory only.
-    NotKept(io::Error),
+    WriteFailed(io::Error),
 }
 
 /// Bytes of a stream that another thread opens and reads, so that the recording can end even if nothing opens or no data come.
@@ -33,7 +33,7 @@ pub struct Arriving<N> {
     until: Option<Instant>,
     /// Time of the next notification; none after the first data.
     impatient: Option<(Instant, Notice)>,
-    kept: Option<Kept>,
+    received_file: Option<ReceivedFile>,
     /// The file can be written and synced.
     keeps: bool,
     notify: N,
@@ -45,13 +45,13 @@ pub struct Arriving<N> {
 enum Coming {
     Opened,
     Piece(Vec<u8>),
-    NotKept(io::Error),
+    WriteFailed(io::Error),
     BrokenOff(io::Error),
     End,
 }
 
 impl<N: FnMut(&Notice)> Arriving<N> {
-    /// Reads the stream returned by `open` until `until`. Data are written to `kept` before any other use; `notify` receives the
+    /// Reads the stream returned by `open` until `until`. Data are written to `received_file` before any other use; `notify` receives the
     /// notifications.
     ///
     /// # Errors
@@ -60,20 +60,20 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     pub fn of<S: Read>(
         open: impl FnOnce() -> io::Result<S> + Send + 'static,
         until: Option<Instant>,
-        kept: Option<Kept>,
+        received_file: Option<ReceivedFile>,
         notify: N,
     ) -> io::Result<Self> {
         let (sender, coming) = sync_channel(WAITING);
         let ending = sender.clone();
         when_asked_to_end(move || drop(ending.send(Coming::End)))?;
-        let keep = kept.as_ref().map(Kept::writer).transpose()?;
+        let keep = received_file.as_ref().map(ReceivedFile::writer).transpose()?;
         thread::spawn(move || pass_on(open, keep, &sender));
         Ok(Self {
             coming,
             until,
             impatient: Some((Instant::now() + PATIENCE_TO_OPEN, Notice::NotOpen)),
-            keeps: kept.is_some(),
-            kept,
+            keeps: received_file.is_some(),
+            received_file,
             notify,
             piece: Vec::new(),
             taken: 0,
@@ -82,8 +82,8 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     }
 
     /// File with the received bytes, if there is one.
-    pub fn into_kept(self) -> Option<Kept> {
-        self.kept
+    pub fn into_received_file(self) -> Option<ReceivedFile> {
+        self.received_file
     }
 
     /// Waits for the next piece; an empty one is the end.
@@ -101,7 +101,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
                     self.impatient = None;
                     return Ok(piece);
                 }
-                Ok(Coming::NotKept(error)) => self.keeps_no_more(error),
+                Ok(Coming::WriteFailed(error)) => self.keeps_no_more(error),
                 Ok(Coming::BrokenOff(error)) => return Err(error),
                 Ok(Coming::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Vec::new()),
                 Err(RecvTimeoutError::Timeout) => {
@@ -117,7 +117,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     /// Waits for data, or until a sync or notification is due.
     fn wait(&self) -> Result<Coming, RecvTimeoutError> {
         let impatient = self.impatient.as_ref().map(|(at, _)| *at);
-        let due = self.kept.as_ref().filter(|_| self.keeps).map(Kept::due);
+        let due = self.received_file.as_ref().filter(|_| self.keeps).map(ReceivedFile::due);
         match [self.until, impatient, due].into_iter().flatten().min() {
             Some(at) => self.coming.recv_timeout(at.saturating_duration_since(Instant::now())),
             None => self.coming.recv().map_err(|_| RecvTimeoutError::Disconnected),
@@ -125,8 +125,8 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     }
 
     fn bring_to_the_disk(&mut self) {
-        let kept = self.kept.as_mut().filter(|_| self.keeps);
-        if let Some(Err(error)) = kept.map(Kept::sync_if_due) {
+        let received_file = self.received_file.as_mut().filter(|_| self.keeps);
+        if let Some(Err(error)) = received_file.map(ReceivedFile::sync_if_due) {
             self.keeps_no_more(error);
         }
     }
@@ -134,7 +134,7 @@ impl<N: FnMut(&Notice)> Arriving<N> {
     fn keeps_no_more(&mut self, error: io::Error) {
         if self.keeps {
             self.keeps = false;
-            (self.notify)(&Notice::NotKept(error));
+            (self.notify)(&Notice::WriteFailed(error));
         }
     }
 }
@@ -173,7 +173,7 @@ fn pass_on<S: Read>(
         };
         if let Some(Err(error)) = keep.as_mut().map(|file| file.write_all(&piece[..length])) {
             keep = None;
-            tell(Coming::NotKept(error));
+            tell(Coming::WriteFailed(error));
         }
         if !tell(Coming::Piece(piece[..length].to_vec())) {
             return;

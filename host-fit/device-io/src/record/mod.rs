@@ -2,7 +2,7 @@
 
 pub mod arriving;
 mod end;
-pub mod kept;
+pub mod received_file;
 
 use fos_data::column::Column;
 use std::io::{self, BufRead};

@@ -121,14 +121,14 @@ impl<'a> Log<'a> {
     }
 
     fn cautions(&self, column: &str) -> Vec<String> {
-        let concerns_column = |oddity: &LogWarning| match oddity {
+        let concerns_column = |warning: &LogWarning| match warning {
             LogWarning::NotGravity { .. } | LogWarning::LevelAfterPause(_) => {
                 Column::named(column).is_specific_force()
             }
             _ => true,
         };
-        let odd = self.whole.oddities_about(&[column], &self.still);
-        odd.iter().filter(|oddity| concerns_column(oddity)).map(ToString::to_string).collect()
+        let odd = self.whole.warnings_about(&[column], &self.still);
+        odd.iter().filter(|warning| concerns_column(warning)).map(ToString::to_string).collect()
     }
 }
 

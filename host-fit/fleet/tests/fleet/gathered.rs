@@ -60,13 +60,13 @@ fn rejects_mismatched_rows_without_changes() {
     let before = of_all.clone();
     let refused = of_all.add(other).expect_err("asked something else").to_string();
     assert!(refused.contains("u00000999") && refused.contains("help: "), "{refused}");
-    let mut torn = row(998);
-    torn.axes[1].estimate.coefficients.values.pop();
-    let refused = of_all.add(torn).expect_err("a value is missing").to_string();
+    let mut damaged = row(998);
+    damaged.axes[1].estimate.coefficients.values.pop();
+    let refused = of_all.add(damaged).expect_err("a value is missing").to_string();
     assert!(refused.contains("u00000998") && refused.contains("ay_mps2"), "{refused}");
     assert_eq!(of_all, before);
 
-    of_all.add(row(7)).expect("told when all are there");
+    of_all.add(row(7)).expect("complete");
     let twice = Fleet::of_gathered(&of_all, &Library::built_in(), "").expect_err("a unit twice").to_string();
     assert!(twice.contains("u00000007") && twice.contains("help: "), "{twice}");
     let nothing = Fleet::of_gathered(&Gathered::default(), &Library::built_in(), "");

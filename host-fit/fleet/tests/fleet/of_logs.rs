@@ -65,7 +65,7 @@ fn estimates_differ_between_units_and_interrupted_fleet_resumes() {
         let estimate = &gx.estimate.coefficients;
         assert_eq!(estimate.names, [BIAS, "temp_c"]);
         // The simulated unit has a bias that is the same for all units.
-        let error = estimate.standard_error("temp_c").expect("told");
+        let error = estimate.standard_error("temp_c").expect("complete");
         assert!(
             (estimate.values[1] - slope).abs() < 4.5 * error,
             "{}: {} {slope} {error}",
@@ -132,7 +132,7 @@ fn logs_of_a_unit_are_joined_without_damaged_ones() {
     };
     let slope = |row: &UnitRow| {
         let gx = &row.axis("gx_rads").expect("gx").estimate.coefficients;
-        (gx.values[1], gx.standard_error("temp_c").expect("told"))
+        (gx.values[1], gx.standard_error("temp_c").expect("complete"))
     };
     let (monday, friday) = (table(&["monday"]), table(&["friday"]));
     let both = table(&["monday", "friday"]);

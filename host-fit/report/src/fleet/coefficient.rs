@@ -104,10 +104,11 @@ impl CoefficientReport {
         let name = &population.names[place];
         let (unit, si) = unit_of(column, name);
         let scatter = &population.scatter[place];
-        let told = |value: f64| value / si;
-        let mean = told(population.mean[place]);
-        let mean_interval = population.mean_interval(place).map(told);
-        let (units, lots, error) = (told(scatter.units), told(scatter.lots), told(scatter.measurement));
+        let in_unit = |value: f64| value / si;
+        let mean = in_unit(population.mean[place]);
+        let mean_interval = population.mean_interval(place).map(in_unit);
+        let (units, lots, error) =
+            (in_unit(scatter.units), in_unit(scatter.lots), in_unit(scatter.measurement));
         let variances = [lots, units, error].map(|deviation| deviation * deviation);
         let whole: f64 = variances.iter().sum();
 
@@ -115,8 +116,8 @@ impl CoefficientReport {
         named.sort_by_cached_key(|lot| in_order(&lot.name));
         let has_lots = scatter.lots_alike.is_some();
         let lot_means = named.iter().map(|lot| {
-            let mean = told(lot.mean[place]);
-            LotMean { name: lot.name.clone(), mean, interval: lot.mean_interval(place).map(told) }
+            let mean = in_unit(lot.mean[place]);
+            LotMean { name: lot.name.clone(), mean, interval: lot.mean_interval(place).map(in_unit) }
         });
         let lot_means: Vec<LotMean> = if has_lots { lot_means.collect() } else { Vec::new() };
 
@@ -131,7 +132,7 @@ impl CoefficientReport {
             .collect();
         let units_drawn = estimates.iter().filter_map(|(row, estimate)| {
             Some(UnitDot {
-                value: told(estimate.values[estimate.place(name)?]),
+                value: in_unit(estimate.values[estimate.place(name)?]),
                 lot: row.lot.as_ref().and_then(|lot| lot_means.iter().position(|mean| mean.name == *lot)),
                 is_odd: part.odd.iter().any(|odd| odd.unit == row.unit && odd.column == column),
             })
@@ -140,11 +141,11 @@ impl CoefficientReport {
 
         let root_mean = |variances: &mut dyn Iterator<Item = f64>| {
             let variances: Vec<f64> = variances.collect();
-            told((variances.iter().sum::<f64>() / variances.len().max(1) as f64).max(0.0).sqrt())
+            in_unit((variances.iter().sum::<f64>() / variances.len().max(1) as f64).max(0.0).sqrt())
         };
         let own = population.between_units[place][place];
         let left = LeftBy {
-            part_mean: told(population.prior(None).1[place][place].max(0.0).sqrt()),
+            part_mean: in_unit(population.prior(None).1[place][place].max(0.0).sqrt()),
             lot_mean: has_lots
                 .then(|| root_mean(&mut named.iter().map(|lot| own + lot.covariance[place][place]))),
             own_log: error,
@@ -166,9 +167,9 @@ impl CoefficientReport {
             mean,
             mean_interval,
             between_units: units,
-            between_units_interval: scatter.units_interval.map(told),
+            between_units_interval: scatter.units_interval.map(in_unit),
             between_lots: has_lots.then_some(lots),
-            between_lots_interval: scatter.lots_interval.map(told),
+            between_lots_interval: scatter.lots_interval.map(in_unit),
             lots_alike: scatter.lots_alike,
             error_of_log: error,
             shares: variances.map(|variance| if whole > 0.0 { variance / whole } else { 0.0 }),

@@ -73,8 +73,8 @@ impl UnitsRead {
         lots.sort_unstable();
         lots.dedup();
         let lengths = || {
-            let told = rows.iter().filter(|row| !row.axes.is_empty());
-            told.filter_map(|row| row.log.as_ref())
+            let diagnosed = rows.iter().filter(|row| !row.axes.is_empty());
+            diagnosed.filter_map(|row| row.log.as_ref())
         };
         let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);

@@ -91,14 +91,15 @@ impl UnitAxis {
         let coefficient = |(place, name): (usize, &String)| {
             let (unit, si) = unit_of(&axis.column, name);
             let with_half = |value: f64, variance: f64| [value / si, NINETY * variance.max(0.0).sqrt() / si];
-            let told = estimate.place(name).map(|own| (estimate.values[own], estimate.covariance[own][own]));
+            let estimated =
+                estimate.place(name).map(|own| (estimate.values[own], estimate.covariance[own][own]));
             UnitCoefficient {
                 name: name.clone(),
                 unit,
-                own: told.map(|(value, variance)| with_half(value, variance)),
+                own: estimated.map(|(value, variance)| with_half(value, variance)),
                 expected: middle_and_half(population.unit_interval(lot, place).map(|end| end / si)),
                 together: with_half(together.values[place], together.covariance[place][place]),
-                by: told
+                by: estimated
                     .map(|(value, variance)| (value - mean[place]) / (variance + prior[place][place]).sqrt())
                     .filter(|by| by.is_finite()),
             }

@@ -81,7 +81,10 @@ impl Furthest {
 impl fmt::Display for Furthest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { accel_mps2, gyro_rads, otherwise } = self;
-        write!(f, "at most {accel_mps2:.2e} m/s², {gyro_rads:.2e} rad/s; {otherwise} samples told otherwise")
+        write!(
+            f,
+            "at most {accel_mps2:.2e} m/s², {gyro_rads:.2e} rad/s; {otherwise} samples decided differently"
+        )
     }
 }
 

@@ -85,7 +85,7 @@ fn no_samples_before_the_sensor_is_ready() {
     let frames = [no_accel, no_gyro, frame(0)].concat();
     let (result, counts) = bmi323(2, &[set_up(), burst(frames)].concat());
     assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
-    assert_eq!(counts.torn, 0);
+    assert_eq!(counts.damaged, 0);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn fewer_frames_than_announced_are_missing() {
     let faults = Faults::BUS | Faults::GAP;
     let after = RawSample { skipped: 1, faults, ..sample(4) };
     assert_eq!(result, [Ok(vec![sample(1), sample(2)]), Ok(vec![after])]);
-    assert_eq!((counts.torn, counts.gaps, counts.skipped), (1, 1, 1));
+    assert_eq!((counts.damaged, counts.gaps, counts.skipped), (1, 1, 1));
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn frame_that_is_cut_short_is_dropped() {
     let (result, counts) = polls(1, burst([frame(1), cut, vec![0xff; 16], vec![0; 16], frame(3)].concat()));
     let after = RawSample { skipped: 1, faults: Faults::BUS | Faults::GAP, ..sample(3) };
     assert_eq!(result, [Ok(vec![sample(1), after])]);
-    assert_eq!((counts.torn, counts.gaps), (3, 1));
+    assert_eq!((counts.damaged, counts.gaps), (3, 1));
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn duplicate_frame_is_one_sample() {
     let (result, counts) = polls(1, burst([frame(1), frame(1), frame(2)].concat()));
     let after = RawSample { faults: Faults::BUS, ..sample(2) };
     assert_eq!(result, [Ok(vec![sample(1), after])]);
-    assert_eq!((counts.torn, counts.gaps), (1, 0));
+    assert_eq!((counts.damaged, counts.gaps), (1, 0));
 }
 
 #[test]

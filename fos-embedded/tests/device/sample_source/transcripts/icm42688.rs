@@ -67,7 +67,7 @@ fn polls(polls: usize, steps: Vec<Step>) -> (Polls, super::Counts) {
 fn every_packet_is_a_sample() {
     let (result, counts) = polls(1, burst((1..=10).flat_map(packet).collect()));
     assert_eq!(result, [Ok((1..=10).map(sample).collect())]);
-    assert_eq!((counts.samples, counts.torn), (11, 0));
+    assert_eq!((counts.samples, counts.damaged), (11, 0));
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn no_samples_before_the_sensors_have_started() {
     let steps = [set_up(), burst([first, second, packet(0)].concat())].concat();
     let (result, counts) = icm42688(2, &steps);
     assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
-    assert_eq!(counts.torn, 0);
+    assert_eq!(counts.damaged, 0);
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn packets_that_are_none_are_dropped() {
     let (result, counts) = polls(1, burst([packet(1), empty, cut, packet(3)].concat()));
     let after = RawSample { skipped: 1, faults: Faults::BUS | Faults::GAP, ..sample(3) };
     assert_eq!(result, [Ok(vec![sample(1), after])]);
-    assert_eq!((counts.torn, counts.gaps), (4, 1));
+    assert_eq!((counts.damaged, counts.gaps), (4, 1));
 }
 
 #[test]

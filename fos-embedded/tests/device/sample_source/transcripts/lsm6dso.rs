@@ -61,7 +61,7 @@ fn set_up_and_samples() {
     let first = [temperature, all(0), all(1)].concat();
     let (result, counts) = lsm6dso(2, &[set_up(), burst(first).to_vec()].concat());
     assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0), sample(1)])]);
-    assert_eq!((counts.samples, counts.torn, counts.gaps), (2, 0, 0));
+    assert_eq!((counts.samples, counts.damaged, counts.gaps), (2, 0, 0));
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn no_samples_before_the_filters_have_settled() {
     let steps = [set_up(), burst(words.concat().concat()).to_vec()].concat();
     let (result, counts) = lsm6dsv16x(2, &steps);
     assert_eq!(result, [Ok(vec![]), Ok(vec![sample(0)])]);
-    assert_eq!(counts.torn, 0);
+    assert_eq!(counts.damaged, 0);
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn fewer_words_than_announced_damage_a_sample() {
     let (result, counts) = polls(1, burst(words.concat()).to_vec());
     let faults = Faults::BUS | Faults::GAP;
     assert_eq!(result, [Ok(vec![sample(1), RawSample { skipped: 1, faults, ..sample(3) }])]);
-    assert_eq!((counts.torn, counts.gaps, counts.skipped), (2, 1, 1));
+    assert_eq!((counts.damaged, counts.gaps, counts.skipped), (2, 1, 1));
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn word_that_is_cut_short_is_dropped_with_its_sample() {
     let (result, counts) = polls(1, burst(words.concat()).to_vec());
     let faults = Faults::BUS | Faults::GAP;
     assert_eq!(result, [Ok(vec![sample(1), RawSample { skipped: 1, faults, ..sample(3) }])]);
-    assert_eq!((counts.torn, counts.gaps), (2, 1));
+    assert_eq!((counts.damaged, counts.gaps), (2, 1));
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn overrun_gap_is_counted_by_the_sensor_clock() {
     let (result, counts) = polls(1, steps.to_vec());
     let faults = Faults::OVERRUN | Faults::GAP;
     assert_eq!(result, [Ok(vec![RawSample { skipped: 21, faults, ..sample(22) }])]);
-    assert_eq!((counts.overruns, counts.torn), (1, 0));
+    assert_eq!((counts.overruns, counts.damaged), (1, 0));
 }
 
 #[test]
@@ -210,8 +210,8 @@ fn reports_registers_that_do_not_hold_their_value() {
     steps.truncate(place);
     steps.push(Read(0x15, vec![0x04]));
     let (result, counts) = lsm6dsv16x(1, &steps);
-    assert_eq!(result, [Err(SourceError::NotKept { register: 0x15, written: 0x02, read: 0x04 })]);
-    assert_eq!(counts.not_kept, 1);
+    assert_eq!(result, [Err(SourceError::VerifyFailed { register: 0x15, written: 0x02, read: 0x04 })]);
+    assert_eq!(counts.verify_failed, 1);
 }
 
 #[test]

@@ -258,7 +258,7 @@ mod tests {
             let log = read(&text(separator, six), &LoadOptions::default())
                 .unwrap_or_else(|error| panic!("{separator:?}: {error}"));
             assert_eq!((log.n_rows(), log.rate.true_hz.round()), (600, 200.0), "{separator:?}");
-            let odd = log.oddities(&[true; 600]);
+            let odd = log.warnings(&[true; 600]);
             let Some(LogWarning::AssumedMap(map)) =
                 odd.iter().find(|odd| matches!(odd, LogWarning::AssumedMap(_)))
             else {
@@ -275,7 +275,7 @@ mod tests {
                 LoadOptions { columns: ColumnMap::from_specs(map).unwrap(), ..LoadOptions::default() };
             let again = read(&text(separator, six), &options).unwrap();
             assert_eq!(again.channel("gz_rads").unwrap().values, log.channel("gz_rads").unwrap().values);
-            assert!(!again.oddities(&[true; 600]).iter().any(|odd| matches!(odd, LogWarning::AssumedMap(_))));
+            assert!(!again.warnings(&[true; 600]).iter().any(|odd| matches!(odd, LogWarning::AssumedMap(_))));
         }
     }
 

@@ -189,12 +189,12 @@ impl fmt::Display for LogWarning {
 
 impl Recording {
     /// Warnings about all axes and the log as a whole. `still` marks the rows at rest.
-    pub fn oddities(&self, still: &[bool]) -> Vec<LogWarning> {
-        self.oddities_about(&AXES, still)
+    pub fn warnings(&self, still: &[bool]) -> Vec<LogWarning> {
+        self.warnings_about(&AXES, still)
     }
 
     /// Warnings about these axes and the log as a whole.
-    pub fn oddities_about(&self, wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
+    pub fn warnings_about(&self, wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
         let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
         let mut found = in_parallel(0..axes.len(), of_axis).concat();

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::folders::Folders;
 use super::study::Study;
 use super::task::{LogFiles, Open};
-use super::told::Entry;
+use super::view::Entry;
 use fos_data::file::FileError;
 use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::recording::LoadOptions;
@@ -17,20 +17,20 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::study::Study as StudyFile;
 
 /// Largest number of open studies: each keeps its logs in memory.
-const MOST: usize = 12;
+const MAX_OPEN_STUDIES: usize = 12;
 
 /// Largest size of a stored study, bytes; those of six axes with several effects have 300 kB.
 const LARGEST_STUDY: u64 = 32 << 20;
 
 /// Open studies, with their common folders and library.
-pub(super) struct Desk {
+pub(super) struct Workspace {
     pub(super) folders: Folders,
     pub(super) library: Arc<Library>,
     studies: Mutex<BTreeMap<u64, Arc<Study>>>,
     next: AtomicU64,
 }
 
-impl Desk {
+impl Workspace {
     /// Restores the studies that an earlier server stored. A stored study reads its logs when it is first shown; one
     /// that cannot be used shows the reason.
     ///
@@ -56,8 +56,8 @@ impl Desk {
     /// Too many are open.
     pub(super) fn open(&self, open: Open) -> Result<u64, String> {
         let mut studies = self.lock();
-        if studies.len() >= MOST {
-            return Err(format!("{MOST} studies are open already\nhelp: close one"));
+        if studies.len() >= MAX_OPEN_STUDIES {
+            return Err(format!("{MAX_OPEN_STUDIES} studies are open already\nhelp: close one"));
         }
         let id = self.next.fetch_add(1, Ordering::Relaxed);
         let file = FileVersion::now(&self.folders.file_of_study(id)).map_err(|error| error.to_string())?;

@@ -34,8 +34,8 @@ fn recording(rate_hz: f64, columns: Columns) -> Recording {
     Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording")
 }
 
-fn oddities(recording: &Recording) -> Vec<LogWarning> {
-    recording.oddities(&stillness::find(recording).still)
+fn warnings_of(recording: &Recording) -> Vec<LogWarning> {
+    recording.warnings(&stillness::find(recording).still)
 }
 
 fn refused(text: &str, rate_hz: Option<f64>) -> String {
@@ -54,7 +54,7 @@ fn rejects_a_stuck_axis_by_name() {
     let question = Question::new(&field, "gx", &library);
     let error = diagnose(&question).expect_err("refused").to_string();
     assert!(error.contains("gx_rads") && error.contains("0.5") && error.contains("stuck"), "{error}");
-    assert!(oddities(&field).iter().any(|oddity| matches!(oddity, LogWarning::Stuck { .. })));
+    assert!(warnings_of(&field).iter().any(|warning| matches!(warning, LogWarning::Stuck { .. })));
 }
 
 /// One sample of −32768 in 10,000 used to shift the offset by 3.3 standard deviations and the scale 328-fold, silently.
@@ -68,13 +68,13 @@ fn excludes_and_reports_an_outlier() {
         let recording = recording(100.0, columns.clone());
         let fit =
             fit_axis(&recording, &stillness::find(&recording), "gx", &FitOptions::default()).expect("a fit");
-        (fit.model.axes[0].parameters, fit.report.spikes, oddities(&recording))
+        (fit.model.axes[0].parameters, fit.report.spikes, warnings_of(&recording))
     };
     let ((whole, none, nothing), (without, one, warnings)) = (fitted(&columns), fitted(&wild));
     assert_eq!((none, one), (0, 1));
     assert!(nothing.is_empty(), "{nothing:?}");
     assert!(
-        warnings.iter().any(|oddity| oddity.to_string().contains("excluded 1 outlier (")),
+        warnings.iter().any(|warning| warning.to_string().contains("excluded 1 outlier (")),
         "{warnings:?}"
     );
     assert!((without.offset - whole.offset).abs() < 0.01 * whole.scale);
@@ -106,7 +106,7 @@ fn rejects_unordered_timestamps_and_prefers_a_stated_rate() {
     std::fs::write(&path, csv(&in_order, 1.0 / 0.8533)).expect("written");
     let options = LoadOptions { rate_hz: Some(50.0), ..LoadOptions::default() };
     let log = load(&path, &options).expect("a log");
-    let warnings = oddities(&log).iter().map(ToString::to_string).collect::<String>();
+    let warnings = warnings_of(&log).iter().map(ToString::to_string).collect::<String>();
     assert!(
         log.rate.true_hz == 50.0 && warnings.contains("50 Hz replaces") && warnings.contains("0.8533"),
         "{warnings}"
@@ -121,14 +121,14 @@ fn warns_when_pooling_logs_that_differ() {
         Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default())
             .expect("a recording")
     };
-    let warnings_of_joined = |logs: Vec<Recording>| oddities(&Recording::join(logs).expect("joined"));
+    let warnings_of_joined = |logs: Vec<Recording>| warnings_of(&Recording::join(logs).expect("joined"));
     assert!(warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(100.0, 1.0, 2)]).is_empty());
     let rates = warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(101.0, 1.0, 2)]);
     assert!(matches!(rates[..], [LogWarning::RatesDiffer { .. }]), "{rates:?}");
     let noise = warnings_of_joined(vec![stamped(100.0, 1.0, 1), stamped(100.0, 57.0, 2)]);
     let ratios: Vec<f64> = noise
         .iter()
-        .filter_map(|oddity| match oddity {
+        .filter_map(|warning| match warning {
             LogWarning::NoiseDiffers { ratio, .. } => Some(*ratio),
             _ => None,
         })
@@ -145,7 +145,7 @@ fn warns_of_wrong_units_and_duplicated_columns() {
     columns[4].1.iter_mut().for_each(|rate| *rate = 57.3 * (*rate + 0.05));
     columns[5].1 = columns[3].1.clone();
     let warnings: Vec<String> =
-        oddities(&recording(100.0, columns)).iter().map(ToString::to_string).collect();
+        warnings_of(&recording(100.0, columns)).iter().map(ToString::to_string).collect();
     for word in ["gravity is 9.81", "gy_rads shows 2.8", "gx_rads and gz_rads hold the same values"] {
         assert!(warnings.iter().any(|line| line.contains(word)), "{word}: {warnings:?}");
     }
@@ -164,7 +164,7 @@ fn plausible_logs_cause_no_warning() {
     let warnings: Vec<String> = plans
         .par_iter()
         .flat_map(|plan| {
-            let durations = Durations { baseline_s: 120.0, field_s: 400.0, eval_s: 120.0 };
+            let durations = Durations { reference_s: 120.0, log_s: 400.0, evaluation_s: 120.0 };
             let case = simulate_case(&CasePlan { durations, ..plan.clone() });
             let case: fos_simulate::SimulatedCase = case.expect("a case");
             let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
@@ -173,8 +173,11 @@ fn plausible_logs_cause_no_warning() {
                 .flat_map(|columns| {
                     let log = Recording::from_columns(Source::made_by("test"), columns, &options);
                     let setup = plan.setup;
-                    let warnings = oddities(&log.expect("a recording"));
-                    warnings.into_iter().map(move |oddity| format!("{setup:?}: {oddity}")).collect::<Vec<_>>()
+                    let warnings = warnings_of(&log.expect("a recording"));
+                    warnings
+                        .into_iter()
+                        .map(move |warning| format!("{setup:?}: {warning}"))
+                        .collect::<Vec<_>>()
                 })
                 .collect::<Vec<_>>()
         })

@@ -15,7 +15,7 @@ use fos_report::{AxisSection, AxisUnits, Summaries, UnitChoice};
 /// Status that is sent to the page with every change.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub(super) struct Beat {
+pub(super) struct StatusEvent {
     pub(super) revision: u64,
     pub(super) job: Option<Job>,
 }
@@ -133,7 +133,7 @@ impl AxisPage {
     }
 }
 
-impl Beat {
+impl StatusEvent {
     pub(super) fn of(state: &State) -> Self {
         Self { revision: state.revision, job: state.queue.job() }
     }

@@ -15,7 +15,7 @@ const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// File beside the log with the bytes of a stream as they came. It can itself be recorded as a stream.
 #[derive(Debug)]
-pub struct Kept {
+pub struct ReceivedFile {
     file: File,
     path: PathBuf,
     synced: Instant,
@@ -35,7 +35,7 @@ pub enum KeepError {
     Running(PathBuf),
 }
 
-impl Kept {
+impl ReceivedFile {
     /// Creates the file `NAME.telemetry` for a log at `output`. Files of interrupted recordings of the same name are preserved and
     /// returned; the new one is then `NAME.2.telemetry`, and so on.
     ///
@@ -132,15 +132,15 @@ mod tests {
     fn preserves_files_of_other_recordings() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("field.parquet");
-        let (first, left) = Kept::beside(&output).unwrap();
+        let (first, left) = ReceivedFile::beside(&output).unwrap();
         assert_eq!(left, [""; 0].map(PathBuf::from));
         first.writer().unwrap().write_all(b"first").unwrap();
-        let message = Kept::beside(&output).unwrap_err().to_string();
+        let message = ReceivedFile::beside(&output).unwrap_err().to_string();
         assert!(message.contains("another recording") && message.contains("help: "), "{message}");
         // The process was killed.
         let path = first.path().to_owned();
         drop(first);
-        let (second, left) = Kept::beside(&output).unwrap();
+        let (second, left) = ReceivedFile::beside(&output).unwrap();
         assert_eq!(left, std::slice::from_ref(&path));
         assert_eq!(second.path(), folder.path().join("field.parquet.2.telemetry"));
         second.remove();

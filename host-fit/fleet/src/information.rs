@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 ///
 /// Rows and columns of unknown coefficients are 0, which a covariance could not express.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Known {
+pub(crate) struct Information {
     pub(crate) information: DMatrix<f64>,
     /// Λ·x.
     pub(crate) weighted: DVector<f64>,
@@ -14,16 +14,16 @@ pub(crate) struct Known {
 
 /// Information about the mean of a distribution from one noisy draw of it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct MeanInformation {
     pub(crate) information: DMatrix<f64>,
     pub(crate) weighted: DVector<f64>,
     /// ln det (I + Λ·C).
     pub(crate) log_determinant: f64,
 }
 
-impl Known {
+impl Information {
     /// Adds the information of another source.
-    pub(crate) fn add(&mut self, other: &Seen) {
+    pub(crate) fn add(&mut self, other: &MeanInformation) {
         self.information += &other.information;
         self.weighted += &other.weighted;
     }
@@ -34,7 +34,7 @@ impl Known {
     }
 
     /// Information through a scatter with covariance C: (I + Λ·C)⁻¹·Λ, which needs neither inverse.
-    pub(crate) fn through(&self, scatter: &DMatrix<f64>) -> Seen {
+    pub(crate) fn through(&self, scatter: &DMatrix<f64>) -> MeanInformation {
         let n = self.weighted.len();
         let factor = (DMatrix::identity(n, n) + &self.information * scatter).lu();
         // Product of two positive semidefinite matrices: its eigenvalues are not negative, and those of the sum at least 1.
@@ -43,7 +43,7 @@ impl Known {
         let information = symmetric(&solve(&self.information));
         let weighted =
             solve(&DMatrix::from_column_slice(n, 1, self.weighted.as_slice())).column(0).into_owned();
-        Seen { information, weighted, log_determinant: factor.determinant().abs().ln() }
+        MeanInformation { information, weighted, log_determinant: factor.determinant().abs().ln() }
     }
 }
 

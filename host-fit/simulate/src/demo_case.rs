@@ -17,7 +17,7 @@ pub const HIDDEN_IN: &str = "gx_rads";
 const HIDDEN: [(Effect, f64); 2] = [(Effect::ThermalLag, 120.0), (Effect::SupplySensitivity, 40.0)];
 
 #[derive(Debug, thiserror::Error)]
-pub enum StoryError {
+pub enum DemoCaseError {
     /// It cannot be simulated.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -32,11 +32,11 @@ pub enum StoryError {
 /// # Errors
 ///
 /// The folder cannot be written.
-pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], StoryError> {
+pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], DemoCaseError> {
     let mut plan = CasePlan::new(seed, "bmi270", Setup::Desk, Axis::Gx);
     plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
     let case = simulate_case(&plan)?;
-    let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, StoryError> {
+    let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, DemoCaseError> {
         let path = folder.join(name);
         let columns: Vec<(&str, &[f64])> =
             columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();

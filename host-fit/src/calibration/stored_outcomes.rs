@@ -17,13 +17,13 @@ const ENDING: &str = ".partial";
 
 /// Outcomes of finished cases.
 #[derive(Debug)]
-pub struct KeptOutcomes {
+pub struct StoredOutcomes {
     rows: KeyedRows<Outcome>,
     /// Digest of everything that the outcomes depend on.
     digest: String,
 }
 
-impl KeptOutcomes {
+impl StoredOutcomes {
     /// Opens the file beside `outcomes`, which may hold outcomes of an interrupted run.
     ///
     /// # Errors
@@ -72,21 +72,23 @@ mod tests {
     fn interrupted_calibration_resumes() {
         let folder = tempfile::tempdir().unwrap();
         let (outcomes, library) = (folder.path().join("outcomes.json"), Library::built_in());
-        let cases = |seed| Cases { seed, count: 3, world: Disturbance::Clean, every_axis: false };
-        let kept = |seed| KeptOutcomes::beside(&outcomes, &cases(seed), &library).unwrap();
-        let stored = |kept: &KeptOutcomes| (0..3).filter(|case| kept.of(*case).is_some()).count();
-        let whole = calibrate(cases(1), &library, Some(&kept(1)), |_| {}).unwrap();
+        let cases = |seed| Cases { seed, count: 2, world: Disturbance::Clean, every_axis: false };
+        let stored_outcomes = |seed| StoredOutcomes::beside(&outcomes, &cases(seed), &library).unwrap();
+        let n_stored = |stored_outcomes: &StoredOutcomes| {
+            (0..2).filter(|case| stored_outcomes.of(*case).is_some()).count()
+        };
+        let whole = calibrate(cases(1), &library, Some(&stored_outcomes(1)), |_| {}).unwrap();
         let path = folder.path().join("outcomes.json.partial");
         let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text.lines().count(), 3);
+        assert_eq!(text.lines().count(), 2);
         // Killed while writing the last line.
         fs::write(&path, &text[..text.len() - 9]).unwrap();
-        let left = kept(1);
-        assert_eq!(stored(&left), 2);
+        let left = stored_outcomes(1);
+        assert_eq!(n_stored(&left), 1);
         let computed = Mutex::new(0);
         let again = calibrate(cases(1), &library, Some(&left), |_| *computed.lock().unwrap() += 1).unwrap();
-        assert_eq!(*computed.lock().unwrap(), 3, "all are counted");
-        assert_eq!(stored(&kept(1)), 3);
+        assert_eq!(*computed.lock().unwrap(), 2, "all are counted");
+        assert_eq!(n_stored(&stored_outcomes(1)), 2);
         // Equal except for the measured times.
         let but_times = |calibration: &crate::calibration::Calibration| {
             let mut outcomes = calibration.outcomes.clone();
@@ -95,10 +97,10 @@ mod tests {
         };
         assert_eq!(but_times(&whole), but_times(&again));
         // Outcomes of other cases are not reused.
-        assert_eq!(stored(&kept(2)), 0);
+        assert_eq!(n_stored(&stored_outcomes(2)), 0);
         // Another file is not overwritten.
         fs::write(&path, "my notes\n").unwrap();
-        assert!(KeptOutcomes::beside(&outcomes, &cases(1), &library).is_err());
+        assert!(StoredOutcomes::beside(&outcomes, &cases(1), &library).is_err());
         assert_eq!(fs::read_to_string(&path).unwrap(), "my notes\n");
     }
 }
