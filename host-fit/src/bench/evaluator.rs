@@ -21,7 +21,6 @@ const HISTORY: usize = 128;
 /// Number of coasts side by side, as in the evaluation of models by a fit.
 const LANES: usize = 8;
 
-const STEPS: usize = 100_000;
 const REPEATS: usize = 7;
 
 type Judge = Predictor<f64, AXES, 1, { AXES * TERMS }, HISTORY>;
@@ -37,12 +36,12 @@ pub struct StepTimes {
     pub bare_s: f64,
 }
 
-/// Times six axes with ten linear terms each.
+/// Times `n_steps` of six axes with ten linear terms each.
 ///
 /// # Errors
 ///
 /// fos-core refuses the model.
-pub fn measure() -> Result<StepTimes, ModelError> {
+pub fn measure(n_steps: usize) -> Result<StepTimes, ModelError> {
     let axes = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
     let terms: Vec<Term<f64>> =
         (1..=TERMS as u16).map(|lag| Term::new(0.09 / f64::from(lag), &[y(lag)])).collect();
@@ -61,22 +60,22 @@ pub fn measure() -> Result<StepTimes, ModelError> {
     let measured: Vec<[f64; AXES]> = (0..256)
         .map(|n| std::array::from_fn(|axis| (f64::from(n * 37 % 101) - 50.0) * 0.01 + axis as f64 * 1e-3))
         .collect();
-    let steps = STEPS * AXES;
+    let steps = n_steps * AXES;
     let (tracked, _) = least_time(REPEATS, || {
-        for measured in measured.iter().cycle().take(STEPS) {
+        for measured in measured.iter().cycle().take(n_steps) {
             let _ = black_box(predictor.track(&Sample { measured, quantities: &[] }));
         }
     });
     let side_by_side = Coasts::<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>::new(&predictor);
     let side_by_side_s = side_by_side.map_or(f64::NAN, |mut coasts| {
-        least_time(REPEATS, || Arch::new().dispatch(SideBySide(&mut coasts))).0
+        least_time(REPEATS, || Arch::new().dispatch(SideBySide { coasts: &mut coasts, n_steps })).0
     });
     let mut history = [0.1; 2 * HISTORY];
     let coefficients: [f64; TERMS] = black_box(std::array::from_fn(|lag| 0.09 / (lag + 1) as f64));
     let places: [usize; TERMS] = black_box(std::array::from_fn(|lag| (TERMS - 1 - lag) * AXES));
     let (bare, _) = least_time(REPEATS, || {
         let mut begin = 0;
-        for measured in measured.iter().cycle().take(STEPS) {
+        for measured in measured.iter().cycle().take(n_steps) {
             for (axis, measured) in measured.iter().enumerate() {
                 let window = &history[begin + axis..];
                 let mut sum = 0.0;
@@ -96,15 +95,18 @@ pub fn measure() -> Result<StepTimes, ModelError> {
     })
 }
 
-struct SideBySide<'a>(&'a mut Coasts<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>);
+struct SideBySide<'a> {
+    coasts: &'a mut Coasts<f64, LANES, AXES, 1, { AXES * TERMS }, HISTORY>,
+    n_steps: usize,
+}
 
 impl WithSimd for SideBySide<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for _ in 0..STEPS {
-            black_box(self.0.step(&[]));
+        for _ in 0..self.n_steps {
+            black_box(self.coasts.step(&[]));
         }
     }
 }
@@ -133,7 +135,7 @@ mod tests {
 
     #[test]
     fn every_step_takes_time() {
-        let StepTimes { tracked_s, side_by_side_s, bare_s } = measure().unwrap();
+        let StepTimes { tracked_s, side_by_side_s, bare_s } = measure(1000).unwrap();
         assert!(tracked_s > 0.0 && side_by_side_s > 0.0 && bare_s > 0.0);
     }
 }

@@ -45,7 +45,7 @@ impl Bench {
             })?);
             bar.inc(1);
         }
-        let steps = evaluator::measure()?;
+        let steps = evaluator::measure(100_000)?;
         bar.finish_and_clear();
         if self.json { print_json(&(timings, steps)) } else { self.print(&timings, steps) }
     }

@@ -227,7 +227,7 @@ fn escapes_foreign_text_in_every_output() {
     let name = hostile_name();
     let (log, study) = (format!("{name}.csv"), format!("{name}.json"));
     assert!(log.len() <= 255);
-    runs.done(folder, &["simulate", "plain.csv", "--minutes", "3", "--seed", "3"]);
+    runs.done(folder, &["simulate", "plain.csv", "--minutes", "1.5", "--seed", "3"]);
     log_with(&hostile(), folder, "plain.csv", &log);
     log_with("x", folder, "plain.csv", "harmless.csv");
     runs.run(folder, &["fit", &log, "--axis", "gx", "--strict", "-o", "strict.json"]);

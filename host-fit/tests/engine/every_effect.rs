@@ -29,7 +29,7 @@ fn plan(id: &str, seed: u64) -> CasePlan {
         places.into_iter().find(|(setup, axis)| effect.suits(*setup, *axis)).expect("a set-up");
     let mut plan = CasePlan::new(seed, "lsm6dso", setup, axis);
     plan.planted = vec![Plant { effect, parameter: None, size: 100.0 }];
-    plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 400.0 };
+    plan.durations = Durations { reference_s: 200.0, log_s: 600.0, evaluation_s: 300.0 };
     plan
 }
 

@@ -16,7 +16,7 @@ fn case(effect: &str, setup: Setup, seed: u64) -> SimulatedCase {
     let effect = Effect::named(effect).expect("an effect");
     let mut plan = CasePlan::new(seed, fos_simulate::PARTS[0].name, setup, Axis::Gx);
     plan.planted = vec![Plant { effect, parameter: None, size: 80.0 }];
-    plan.durations = Durations { baseline_s: 300.0, field_s: 900.0, eval_s: 60.0 };
+    plan.durations = Durations { reference_s: 200.0, log_s: 600.0, evaluation_s: 60.0 };
     simulate_case(&plan).expect("a case")
 }
 

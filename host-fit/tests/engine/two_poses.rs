@@ -238,9 +238,9 @@ fn simulated_logs() -> Simulated {
         false,
         "a hand",
     );
-    let durations = Durations { baseline_s: 60.0, field_s: 600.0, eval_s: 60.0 };
+    let durations = Durations { reference_s: 60.0, log_s: 300.0, evaluation_s: 60.0 };
     let mut effects = BTreeSet::new();
-    let mut plans = suite(3, 60);
+    let mut plans = suite(3, 30);
     plans.retain(|plan| !plan.target.is_gyro() || plan.setup == Setup::PoseRig);
     for (seed, setup) in (1..).zip(Setup::ALL) {
         plans.push(CasePlan::new(seed, "mpu6050", setup, fos_simulate::Axis::Ax));

@@ -32,7 +32,7 @@ fn intervals_have_their_stated_coverage() {
     let levels = blocks.with_faster_flicker(truth);
     let mut held = [0; 3];
     let mut below = [0; 3];
-    for seed in 0..100 {
+    for seed in 0..60 {
         let found = simulated(&levels, &blocks, seed);
         for (held, (level, truth)) in held.iter_mut().zip(found.iter().zip(truth)) {
             *held += usize::from(holds(level, truth));
@@ -41,9 +41,9 @@ fn intervals_have_their_stated_coverage() {
             *below += usize::from(level.high < truth);
         }
     }
-    println!("{held:?} of 100, too low {below:?}");
-    // 90 ± 3 by the binomial distribution; three of them
-    assert!(held.iter().all(|held| (81..=99).contains(held)), "{held:?} of 100");
+    println!("{held:?} of 60, too low {below:?}");
+    // 54 ± 2.3 by the binomial distribution; three of them
+    assert!(held.iter().all(|held| (47..=60).contains(held)), "{held:?} of 60");
 }
 
 /// Flicker noise that a search may mistake for the random walk.
