@@ -64,11 +64,25 @@ const MAY: &[(&str, &[&str])] = &[
             "fos-workbench",
         ],
     ),
+    (
+        "fos-imu",
+        &[
+            "fos-core",
+            "fos-data",
+            "fos-fit",
+            "fos-calibrate",
+            "fos-diagnose",
+            "fos-fleet",
+            "fos-simulate",
+            "fos-figures",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
-/// Crates of the program; the others are the engine, which a user may link without them.
-const PROGRAM: [&str; 5] = ["fos-device-io", "fos-figures", "fos-report", "fos-workbench", "host-fit"];
+/// Crates of the program and the Python package; the others are the engine, which a user may link without them.
+const PROGRAM: [&str; 6] =
+    ["fos-device-io", "fos-figures", "fos-imu", "fos-report", "fos-workbench", "host-fit"];
 
 /// Libraries for the program only: servers, figures, command lines.
 const OF_THE_PROGRAM: [&str; 4] = ["axum", "clap", "plotters", "tokio"];
