@@ -59,7 +59,7 @@ pub(crate) fn simulate_case(
         Ok(Recording { log: Arc::new(log), read })
     };
     let truth = json!(case.truth).to_string();
-    Ok((log("reference", case.baseline)?, log("field", case.field)?, log("later", case.eval)?, truth))
+    Ok((log("reference", case.reference)?, log("field", case.log)?, log("later", case.evaluation)?, truth))
 }
 
 fn plan(

@@ -143,9 +143,10 @@ pub enum CaseError {
 pub struct Case {
     pub meta: CaseMeta,
     /// Log without the missing effect, if any.
-    pub baseline: Option<Recording>,
-    pub field: Recording,
-    pub eval: Option<Recording>,
+    pub reference: Option<Recording>,
+    /// Log to explain.
+    pub log: Recording,
+    pub evaluation: Option<Recording>,
 }
 
 fn this_schema() -> String {
@@ -230,8 +231,10 @@ impl Case {
             let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
             Ok(Some(load(path, &options)?))
         };
-        let field =
+        let reference = log(&meta.files.baseline)?;
+        let evaluation = log(&meta.files.eval)?;
+        let log =
             log(&meta.files.field)?.ok_or_else(|| CaseError::NoField { path: folder.join("meta.json") })?;
-        Ok(Self { baseline: log(&meta.files.baseline)?, field, eval: log(&meta.files.eval)?, meta })
+        Ok(Self { meta, reference, log, evaluation })
     }
 }

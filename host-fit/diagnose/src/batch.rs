@@ -198,11 +198,11 @@ fn examine(folder: &Path, output: &Path, name: &str, library: &Library) -> Resul
     let diagnosis = diagnose(&question(&case, library))?;
     let write = |log: &Recording, which: &str| -> Result<String, BatchError> {
         let path = format!("corr/{name}_{which}.csv");
-        write_correction(&output.join(&path), &diagnosis, &case.field, log)?;
+        write_correction(&output.join(&path), &diagnosis, &case.log, log)?;
         Ok(path)
     };
-    let correction_eval_csv = case.eval.as_ref().map(|eval| write(eval, "eval")).transpose()?;
-    let correction_field_csv = Some(write(&case.field, "field")?);
+    let correction_eval_csv = case.evaluation.as_ref().map(|eval| write(eval, "eval")).transpose()?;
+    let correction_field_csv = Some(write(&case.log, "field")?);
     Ok(Answer {
         case: name.to_owned(),
         diagnosis: Some(diagnosis),

@@ -25,5 +25,5 @@ pub fn question_of_logs<'a>(
 }
 
 pub fn question<'a>(case: &'a Case, library: &'a Library) -> Question<'a> {
-    question_of_logs(&case.meta, &case.field, case.baseline.as_ref(), case.eval.as_ref(), library)
+    question_of_logs(&case.meta, &case.log, case.reference.as_ref(), case.evaluation.as_ref(), library)
 }

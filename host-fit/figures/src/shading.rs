@@ -153,7 +153,7 @@ mod tests {
             [(Disturbed::Knocks, 1), (Disturbed::Handling, 1), (Disturbed::Handling, 8)]
         {
             let plan = CasePlan { disturbance, ..CasePlan::new(seed, "bmi270", Setup::Bench, Axis::Gx) };
-            let columns = simulate_case(&plan).unwrap().field;
+            let columns = simulate_case(&plan).unwrap().log;
             let log =
                 Recording::from_columns(Source::made_by("a test"), columns, &LoadOptions::default()).unwrap();
             let stillness = stillness::find(&log);

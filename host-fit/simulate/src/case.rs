@@ -21,11 +21,11 @@ pub struct SimulatedCase {
     /// Metadata known to the user.
     pub meta: CaseMeta,
     /// Columns of the reference log.
-    pub baseline: Vec<NamedSeries>,
+    pub reference: Vec<NamedSeries>,
     /// Columns of the log to explain.
-    pub field: Vec<NamedSeries>,
+    pub log: Vec<NamedSeries>,
     /// Columns of the evaluation log.
-    pub eval: Vec<NamedSeries>,
+    pub evaluation: Vec<NamedSeries>,
     /// Truth unknown to the user.
     pub truth: Truth,
 }
@@ -51,10 +51,10 @@ pub struct Truth {
     pub disturbed_eval: Vec<Disturbed>,
     /// Error that a perfect model subtracts from the log to explain, and its parts; in truth_log.parquet.
     #[serde(skip)]
-    pub field: LogTruth,
+    pub log: LogTruth,
     /// The same of the evaluation log; in truth_evaluation.parquet.
     #[serde(skip)]
-    pub eval: LogTruth,
+    pub evaluation: LogTruth,
 }
 
 /// Planted error of a log, row by row.
@@ -85,15 +85,15 @@ impl SimulatedCase {
             }
         };
         Ok([
-            read("baseline", &self.baseline, BASELINE)?,
-            read("field", &self.field, FIELD)?,
-            read("eval", &self.eval, EVAL)?,
+            read("reference", &self.reference, REFERENCE)?,
+            read("log", &self.log, FIELD)?,
+            read("evaluation", &self.evaluation, EVALUATION)?,
         ])
     }
 }
 
-const BASELINE: u64 = 0;
-const EVAL: u64 = 2;
+const REFERENCE: u64 = 0;
+const EVALUATION: u64 = 2;
 
 /// Simulates a case.
 ///
@@ -105,35 +105,36 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
     let part = unit.part;
     let target = plan.target;
     let noise = &unit.noise[target as usize];
-    let baseline = scene.baseline(plan.durations.reference_s, &mut random(seed, Stream::World(BASELINE)));
-    let eval = scene.log(plan.durations.evaluation_s, true, &mut random(seed, Stream::World(EVAL)));
+    let reference = scene.reference(plan.durations.reference_s, &mut random(seed, Stream::World(REFERENCE)));
+    let evaluation =
+        scene.log(plan.durations.evaluation_s, true, &mut random(seed, Stream::World(EVALUATION)));
 
     let nothing_moves = Motion::default();
     let quiet = recorder::analog(
         &unit,
-        &baseline,
+        &reference,
         &nothing_moves,
         target,
-        &vec![0.0; baseline.len()],
-        (seed, BASELINE),
+        &vec![0.0; reference.len()],
+        (seed, REFERENCE),
     );
     let none = Faults::default();
-    let baseline = recorder::record(
+    let reference = recorder::record(
         &unit,
-        (&baseline, &nothing_moves),
+        (&reference, &nothing_moves),
         (target, &quiet),
         (&logged, &none),
-        (seed, BASELINE),
+        (seed, REFERENCE),
     );
 
     let columns = shapes.iter().map(|shape| shape.columns(&field, FIELD, seed)).collect();
     let mut planted =
         planting::size(plan, &shapes, &columns, &field, &logged.names(), (noise, part.lsb(target)))?;
     let weights: Vec<Vec<f64>> = planted.iter().map(|planted| planted.coefficients.clone()).collect();
-    let eval_columns = shapes.iter().map(|shape| shape.columns(&eval, EVAL, seed)).collect();
+    let eval_columns = shapes.iter().map(|shape| shape.columns(&evaluation, EVALUATION, seed)).collect();
     let mut faults = Faults::default();
     let mut logs = Vec::new();
-    for (world, columns, log) in [(&field, columns, FIELD), (&eval, eval_columns, EVAL)] {
+    for (world, columns, log) in [(&field, columns, FIELD), (&evaluation, eval_columns, EVALUATION)] {
         let mut error = planting::sum(&weights, &columns, world.len());
         let motion = disturbance::motion(plan.disturbance, world, (seed, log));
         let mut analog = recorder::analog(&unit, world, &motion, target, &error, (seed, log));
@@ -171,8 +172,8 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         let disturbed: Vec<Disturbed> = motion.when.iter().copied().chain(wild).collect();
         logs.push((record, LogTruth { error, motion: shown, regressors }, disturbed));
     }
-    let (eval, eval_truth, disturbed_eval) = logs.pop().unwrap_or_default();
-    let (field, field_truth, disturbed_field) = logs.pop().unwrap_or_default();
+    let (evaluation, evaluation_truth, disturbed_eval) = logs.pop().unwrap_or_default();
+    let (log, log_truth, disturbed_field) = logs.pop().unwrap_or_default();
     let truth = Truth {
         plan: plan.clone(),
         outside: planted.iter().any(|planted| planted.effect.is_outside()),
@@ -183,8 +184,8 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         noise: noise.clone(),
         disturbed_field,
         disturbed_eval,
-        field: field_truth,
-        eval: eval_truth,
+        log: log_truth,
+        evaluation: evaluation_truth,
     };
-    Ok(SimulatedCase { meta: meta(plan, &part), baseline, field, eval, truth })
+    Ok(SimulatedCase { meta: meta(plan, &part), reference, log, evaluation, truth })
 }

@@ -46,12 +46,12 @@ impl SimulatedCase {
             }
         } else {
             for (name, columns) in
-                [("reference", &self.baseline), ("log", &self.field), ("evaluation", &self.eval)]
+                [("reference", &self.reference), ("log", &self.log), ("evaluation", &self.evaluation)]
             {
                 write(folder, name, columns.iter())?;
             }
         }
-        for (name, truth) in [("truth_log", &self.truth.field), ("truth_evaluation", &self.truth.eval)] {
+        for (name, truth) in [("truth_log", &self.truth.log), ("truth_evaluation", &self.truth.evaluation)] {
             let LogTruth { error, motion, regressors } = truth;
             let mut columns: Vec<NamedSeries> = vec![("error".to_owned(), error.clone())];
             if motion.iter().any(|moved| *moved != 0.0) {

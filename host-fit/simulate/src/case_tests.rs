@@ -33,8 +33,8 @@ fn every_effect_is_planted_at_the_size_asked_for() {
         let planted = &case.truth.planted[0];
         if planted.band == Band::Slow {
             // computed again from the recorded data
-            let still = case.field.iter().find(|(name, _)| name == "still").map(|(_, still)| still);
-            let rows = 0..case.truth.field.error.len();
+            let still = case.log.iter().find(|(name, _)| name == "still").map(|(_, still)| still);
+            let rows = 0..case.truth.log.error.len();
             let usable = if still.is_some() && target.is_gyro() {
                 fos_data::recording::runs(rows, |n| still.is_none_or(|still| still[n] > 0.5))
             } else {
@@ -44,13 +44,13 @@ fn every_effect_is_planted_at_the_size_asked_for() {
             let lsb = Part::named("bmi270").expect("known").lsb(target);
             let whitener =
                 Whitener::new(blocks.covariance(&case.truth.noise, lsb)).expect("positive definite");
-            let size = whitener.whiten(&blocks.means(&case.truth.field.error)).norm();
+            let size = whitener.whiten(&blocks.means(&case.truth.log.error)).norm();
             assert!((size / 30.0 - 1.0).abs() < 0.01, "{effect}: {size}");
         }
         // whole multiples of a step cannot have any size
         let tolerance = if effect == Effect::Quantisation { 0.2 } else { 0.01 };
         assert!((planted.size / 30.0 - 1.0).abs() < tolerance, "{planted:?}");
-        for (log, truth) in [(&case.field, &case.truth.field), (&case.eval, &case.truth.eval)] {
+        for (log, truth) in [(&case.log, &case.truth.log), (&case.evaluation, &case.truth.evaluation)] {
             let rows = log[0].1.len();
             assert!(truth.error.len() == rows && truth.error.iter().all(|x| x.is_finite()), "{effect}");
             assert!(truth.regressors.iter().all(|(_, values)| values.len() == rows), "{effect}");
@@ -61,7 +61,7 @@ fn every_effect_is_planted_at_the_size_asked_for() {
             }
         }
         let needed = effect.description().needs.iter();
-        assert!(needed.clone().all(|name| case.field.iter().any(|(column, _)| column == name)), "{effect}");
+        assert!(needed.clone().all(|name| case.log.iter().any(|(column, _)| column == name)), "{effect}");
     }
 }
 
@@ -72,7 +72,7 @@ fn regressors_times_coefficients_are_the_planted_error() {
         plan.planted.push(Plant { effect, parameter: None, size: 25.0 });
     }
     let case = simulate_case(&plan).expect("it works");
-    for truth in [&case.truth.field, &case.truth.eval] {
+    for truth in [&case.truth.log, &case.truth.evaluation] {
         let weights = case.truth.planted.iter().flat_map(|planted| &planted.coefficients);
         let mut sum = vec![0.0; truth.error.len()];
         for (weight, (_, values)) in weights.zip(&truth.regressors) {
@@ -81,7 +81,7 @@ fn regressors_times_coefficients_are_the_planted_error() {
         let largest = sum.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         assert!(sum.iter().zip(&truth.error).all(|(a, b)| (a - b).abs() < 1e-12 * largest));
     }
-    assert_eq!(case.truth.field.regressors.len(), 4);
+    assert_eq!(case.truth.log.regressors.len(), 4);
 }
 
 #[test]
@@ -89,29 +89,33 @@ fn a_plan_gives_the_same_bits_and_another_seed_others() {
     let mut plan = plan(7, Setup::Desk, Axis::Ay);
     plan.planted.push(Plant { effect: Effect::LoadHeating, parameter: None, size: 20.0 });
     let [first, second] = [0, 1].map(|_| simulate_case(&plan).expect("it works"));
-    assert!(first.field == second.field && first.eval == second.eval && first.baseline == second.baseline);
+    assert!(
+        first.log == second.log
+            && first.evaluation == second.evaluation
+            && first.reference == second.reference
+    );
     let other = simulate_case(&CasePlan { seed: 8, ..plan }).expect("it works");
-    assert_ne!(first.field, other.field);
+    assert_ne!(first.log, other.log);
 }
 
 #[test]
 fn planted_effects_change_only_the_target() {
     let quiet = plan(9, Setup::Bench, Axis::Gx);
     let without = simulate_case(&quiet).expect("it works");
-    assert!(without.truth.field.error.iter().chain(&without.truth.eval.error).all(|x| *x == 0.0));
+    assert!(without.truth.log.error.iter().chain(&without.truth.evaluation.error).all(|x| *x == 0.0));
     let mut planted = quiet.clone();
     planted.planted.push(Plant { effect: Effect::WarmupExp, parameter: Some(60.0), size: 200.0 });
     let with = simulate_case(&planted).expect("it works");
-    assert_eq!(with.baseline, without.baseline);
-    for (log, other) in [(&with.field, &without.field), (&with.eval, &without.eval)] {
+    assert_eq!(with.reference, without.reference);
+    for (log, other) in [(&with.log, &without.log), (&with.evaluation, &without.evaluation)] {
         let differ: Vec<&str> =
             log.iter().zip(other).filter(|(a, b)| a != b).map(|(a, _)| a.0.as_str()).collect();
         assert_eq!(differ, ["gx_rads"]);
     }
     // up to rounding, the difference is the planted error
-    let (a, b) = (column(&with.field, "gx_rads"), column(&without.field, "gx_rads"));
+    let (a, b) = (column(&with.log, "gx_rads"), column(&without.log, "gx_rads"));
     let lsb = with.meta.gyro_lsb_rads.expect("stated");
-    for ((a, b), error) in a.iter().zip(b).zip(&with.truth.field.error) {
+    for ((a, b), error) in a.iter().zip(b).zip(&with.truth.log.error) {
         assert!((a - b - error).abs() <= 1.0001 * lsb);
     }
 }
@@ -147,20 +151,20 @@ fn logs_have_the_columns_of_their_set_up() {
         let case = simulate_case(&plan(4, setup, Axis::Gx)).expect("it works");
         let names = |log: &[(String, Vec<f64>)]| log.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
         let fixed = ["t_s", "ax_mps2", "ay_mps2", "az_mps2", "gx_rads", "gy_rads", "gz_rads"];
-        let field = names(&case.field);
+        let field = names(&case.log);
         assert_eq!(field[..7], fixed);
-        assert_eq!(field, names(&case.eval));
+        assert_eq!(field, names(&case.evaluation));
         let has = |name: &str| field.iter().any(|column| column == name);
         assert_eq!(has("ref_ax_mps2"), matches!(setup, Setup::PoseRig | Setup::RateTable), "{setup:?}");
         assert_eq!(has("ref_gz_rads"), setup == Setup::RateTable, "{setup:?}");
         assert_eq!(has("still"), setup == Setup::PoseRig, "{setup:?}");
-        assert!(!names(&case.baseline).iter().any(|name| name.starts_with("ref_") || name == "still"));
-        let t = column(&case.field, "t_s");
+        assert!(!names(&case.reference).iter().any(|name| name.starts_with("ref_") || name == "still"));
+        let t = column(&case.log, "t_s");
         assert!(t[0] == 0.0 && t.windows(2).all(|pair| pair[1] > pair[0]));
         assert!((t.len() as f64 / 120_000.0 - 1.0).abs() < 0.016);
         // the measurement is the truth plus bias and noise
         if has("ref_gx_rads") {
-            let pairs = column(&case.field, "gx_rads").iter().zip(column(&case.field, "ref_gx_rads"));
+            let pairs = column(&case.log, "gx_rads").iter().zip(column(&case.log, "ref_gx_rads"));
             let error: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
             assert!(variance(&[&error]).sqrt() < 2e-3);
         }
@@ -170,7 +174,7 @@ fn logs_have_the_columns_of_their_set_up() {
 #[test]
 fn the_reference_force_is_gravity_carried_along_by_the_reference_rate() {
     let case = simulate_case(&plan(6, Setup::RateTable, Axis::Gz)).expect("it works");
-    let get = |name: &str| column(&case.field, name);
+    let get = |name: &str| column(&case.log, name);
     let force = [get("ref_ax_mps2"), get("ref_ay_mps2"), get("ref_az_mps2")];
     let rate = [get("ref_gx_rads"), get("ref_gy_rads"), get("ref_gz_rads")];
     let dt = 1.0 / case.truth.rate_hz;
@@ -205,7 +209,7 @@ fn case_metadata_survives_a_round_trip() {
     assert!(truth.contains("vibration_rectification"));
     let recording =
         fos_data::recording::load(folder.join("log.parquet"), &Default::default()).expect("a log");
-    assert_eq!(**recording.channel("az_mps2").expect("there").values, *column(&case.field, "az_mps2"));
+    assert_eq!(**recording.channel("az_mps2").expect("there").values, *column(&case.log, "az_mps2"));
     assert_eq!(recording.segments.len(), 1);
 }
 

@@ -8,13 +8,13 @@ use super::shape::Shape;
 use super::world::World;
 
 /// Number of the evaluation log among the logs of a case.
-const EVAL: u64 = 2;
+const EVALUATION: u64 = 2;
 
 impl Shape {
     /// Columns of its error in a log: 1 the log to explain, 2 the evaluation log.
     pub(super) fn columns(&self, world: &World, log: u64, seed: u64) -> Vec<NamedSeries> {
         let found = regressors(self.effect, self.parameter, world, self.target, &self.anchor);
-        if self.effect == Effect::BiasStep && log == EVAL {
+        if self.effect == Effect::BiasStep && log == EVALUATION {
             // the shock is over: its offset remains
             return found.into_iter().map(|(name, values)| (name, vec![1.0; values.len()])).collect();
         }

@@ -44,8 +44,8 @@ pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], DemoCa
         Ok(load(&path, &LoadOptions::default())?)
     };
     Ok([
-        read("reference.parquet", &case.baseline)?,
-        read("log.parquet", &case.field)?,
-        read("evaluation.parquet", &case.eval)?,
+        read("reference.parquet", &case.reference)?,
+        read("log.parquet", &case.log)?,
+        read("evaluation.parquet", &case.evaluation)?,
     ])
 }

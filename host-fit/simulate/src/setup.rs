@@ -112,7 +112,7 @@ impl Scene {
     }
 
     /// Reference log: rest in one orientation under steady conditions.
-    pub(super) fn baseline(&self, duration_s: f64, random: &mut Random) -> World {
+    pub(super) fn reference(&self, duration_s: f64, random: &mut Random) -> World {
         let n = self.samples(duration_s);
         let mut world = self.covariates(n, Ambient::Still, false, false, random);
         motion::hold(&mut world, &self.pose, n);

@@ -83,9 +83,9 @@ mod tests {
         let case = simulate_case(&plan).expect("a case");
         let [_, field, _] = case.recordings().expect("logs");
         // the rows of the truth are those of the gyro
-        assert_eq!(field.n_rows(), case.truth.field.error.len());
+        assert_eq!(field.n_rows(), case.truth.log.error.len());
         assert!((field.rate.true_hz / 208.0 - 1.0).abs() < 0.02, "{}", field.rate.true_hz);
-        let of = |name: &str| &case.field.iter().find(|(column, _)| column == name).expect(name).1;
+        let of = |name: &str| &case.log.iter().find(|(column, _)| column == name).expect(name).1;
         assert_eq!(*field.channel("gx_rads").expect("a gyro").values, *of("gx_rads"));
         let alignment = field.alignment.as_ref().expect("streams");
         assert_eq!(alignment.lead, "gyro");

@@ -105,20 +105,21 @@ pub fn examine(
 ) -> Result<Outcome, CalibrationError> {
     let simulated = simulate_case(plan).map_err(|source| CalibrationError::Plan { case, source })?;
     let failed = |source: DiagnoseError| CalibrationError::Diagnose { case, source: Box::new(source) };
-    let [baseline, field, eval] = simulated.recordings().map_err(|error| failed(error.into()))?;
+    let [reference, log, evaluation] = simulated.recordings().map_err(|error| failed(error.into()))?;
     let SimulatedCase { meta, truth, .. } = simulated;
     let start = std::time::Instant::now();
-    let answer =
-        diagnose(&question_of_logs(&meta, &field, Some(&baseline), Some(&eval), library)).map_err(failed)?;
+    let answer = diagnose(&question_of_logs(&meta, &log, Some(&reference), Some(&evaluation), library))
+        .map_err(failed)?;
     let seconds = start.elapsed().as_secs_f64();
-    let logs = [&field, &baseline, &eval];
+    let logs = [&log, &reference, &evaluation];
     let alarms = match every_axis && plan.kind == Kind::Nothing {
         true => Some(alarms(&meta, logs, library).map_err(failed)?),
         false => None,
     };
-    let corrected = Corrected { target: &meta.target, field: &field, eval: &eval };
+    let corrected = Corrected { target: &meta.target, log: &log, evaluation: &evaluation };
     let wide = truth.planted.iter().any(|planted| planted.band == Band::Wide);
-    let falls = corrected.falls(&answer, &truth.field, &truth.eval, &truth.noise, wide).map_err(failed)?;
+    let falls =
+        corrected.falls(&answer, &truth.log, &truth.evaluation, &truth.noise, wide).map_err(failed)?;
     Ok(Outcome {
         case,
         kind: plan.kind,
@@ -164,13 +165,13 @@ pub fn examine(
 /// Diagnoses each axis of a log without a missing effect and returns the false alarms.
 fn alarms(
     meta: &CaseMeta,
-    [field, baseline, eval]: [&Recording; 3],
+    [log, reference, evaluation]: [&Recording; 3],
     library: &Library,
 ) -> Result<Vec<Alarm>, DiagnoseError> {
     let mut alarms = Vec::new();
     for target in AXES {
         let meta = CaseMeta { target: target.to_owned(), ..meta.clone() };
-        let answer = diagnose(&question_of_logs(&meta, field, Some(baseline), Some(eval), library))?;
+        let answer = diagnose(&question_of_logs(&meta, log, Some(reference), Some(evaluation), library))?;
         if answer.verdict.is_alarm() {
             let found = answer.findings.iter().map(|finding| finding.effect.clone());
             let named = found.chain(answer.leads.iter().take(1).map(|lead| lead.follows.clone()));
@@ -183,8 +184,8 @@ fn alarms(
 /// Logs on which a correction is evaluated.
 struct Corrected<'a> {
     target: &'a str,
-    field: &'a Recording,
-    eval: &'a Recording,
+    log: &'a Recording,
+    evaluation: &'a Recording,
 }
 
 impl Corrected<'_> {
@@ -192,31 +193,32 @@ impl Corrected<'_> {
     fn falls(
         &self,
         answer: &Diagnosis,
-        field_truth: &LogTruth,
-        eval_truth: &LogTruth,
+        log_truth: &LogTruth,
+        evaluation_truth: &LogTruth,
         noise: &AxisNoise,
         wide: bool,
     ) -> Result<(Option<f64>, Option<f64>), DiagnoseError> {
-        let (reduced, rows) = (ErrorInBlocks::in_slow_blocks(self.eval, self.target)?, 0..self.eval.n_rows());
+        let (reduced, rows) =
+            (ErrorInBlocks::in_slow_blocks(self.evaluation, self.target)?, 0..self.evaluation.n_rows());
         let variance = |left: &[f64]| match wide {
             true => reduced.wide_variance(left, &rows),
             false => reduced.slow_variance(left, &rows),
         };
         // Motion of the device is not an error.
         let error: Vec<f64> =
-            reduced.error.iter().zip(&eval_truth.motion).map(|(error, moved)| error - moved).collect();
+            reduced.error.iter().zip(&evaluation_truth.motion).map(|(error, moved)| error - moved).collect();
         let take = |correction: &[f64]| -> f64 {
             let left: Vec<f64> = error.iter().zip(correction).map(|(error, taken)| error - taken).collect();
             1.0 - variance(&left) / variance(&error)
         };
         let claimed: Vec<Finding> =
             answer.findings.iter().filter(|finding| finding.doubt.is_none()).cloned().collect();
-        let own = correction(&claimed, self.field, self.eval)?;
+        let own = correction(&claimed, self.log, self.evaluation)?;
         let realised = claimed.iter().any(|finding| !finding.correction.is_empty()).then(|| take(&own));
-        if field_truth.regressors.is_empty() {
+        if log_truth.regressors.is_empty() {
             return Ok((None, realised));
         }
-        let best = best_correction(self.field, self.target, field_truth, eval_truth, noise, wide)?;
+        let best = best_correction(self.log, self.target, log_truth, evaluation_truth, noise, wide)?;
         let achievable = take(&best);
         Ok(((achievable > LEAST_FALL).then_some(achievable), realised))
     }
@@ -224,14 +226,14 @@ impl Corrected<'_> {
 
 /// Prediction for the evaluation log by the true regressors, fitted to the log to explain with the true noise.
 fn best_correction(
-    field: &Recording,
+    log: &Recording,
     target: &str,
-    field_truth: &LogTruth,
-    eval_truth: &LogTruth,
+    log_truth: &LogTruth,
+    evaluation_truth: &LogTruth,
     noise: &AxisNoise,
     wide: bool,
 ) -> Result<Vec<f64>, DiagnoseError> {
-    let reduced = ErrorInBlocks::of(field, target)?;
+    let reduced = ErrorInBlocks::of(log, target)?;
     let coefficients: Vec<f64> = if wide {
         // The noise around a line is locally white, so plain least squares is used.
         let known = |values: &[f64]| -> Vec<f64> {
@@ -240,7 +242,7 @@ fn best_correction(
         };
         let y = known(&reduced.error);
         let mean = signal::mean(&[&y]);
-        let columns: Vec<Vec<f64>> = field_truth.regressors.iter().map(|(_, values)| known(values)).collect();
+        let columns: Vec<Vec<f64>> = log_truth.regressors.iter().map(|(_, values)| known(values)).collect();
         let gram = nalgebra::DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
             columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum::<f64>()
         });
@@ -251,16 +253,16 @@ fn best_correction(
             .map_or_else(|| vec![0.0; columns.len()], |c| c.solve(&right).iter().copied().collect())
     } else {
         let columns: Vec<Vec<f64>> =
-            field_truth.regressors.iter().map(|(_, values)| reduced.blocks.means(values)).collect();
+            log_truth.regressors.iter().map(|(_, values)| reduced.blocks.means(values)).collect();
         let one = vec![1.0; reduced.blocks.len()];
         let mut regressors: Vec<&[f64]> = vec![&one];
         regressors.extend(columns.iter().map(Vec::as_slice));
         Gls::new(&reduced.blocks, &true_levels(noise), &reduced.means, &regressors).coefficients()[1..]
             .to_vec()
     };
-    let n = eval_truth.error.len();
+    let n = evaluation_truth.error.len();
     let mut sum = vec![0.0; n];
-    for (coefficient, (_, values)) in coefficients.iter().zip(&eval_truth.regressors) {
+    for (coefficient, (_, values)) in coefficients.iter().zip(&evaluation_truth.regressors) {
         sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += coefficient * value);
     }
     Ok(sum)

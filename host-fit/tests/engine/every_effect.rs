@@ -53,16 +53,16 @@ struct Logs {
 
 impl Logs {
     fn of(plan: &CasePlan) -> Self {
-        let SimulatedCase { meta, baseline, field, eval, .. } = simulate_case(plan).expect("a case");
+        let SimulatedCase { meta, reference, log, evaluation, .. } = simulate_case(plan).expect("a case");
         let options = LoadOptions { rate_hz: Some(meta.nominal_rate_hz), ..LoadOptions::default() };
         let recording = |name: &str, columns| {
             Recording::from_columns(Source::made_by(name), columns, &options).expect("a recording")
         };
         Self {
             target: meta.target.clone(),
-            reference: recording("reference", baseline),
-            log: recording("log", field),
-            later: recording("later", eval),
+            reference: recording("reference", reference),
+            log: recording("log", log),
+            later: recording("later", evaluation),
         }
     }
 

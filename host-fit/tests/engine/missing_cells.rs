@@ -29,14 +29,14 @@ fn changed(case: &SimulatedCase, change: impl Fn(usize, f64) -> f64) -> Columns 
         let change = |(row, value): (usize, &f64)| if is_slow { change(row, *value) } else { *value };
         (name.clone(), values.iter().enumerate().map(change).collect())
     };
-    case.field.iter().map(of_column).collect()
+    case.log.iter().map(of_column).collect()
 }
 
 fn diagnosed(case: &SimulatedCase, field: Columns) -> Diagnosis {
     let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
     let recording =
         |columns| Recording::from_columns(Source::made_by("test"), columns, &options).expect("a recording");
-    let (field, reference) = (recording(field), recording(case.baseline.clone()));
+    let (field, reference) = (recording(field), recording(case.reference.clone()));
     let library = Library::built_in();
     let answer = diagnose(&question_of_logs(&case.meta, &field, Some(&reference), None, &library))
         .expect("a diagnosis");
@@ -89,8 +89,8 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
     let cases: Vec<_> = cases.into_iter().map(|(effect, setup, seed)| case(effect, setup, seed)).collect();
     let (mut same, mut control) = (0, 0);
     for case in &cases {
-        let rows = case.field[0].1.len();
-        let whole = diagnosed(case, case.field.clone());
+        let rows = case.log[0].1.len();
+        let whole = diagnosed(case, case.log.clone());
         assert!(!whole.findings.is_empty(), "{}", whole.sentence);
         for lead in [1, 150] {
             let cut = diagnosed(
@@ -128,7 +128,7 @@ fn empty_cells_at_the_edges_change_no_diagnosis() {
 #[test]
 fn lists_unusable_channels_as_not_tested() {
     let case = case("temp_linear", Setup::Bench, 1);
-    let rows = case.field[0].1.len();
+    let rows = case.log[0].1.len();
     for (why, change) in [
         (
             "empty for the first",

@@ -168,7 +168,7 @@ fn plausible_logs_cause_no_warning() {
             let case = simulate_case(&CasePlan { durations, ..plan.clone() });
             let case: fos_simulate::SimulatedCase = case.expect("a case");
             let options = LoadOptions { rate_hz: Some(case.meta.nominal_rate_hz), ..LoadOptions::default() };
-            [case.baseline, case.field, case.eval]
+            [case.reference, case.log, case.evaluation]
                 .into_iter()
                 .flat_map(|columns| {
                     let log = Recording::from_columns(Source::made_by("test"), columns, &options);

@@ -252,9 +252,9 @@ fn simulated_logs() -> Simulated {
         let skipped = plan.setup == Setup::RateTable;
         let planted: Vec<String> = plan.planted.iter().map(|plant| plant.effect.to_string()).collect();
         let Ok(case) = simulate_case(&CasePlan { durations, ..plan }) else { continue };
-        look(case.baseline, false, &what);
+        look(case.reference, false, &what);
         if !skipped {
-            look(case.field, turns, &what);
+            look(case.log, turns, &what);
             effects.extend(planted.into_iter().filter(|_| !turns));
         }
     }

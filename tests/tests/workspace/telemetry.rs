@@ -52,13 +52,13 @@ fn identifies_a_hidden_effect_from_telemetry() {
     let mut plan = CasePlan::new(8, "bmi270", Setup::Bench, Axis::named("gx").expect("an axis"));
     plan.planted.push(Plant { effect: Effect::ThermalLag, parameter: Some(60.0), size: 120.0 });
     let case = simulate_case(&plan).expect("a case");
-    let reference = recording("reference", case.baseline);
+    let reference = recording("reference", case.reference);
     let fitted =
         fit_axis(&reference, &stillness::find(&reference), "gx", &FitOptions::default()).expect("a fit");
     let bytes = image(&fitted.model, "simulated", "").expect("an image");
 
     // on the device
-    let field = recording("field", case.field);
+    let field = recording("field", case.log);
     let column = |name: &str| field.held(field.channel(name).expect("a column"));
     let (rate, temperature) = (column("gx_rads"), column("temp_c"));
     let mut predictor: Predictor<f32, 6, 16, 128, 256> =

@@ -1,9 +1,10 @@
 //! Inputs of a recording, evaluated by fos-core, and the row from which each is known.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
-use fos_core::Transformer;
+use fos_core::{Transform, Transformer};
 
 use super::terms::{Product, Regressor};
 use crate::memo::Memo;
@@ -99,6 +100,11 @@ impl<'a> Inputs<'a> {
 
     fn block_means_of(&self, product: &Product, blocks: &Blocks) -> Result<Vec<f64>, RecordingError> {
         if let [spec] = &product.inputs[..]
+            && let Transform::Decay { tau_s } = spec.transform
+        {
+            return Ok(self.block_means_of_decay(spec, tau_s, blocks));
+        }
+        if let [spec] = &product.inputs[..]
             && is_parametrised(&spec.to_string())
         {
             let held = self.held(spec.column.as_deref())?;
@@ -110,6 +116,25 @@ impl<'a> Inputs<'a> {
             }
         }
         Ok(blocks.means(&product.over(|spec| self.input(spec))?))
+    }
+
+    /// Block means of e^(−t/τ): a geometric series over each run of used rows, Σ v·qᵏ = v·(1 − qⁿ)/(1 − q), q = e^(−T/τ).
+    /// A search for τ needs them hundreds of times.
+    fn block_means_of_decay(&self, spec: &InputSpec, tau_s: f64, blocks: &Blocks) -> Vec<f64> {
+        let decline = |rows: usize| (-(rows as f64) * self.recording.rate.period_s / tau_s).exp_m1();
+        let mut sums = vec![0.0; blocks.len()];
+        self.over_segments(spec, |decay, rows| {
+            let mut row = rows.start;
+            for (block, run) in blocks.used_runs(rows.clone()) {
+                decay.skip((run.start - row) as u32);
+                row = run.end;
+                let first = decay.update(0.0);
+                decay.skip(run.len() as u32 - 1);
+                sums[block] += first * decline(run.len()) / decline(1);
+            }
+            decay.skip((rows.end - row) as u32);
+        });
+        sums.iter().zip(&blocks.blocks).map(|(sum, block)| sum / block.count as f64).collect()
     }
 
     /// Evaluates a regressor over all rows with its inputs clamped to `limits`.
@@ -184,27 +209,35 @@ impl<'a> Inputs<'a> {
 
     /// Transforms a held column; NaN stays NaN. `take` gets the rows in order, some at a time.
     fn transformed(&self, spec: &InputSpec, held: &[f64], mut take: impl FnMut(&[f64])) {
+        let mut transformed = [0.0; AT_ONCE];
+        self.over_segments(spec, |transformer, rows| {
+            for rows in held[rows].chunks(AT_ONCE) {
+                let transformed = &mut transformed[..rows.len()];
+                // a copy, whose state the compiler can keep in registers
+                let mut running = *transformer;
+                for (u, x) in transformed.iter_mut().zip(rows) {
+                    let value = running.update(*x);
+                    // the output of a transform before its first input is not a value
+                    *u = if x.is_nan() { f64::NAN } else { value };
+                }
+                *transformer = running;
+                take(transformed);
+            }
+        });
+    }
+
+    /// Calls `advance` for the rows of each segment in order, with the transformer at their start; it moves the
+    /// transformer to their end.
+    fn over_segments(&self, spec: &InputSpec, mut advance: impl FnMut(&mut Transformer<f64>, Range<usize>)) {
         let period_s = self.recording.rate.period_s;
         let mut transformer = Transformer::new(&spec.transform, period_s);
-        let mut transformed = [0.0; AT_ONCE];
         for segment in &self.recording.segments {
             match segment.boundary {
                 Boundary::Start => {}
                 Boundary::Recording => transformer = Transformer::new(&spec.transform, period_s),
                 _ => transformer.skip(u32::try_from(segment.missing_before).unwrap_or(u32::MAX)),
             }
-            for rows in held[segment.rows.clone()].chunks(AT_ONCE) {
-                let transformed = &mut transformed[..rows.len()];
-                // a copy, whose state the compiler can keep in registers
-                let mut running = transformer;
-                for (u, x) in transformed.iter_mut().zip(rows) {
-                    let value = running.update(*x);
-                    // the output of a transform before its first input is not a value
-                    *u = if x.is_nan() { f64::NAN } else { value };
-                }
-                transformer = running;
-                take(transformed);
-            }
+            advance(&mut transformer, segment.rows.clone());
         }
     }
 }
@@ -256,6 +289,37 @@ mod tests {
                 // the same as if the log began with the first value, and constant before it
                 assert_eq!(late[lead..], cut[..], "{text}");
                 assert!(late[..lead].iter().all(|value| *value == cut[0]), "{text}");
+            }
+        }
+    }
+
+    /// The closed form agrees with the values row by row, over gaps, unused rows and a second recording.
+    #[test]
+    fn block_means_of_a_decay_are_those_of_its_rows() {
+        let part = |first_s: f64| {
+            let time_s: Vec<f64> = (0..3000)
+                .map(|row| first_s + 0.01 * f64::from(row) + if row > 1234 { 7.3 } else { 0.0 })
+                .collect();
+            let columns = vec![("temp_c".to_owned(), vec![25.0; 3000]), ("t_s".to_owned(), time_s)];
+            Recording::from_columns(Source::made_by("test"), columns, &LoadOptions::default()).unwrap()
+        };
+        let log = Recording::join(vec![part(0.0), part(100.0)]).unwrap();
+        assert!(log.segments.len() >= 4, "{:?}", log.segments);
+        let known =
+            (0..log.n_rows()).map(|row| row % 500 > 20 && row % 7 != 3 || (2000..2600).contains(&row));
+        let blocks = Blocks::new(&log, 1.5, known.collect());
+        let inputs = Inputs::new(&log);
+        for tau_s in [0.02, 1.0, 40.0, 5e4] {
+            let spec = spec(&format!("clock:decay({tau_s})"));
+            let rows = blocks.means(&inputs.input(&spec).unwrap());
+            let regressor = Regressor { products: vec![Product { inputs: vec![spec] }] };
+            let closed = inputs.block_means(&regressor, &blocks).unwrap();
+            for (closed, rows) in closed.iter().zip(&rows) {
+                // rounding of a sum of 150 values, and of the recursion
+                assert!(
+                    (closed - rows).abs() <= 1e-12 * rows.abs() + 1e-15,
+                    "τ {tau_s}: {closed} for {rows}"
+                );
             }
         }
     }

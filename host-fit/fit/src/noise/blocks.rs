@@ -288,6 +288,25 @@ impl Blocks {
         Averaging { blocks: self, row: 0, sum: 0.0, means: Vec::with_capacity(self.blocks.len()) }
     }
 
+    /// Returns the runs of used rows within `rows`, each with its block, in order.
+    pub fn used_runs(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let first = self.blocks.partition_point(|block| block.rows.end <= rows.start);
+        let within = self.blocks[first..].iter().take_while(move |block| block.rows.start < rows.end);
+        within.enumerate().flat_map(move |(place, block)| {
+            let mut left = block.rows.start.max(rows.start)..block.rows.end.min(rows.end);
+            let is_whole = block.count == block.rows.len();
+            std::iter::from_fn(move || {
+                let known = &self.known[left.clone()];
+                let start = left.start + if is_whole { 0 } else { known.iter().position(|known| *known)? };
+                let known = &self.known[start..left.end];
+                let length = if is_whole { None } else { known.iter().position(|known| !known) };
+                let run = start..start + length.unwrap_or(known.len());
+                left.start = run.end;
+                (!run.is_empty()).then_some((first + place, run))
+            })
+        })
+    }
+
     /// Returns the middle of a block, s after the first sample.
     pub fn middle_s(&self, block: usize) -> f64 {
         (self.blocks[block].index as f64 + 0.5) * self.length_s

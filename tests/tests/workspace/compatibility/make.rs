@@ -195,7 +195,7 @@ fn written_study() -> Study {
         Recording::from_columns(Source::made_by(name), columns, &options).expect("a log")
     };
     let (reference, log) =
-        (recording("simulated reference log", case.baseline), recording("simulated log", case.field));
+        (recording("simulated reference log", case.reference), recording("simulated log", case.log));
     let stillness = stillness::find(&reference);
     let options = FitOptions { max_terms: 2, memory_s: vec![], ..FitOptions::default() };
     let fit = fit_axis(&reference, &stillness, "gx", &options).expect("fits");
