@@ -5,10 +5,10 @@ use serde::Serialize;
 use super::case_meta::meta;
 use super::coloured::AxisNoise;
 use super::disturbance::{self, Disturbance, Disturbed, Motion};
-use super::draft::{Draft, FIELD, draft};
+use super::draft::{Draft, draft};
 use super::plan::{CasePlan, PlanError};
 use super::planting::{self, Planted};
-use super::random::{Stream, random};
+use super::random::{EVALUATION, LOG, REFERENCE, Stream, random};
 use super::recorder::{self, Faults};
 use super::regressors::NamedSeries;
 use super::streams::split;
@@ -86,14 +86,11 @@ impl SimulatedCase {
         };
         Ok([
             read("reference", &self.reference, REFERENCE)?,
-            read("log", &self.log, FIELD)?,
+            read("log", &self.log, LOG)?,
             read("evaluation", &self.evaluation, EVALUATION)?,
         ])
     }
 }
-
-const REFERENCE: u64 = 0;
-const EVALUATION: u64 = 2;
 
 /// Simulates a case.
 ///
@@ -127,14 +124,14 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
         (seed, REFERENCE),
     );
 
-    let columns = shapes.iter().map(|shape| shape.columns(&field, FIELD, seed)).collect();
+    let columns = shapes.iter().map(|shape| shape.columns(&field, LOG, seed)).collect();
     let mut planted =
         planting::size(plan, &shapes, &columns, &field, &logged.names(), (noise, part.lsb(target)))?;
     let weights: Vec<Vec<f64>> = planted.iter().map(|planted| planted.coefficients.clone()).collect();
     let eval_columns = shapes.iter().map(|shape| shape.columns(&evaluation, EVALUATION, seed)).collect();
     let mut faults = Faults::default();
     let mut logs = Vec::new();
-    for (world, columns, log) in [(&field, columns, FIELD), (&evaluation, eval_columns, EVALUATION)] {
+    for (world, columns, log) in [(&field, columns, LOG), (&evaluation, eval_columns, EVALUATION)] {
         let mut error = planting::sum(&weights, &columns, world.len());
         let motion = disturbance::motion(plan.disturbance, world, (seed, log));
         let mut analog = recorder::analog(&unit, world, &motion, target, &error, (seed, log));
@@ -147,7 +144,7 @@ pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
             plan,
             &mut planted,
             (&analog, noise),
-            (lsb, bias, seed, log == FIELD),
+            (lsb, bias, seed, log == LOG),
         );
         for (error, value) in error.iter_mut().zip(&analog) {
             if faults.limit.is_some() || faults.step.is_some() || faults.dead_zone.is_some() {

@@ -2,13 +2,10 @@
 
 use super::coloured::GaussMarkov;
 use super::effect::{Effect, Outside};
-use super::random::{Random, Stream, between, chance, normal, random, sign};
+use super::random::{EVALUATION, Random, Stream, between, chance, normal, random, sign};
 use super::regressors::{NamedSeries, regressors};
 use super::shape::Shape;
 use super::world::World;
-
-/// Number of the evaluation log among the logs of a case.
-const EVALUATION: u64 = 2;
 
 impl Shape {
     /// Columns of its error in a log: 1 the log to explain, 2 the evaluation log.

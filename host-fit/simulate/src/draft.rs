@@ -7,14 +7,11 @@ use super::effect::Effect;
 use super::part::{Part, true_rate};
 use super::plan::{CasePlan, Kind, PlanError};
 use super::plant::Plant;
-use super::random::{Stream, chance, random};
+use super::random::{LOG, Stream, chance, random};
 use super::recorder::{Logged, Unit};
 use super::setup::{Scene, Setup, Wants};
 use super::shape::Shape;
 use super::world::World;
-
-/// Number of the log to explain among those of a case.
-pub(super) const FIELD: u64 = 1;
 
 /// Complete description of a case before its noise is drawn.
 pub(super) struct Draft {
@@ -81,7 +78,7 @@ pub(super) fn draft(plan: &CasePlan) -> Result<Draft, PlanError> {
         1.0 / rate_hz,
         &mut random(plan.seed, Stream::World(9)),
     );
-    let field = scene.log(plan.durations.log_s, false, &mut random(plan.seed, Stream::World(FIELD)));
+    let field = scene.log(plan.durations.log_s, false, &mut random(plan.seed, Stream::World(LOG)));
     let shortest_s = plan.durations.log_s.min(plan.durations.evaluation_s);
     let draw = |(number, plant): (usize, &Plant)| {
         Shape::draw(plant, number as u64, (plan.setup, plan.target), (&field, shortest_s), plan.seed)

@@ -7,6 +7,11 @@ use rand_distr::{Distribution, StandardNormal};
 /// Generator of the simulated cases.
 pub(super) type Random = ChaCha8Rng;
 
+/// Numbers of the logs of a case: reference log, log to explain, evaluation log.
+pub(super) const REFERENCE: u64 = 0;
+pub(super) const LOG: u64 = 1;
+pub(super) const EVALUATION: u64 = 2;
+
 /// Purposes, each a stream of one seed.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Stream {

@@ -33,8 +33,8 @@ pub struct Calibration {
     pub figures: Vec<Statistic>,
 }
 
-/// Simulates and diagnoses the cases with the effects of `library`. Outcomes stored in `stored_outcomes` are reused, and new ones are stored there.
-/// `progress` receives the number of finished cases.
+/// Simulates and diagnoses the cases with the effects of `library`. Outcomes in `stored` are reused, and new ones are added
+/// to it. `progress` receives the number of finished cases.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub struct Calibration {
 pub fn calibrate(
     cases: Cases,
     library: &Library,
-    stored_outcomes: Option<&StoredOutcomes>,
+    stored: Option<&StoredOutcomes>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Calibration, CalibrationError> {
     let Cases { seed, count, world, every_axis } = cases;
@@ -52,11 +52,11 @@ pub fn calibrate(
         .par_iter()
         .enumerate()
         .map(|(case, plan)| {
-            let outcome = match stored_outcomes.and_then(|stored_outcomes| stored_outcomes.of(case)) {
+            let outcome = match stored.and_then(|stored| stored.of(case)) {
                 Some(known) => known,
                 None => {
                     let outcome = examine(case, plan, every_axis, library)?;
-                    stored_outcomes.map(|stored_outcomes| stored_outcomes.add(&outcome)).transpose()?;
+                    stored.map(|stored| stored.add(&outcome)).transpose()?;
                     outcome
                 }
             };

@@ -3,12 +3,12 @@
 use std::any::TypeId;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use fos_testkit::is_thorough;
 use fos_testkit::turned::turned_log;
+use rayon::prelude::*;
 
 const NUMBERS: [&str; 12] = [
     "inf",
@@ -144,25 +144,15 @@ fn run(folder: &Path, program: &str, arguments: &[String]) -> (End, String) {
 /// Runs the command lines on four threads, each in its own copy of the prepared files: they write files of the same
 /// name.
 fn run_all(folder: &Path, program: &str, lines: &[Vec<String>]) -> Vec<(End, String)> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(line) = lines.get(place) else { return found };
-            let own = tempfile::tempdir().expect("a folder");
-            for file in ["log.csv", "unit.json", "unit.fosm", "none.stream", "turned.csv"] {
-                std::fs::copy(folder.join(file), own.path().join(file)).expect("copied");
-            }
-            found.push((place, run(own.path(), program, line)));
+    let run_in_copy = |line: &Vec<String>| {
+        let own = tempfile::tempdir().expect("a folder");
+        for file in ["log.csv", "unit.json", "unit.fosm", "none.stream", "turned.csv"] {
+            std::fs::copy(folder.join(file), own.path().join(file)).expect("copied");
         }
+        run(own.path(), program, line)
     };
-    let mut ends: Vec<(usize, (End, String))> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().flat_map(|worker| worker.join().expect("no panic")).collect()
-    });
-    ends.sort_by_key(|(place, _)| *place);
-    ends.into_iter().map(|(_, end)| end).collect()
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(4).build().expect("threads");
+    threads.install(|| lines.par_iter().map(run_in_copy).collect())
 }
 
 /// `line` with the option set to `value`.

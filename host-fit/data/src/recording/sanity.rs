@@ -196,7 +196,7 @@ impl Recording {
     /// Warnings about these axes and the log as a whole.
     pub fn warnings_about(&self, wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let axes: Vec<&str> = AXES.into_iter().filter(|axis| self.channel(axis).is_ok()).collect();
-        let of_axis = |place: usize| self.oddities_of(axes[place], &axes[place + 1..], wanted, still);
+        let of_axis = |place: usize| self.warnings_of(axes[place], &axes[place + 1..], wanted, still);
         let mut found = in_parallel(0..axes.len(), of_axis).concat();
         let assumed = Some(&self.quality.assumed_map).filter(|map| !map.is_empty());
         found.extend(assumed.cloned().map(LogWarning::AssumedMap));
@@ -215,7 +215,7 @@ impl Recording {
     }
 
     /// Warnings about one axis: on its own, if it is in `wanted`, and in comparison with the axes after it.
-    fn oddities_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
+    fn warnings_of(&self, axis: &str, others: &[&str], wanted: &[&str], still: &[bool]) -> Vec<LogWarning> {
         let mut found = Vec::new();
         let logs: Vec<Range<usize>> = self.power_ons();
         let values = self.values(axis);

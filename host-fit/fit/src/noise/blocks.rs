@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fos_data::pose;
-use fos_data::recording::Recording;
+use fos_data::recording::{Recording, runs};
 
 use crate::signal::centred;
 
@@ -293,17 +293,12 @@ impl Blocks {
         let first = self.blocks.partition_point(|block| block.rows.end <= rows.start);
         let within = self.blocks[first..].iter().take_while(move |block| block.rows.start < rows.end);
         within.enumerate().flat_map(move |(place, block)| {
-            let mut left = block.rows.start.max(rows.start)..block.rows.end.min(rows.end);
-            let is_whole = block.count == block.rows.len();
-            std::iter::from_fn(move || {
-                let known = &self.known[left.clone()];
-                let start = left.start + if is_whole { 0 } else { known.iter().position(|known| *known)? };
-                let known = &self.known[start..left.end];
-                let length = if is_whole { None } else { known.iter().position(|known| !known) };
-                let run = start..start + length.unwrap_or(known.len());
-                left.start = run.end;
-                (!run.is_empty()).then_some((first + place, run))
-            })
+            let within = block.rows.start.max(rows.start)..block.rows.end.min(rows.end);
+            let used = match block.count == block.rows.len() {
+                true => vec![within],
+                false => runs(within, |row| self.known[row]),
+            };
+            used.into_iter().map(move |run| (first + place, run))
         })
     }
 
