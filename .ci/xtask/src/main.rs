@@ -1,11 +1,9 @@
 //! `cargo xtask COMMAND`: checks of the workspace itself, as the gate and people run them.
 
 mod corpus;
-mod crates;
 mod files;
 mod form;
 mod memory;
-mod modules;
 mod workspace;
 
 use std::error::Error;
@@ -17,7 +15,6 @@ use form::Form;
 const USAGE: &str = "\
 cargo xtask COMMAND
 
-  modules [--arrows | --dot]   what imports what: fails where files import each other in a circle, or a crate another than it may
   corpus CONTROL FOLDER        the inputs of a merge by libFuzzer that are kept in the repository
   files short|full             what fos writes is there whole, whatever happens meanwhile
   memory short|full            how much memory a log of a working day takes";
@@ -41,9 +38,6 @@ fn run(arguments: &[&str]) -> Result<(), Box<dyn Error>> {
     let root = workspace::root()?;
     std::env::set_current_dir(&root)?;
     let (command, form) = match arguments {
-        ["modules"] => return modules::run(modules::Print::Summary, &root),
-        ["modules", "--arrows"] => return modules::run(modules::Print::Arrows, &root),
-        ["modules", "--dot"] => return modules::run(modules::Print::Dot, &root),
         ["corpus", control, folder] => return corpus::run(control, Path::new(folder)),
         [command, "short"] => (*command, Form::Short),
         [command, "full"] => (*command, Form::Full),
