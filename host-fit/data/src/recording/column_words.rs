@@ -40,363 +40,73 @@ pub(super) const PROCESSED: u8 = 3;
 
 /// Accelerometers, gyros and magnetometers: words that stand next to an axis, and words that an axis may be joined to
 /// (`ax`, `gyrox`).
-const FORCE: [&str; 8] =
-    ["acc", "accel", "accels", "acceleration", "accelerations", "accelerometer", "accelerometers", "xl"];
-const RATE: [&str; 8] =
-    ["gyr", "gyro", "gyros", "gyroscope", "gyroscopes", "omega", "angvel", "angularvelocity"];
-const FIELD: [&str; 4] = ["mag", "mags", "magnetometer", "magnetic"];
-const JOINED_FORCE: [&str; 2] = ["a", "la"];
-const JOINED_RATE: [&str; 3] = ["g", "w", "rate"];
-const JOINED_FIELD: [&str; 2] = ["m", "b"];
+const FORCE: &str = "acc accel accels acceleration accelerations accelerometer accelerometers xl";
+const RATE: &str = "gyr gyro gyros gyroscope gyroscopes omega angvel angularvelocity";
+const FIELD: &str = "mag mags magnetometer magnetic";
+const JOINED_FORCE: &str = "a la";
+const JOINED_RATE: &str = "g w rate";
+const JOINED_FIELD: &str = "m b";
 
 /// Two words that together mean a gyro.
-const TURNS: [&str; 4] = ["angular", "ang", "rotation", "rotational"];
-const SPEED: [&str; 4] = ["velocity", "vel", "rate", "speed"];
+const TURNS: &str = "angular ang rotation rotational";
+const SPEED: &str = "velocity vel rate speed";
 
-const TEMPERATURE: [&str; 7] =
-    ["temp", "temps", "temperature", "temperatures", "tmp", "thermometer", "thermistor"];
-const TIME: [&str; 7] = ["time", "timestamp", "timestamps", "stamp", "elapsed", "t", "ts"];
-const VOLTAGE: [&str; 8] = ["supply", "vdd", "vcc", "vin", "vbat", "vbatt", "voltage", "volt"];
-const BATTERY: [&str; 3] = ["battery", "batt", "bat"];
-const LOAD: [&str; 3] = ["load", "cpu", "cpuload"];
+const TEMPERATURE: &str = "temp temps temperature temperatures tmp thermometer thermistor";
+const TIME: &str = "time timestamp timestamps stamp elapsed t ts";
+const VOLTAGE: &str = "supply vdd vcc vin vbat vbatt voltage volt";
+const BATTERY: &str = "battery batt bat";
+const LOAD: &str = "load cpu cpuload";
 
 /// Words of the IMU itself, next to a temperature.
-const OWN: [&str; 14] = [
-    "imu",
-    "gyro",
-    "gyr",
-    "gyros",
-    "gyroscope",
-    "acc",
-    "accel",
-    "accelerometer",
-    "xl",
-    "inertial",
-    "mems",
-    "die",
-    "chip",
-    "mpu",
-];
+const OWN: &str = "imu gyro gyr gyros gyroscope acc accel accelerometer xl inertial mems die chip mpu";
 
 /// Words that change nothing about a measurement.
-const NEUTRAL: [&str; 22] = [
-    "raw",
-    "imu",
-    "sensor",
-    "sensors",
-    "data",
-    "value",
-    "val",
-    "field",
-    "msg",
-    "measured",
-    "meas",
-    "measurement",
-    "uncalibrated",
-    "uncalib",
-    "uncal",
-    "unfiltered",
-    "unfilt",
-    "inertial",
-    "device",
-    "header",
-    "sample",
-    "axis",
-];
+const NEUTRAL: &str = "\
+    raw imu sensor sensors data value val field msg measured meas measurement uncalibrated uncalib uncal \
+    unfiltered unfilt inertial device header sample axis";
 
 /// Words for results computed from a measurement that still contain part of its error.
-const PROCESSED_WORDS: [&str; 42] = [
-    "linear",
-    "lin",
-    "filtered",
-    "filt",
-    "filter",
-    "lpf",
-    "lp",
-    "lowpass",
-    "notch",
-    "smooth",
-    "smoothed",
-    "avg",
-    "average",
-    "mean",
-    "median",
-    "calibrated",
-    "calib",
-    "cal",
-    "corrected",
-    "corr",
-    "compensated",
-    "comp",
-    "scaled",
-    "processed",
-    "proc",
-    "decimated",
-    "resampled",
-    "interp",
-    "interpolated",
-    "rotated",
-    "world",
-    "earth",
-    "enu",
-    "ned",
-    "nav",
-    "global",
-    "integrated",
-    "integral",
-    "delta",
-    "est",
-    "estimated",
-    "fused",
-];
+const PROCESSED_WORDS: &str = "\
+    linear lin filtered filt filter lpf lp lowpass notch smooth smoothed avg average mean median calibrated \
+    calib cal corrected corr compensated comp scaled processed proc decimated resampled interp interpolated \
+    rotated world earth enu ned nav global integrated integral delta est estimated fused";
 
 /// Words that exclude a measurement of the quantity, whatever else is in the name.
-pub(super) const DECOYS: [&str; 84] = [
-    "bias",
-    "biases",
-    "offset",
-    "offsets",
-    "gravity",
-    "grav",
-    "user",
-    "std",
-    "stddev",
-    "sd",
-    "sigma",
-    "var",
-    "variance",
-    "cov",
-    "covariance",
-    "accuracy",
-    "uncertainty",
-    "precision",
-    "ref",
-    "reference",
-    "truth",
-    "true",
-    "gt",
-    "groundtruth",
-    "cmd",
-    "command",
-    "setpoint",
-    "sp",
-    "target",
-    "desired",
-    "des",
-    "goal",
-    "error",
-    "err",
-    "residual",
-    "innovation",
-    "innov",
-    "noise",
-    "rms",
-    "min",
-    "max",
-    "peak",
-    "range",
-    "scale",
-    "gain",
-    "sensitivity",
-    "drift",
-    "limit",
-    "threshold",
-    "thresh",
-    "clip",
-    "clipping",
-    "clipped",
-    "status",
-    "flag",
-    "flags",
-    "valid",
-    "validity",
-    "id",
-    "count",
-    "counter",
-    "index",
-    "quality",
-    "age",
-    "gps",
-    "gnss",
-    "jerk",
-    "angle",
-    "position",
-    "pos",
-    "hp",
-    "hpf",
-    "highpass",
-    "diff",
-    "derivative",
-    "gradient",
-    "pred",
-    "predicted",
-    "model",
-    "sim",
-    "simulated",
-    "coeff",
-    "trim",
-    "dt",
-];
+pub(super) const DECOYS: &str = "\
+    bias biases offset offsets gravity grav user std stddev sd sigma var variance cov covariance accuracy \
+    uncertainty precision ref reference truth true gt groundtruth cmd command setpoint sp target desired des \
+    goal error err residual innovation innov noise rms min max peak range scale gain sensitivity drift limit \
+    threshold thresh clip clipping clipped status flag flags valid validity id count counter index quality \
+    age gps gnss jerk angle position pos hp hpf highpass diff derivative gradient pred predicted model sim \
+    simulated coeff trim dt";
 
 /// Further words that assign a temperature to something else.
-const ELSEWHERE: [&str; 30] = [
-    "cpu",
-    "gpu",
-    "soc",
-    "battery",
-    "batt",
-    "bat",
-    "ambient",
-    "air",
-    "room",
-    "outside",
-    "outdoor",
-    "indoor",
-    "motor",
-    "esc",
-    "engine",
-    "water",
-    "oil",
-    "fan",
-    "ssd",
-    "disk",
-    "radio",
-    "modem",
-    "charger",
-    "external",
-    "ext",
-    "environment",
-    "weather",
-    "dew",
-    "rate",
-    "slope",
-];
+const ELSEWHERE: &str = "\
+    cpu gpu soc battery batt bat ambient air room outside outdoor indoor motor esc engine water oil fan ssd \
+    disk radio modem charger external ext environment weather dew rate slope";
 /// Words of a temperature near the IMU.
-const NEARBY: [&str; 11] =
-    ["board", "pcb", "mcu", "baro", "barometer", "bmp", "case", "mag", "magnetometer", "housing", "body"];
+const NEARBY: &str = "board pcb mcu baro barometer bmp case mag magnetometer housing body";
 
 /// Words next to a time: of a duration, and of a clock other than the sampling one.
-const NO_CLOCK: [&str; 14] = [
-    "delta",
-    "delay",
-    "latency",
-    "lag",
-    "exposure",
-    "duration",
-    "interval",
-    "period",
-    "step",
-    "cpu",
-    "run",
-    "remaining",
-    "left",
-    "out",
-];
-const OTHER_CLOCK: [&str; 18] = [
-    "gps",
-    "gnss",
-    "utc",
-    "unix",
-    "epoch",
-    "system",
-    "host",
-    "received",
-    "recv",
-    "arrival",
-    "log",
-    "local",
-    "date",
-    "day",
-    "publish",
-    "published",
-    "wall",
-    "server",
-];
+const NO_CLOCK: &str = "\
+    delta delay latency lag exposure duration interval period step cpu run remaining left out";
+const OTHER_CLOCK: &str = "\
+    gps gnss utc unix epoch system host received recv arrival log local date day publish published wall \
+    server";
 
 /// Words next to a voltage or a load that assign it to something else.
-const OTHER_SUPPLY: [&str; 16] = [
-    "motor",
-    "esc",
-    "cell",
-    "adc",
-    "current",
-    "temp",
-    "temperature",
-    "pct",
-    "level",
-    "charger",
-    "solar",
-    "heater",
-    "gpu",
-    "memory",
-    "mem",
-    "freq",
-];
+const OTHER_SUPPLY: &str = "\
+    motor esc cell adc current temp temperature pct level charger solar heater gpu memory mem freq";
 
 /// Words that spell a unit at the end of a name or in its brackets.
-const UNITS: [&str; 55] = [
-    "s",
-    "ms",
-    "us",
-    "µs",
-    "ns",
-    "sec",
-    "secs",
-    "seconds",
-    "msec",
-    "msecs",
-    "millis",
-    "usec",
-    "usecs",
-    "micros",
-    "nsec",
-    "nsecs",
-    "nanos",
-    "m",
-    "s2",
-    "s²",
-    "mps2",
-    "ms2",
-    "g",
-    "mg",
-    "milli",
-    "ug",
-    "rad",
-    "rads",
-    "radps",
-    "rps",
-    "mrad",
-    "deg",
-    "dps",
-    "degs",
-    "degps",
-    "mdps",
-    "dph",
-    "h",
-    "degc",
-    "c",
-    "celsius",
-    "degf",
-    "f",
-    "fahrenheit",
-    "k",
-    "kelvin",
-    "mv",
-    "v",
-    "volts",
-    "ut",
-    "µt",
-    "mt",
-    "gauss",
-    "mgauss",
-    "pct",
-];
+const UNITS: &str = "\
+    s ms us µs ns sec secs seconds msec msecs millis usec usecs micros nsec nsecs nanos m s2 s² mps2 ms2 g \
+    mg milli ug rad rads radps rps mrad deg dps degs degps mdps dph h degc c celsius degf f fahrenheit k \
+    kelvin mv v volts ut µt mt gauss mgauss pct";
 
 /// Units of time, which name a clock if a name has no other words.
-const TIME_UNITS: [&str; 17] = [
-    "s", "ms", "us", "µs", "ns", "sec", "secs", "seconds", "msec", "msecs", "millis", "usec", "usecs",
-    "micros", "nsec", "nsecs", "nanos",
-];
+const TIME_UNITS: &str = "\
+    s ms us µs ns sec secs seconds msec msecs millis usec usecs micros nsec nsecs nanos";
 
 /// Words of a name: split at everything that is no letter or digit, and where a capital follows a small letter.
 pub(super) fn words(name: &str) -> Vec<String> {
@@ -416,20 +126,25 @@ pub(super) fn words(name: &str) -> Vec<String> {
     words
 }
 
+/// Returns true if `word` is one of a list of words separated by spaces.
+fn is_in(list: &str, word: &str) -> bool {
+    list.split_ascii_whitespace().any(|listed| listed == word)
+}
+
 /// Returns true if a name has a word that excludes a measurement, such as `bias` or `accuracy`.
 pub(super) fn is_decoy(name: &str) -> bool {
-    words(name).iter().any(|word| DECOYS.contains(&word.as_str()))
+    words(name).iter().any(|word| is_in(DECOYS, word))
 }
 
 /// Channel stated by a name; `None` if there is none, or something other than a measurement.
 pub(super) fn named(name: &str) -> Option<Named> {
     let mut words = words(name);
-    let all_time = words.iter().all(|word| TIME_UNITS.contains(&word.as_str()));
+    let all_time = words.iter().all(|word| is_in(TIME_UNITS, word));
     if !all_time {
         drop_unit(&mut words);
     }
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&bare(word)));
+    let has = |list: &str| words.iter().any(|word| is_in(list, bare(word)));
     if words.is_empty() {
         return None;
     }
@@ -439,41 +154,41 @@ pub(super) fn named(name: &str) -> Option<Named> {
     if let Some(named) = inertial(&words) {
         return named;
     }
-    if all_time || has(&TIME) {
+    if all_time || has(TIME) {
         if words == ["t"] && unit_in(name, "temp_c").is_some() {
             return of(Quantity::Temperature, PLAIN, &words, &words);
         }
         let context: Vec<&str> = words
             .iter()
             .copied()
-            .filter(|word| !TIME.contains(&bare(word)) && !TIME_UNITS.contains(word))
+            .filter(|word| !is_in(TIME, bare(word)) && !is_in(TIME_UNITS, word))
             .collect();
         let rank = rank(&context, |word| match word {
-            word if NO_CLOCK.contains(&word) => None,
-            word if OTHER_CLOCK.contains(&word) => Some(PROCESSED),
-            word if word != "age" && DECOYS.contains(&word) => None,
-            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            word if is_in(NO_CLOCK, word) => None,
+            word if is_in(OTHER_CLOCK, word) => Some(PROCESSED),
+            word if word != "age" && is_in(DECOYS, word) => None,
+            word if is_in(NEUTRAL, word) => Some(PLAIN),
             _ => Some(UNKNOWN),
         })?;
         return of(Quantity::Time, rank, &words, &context);
     }
-    let other = |list: &[&str], quantity: Quantity, of_supply: bool| {
-        let context: Vec<&str> = words.iter().copied().filter(|word| !list.contains(&bare(word))).collect();
-        let is_battery = of_supply && has(&["vbat", "vbatt", "battery", "batt", "bat"]);
+    let other = |list: &str, quantity: Quantity, of_supply: bool| {
+        let context: Vec<&str> = words.iter().copied().filter(|word| !is_in(list, bare(word))).collect();
+        let is_battery = of_supply && (has("vbat vbatt") || has(BATTERY));
         let rank = rank(&context, |word| match word {
-            word if OTHER_SUPPLY.contains(&word) || DECOYS.contains(&word) => None,
-            word if BATTERY.contains(&word) => Some(PROCESSED),
-            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            word if is_in(OTHER_SUPPLY, word) || is_in(DECOYS, word) => None,
+            word if is_in(BATTERY, word) => Some(PROCESSED),
+            word if is_in(NEUTRAL, word) => Some(PLAIN),
             _ => Some(UNKNOWN),
         })?;
         of(quantity, if is_battery { PROCESSED } else { rank }, &words, &context)
     };
     let in_volts = || unit_in(name, "supply_v").is_some();
-    if has(&VOLTAGE) || has(&BATTERY) && in_volts() {
-        return other(&VOLTAGE, Quantity::Voltage, true);
+    if has(VOLTAGE) || has(BATTERY) && in_volts() {
+        return other(VOLTAGE, Quantity::Voltage, true);
     }
-    if has(&LOAD) {
-        return other(&LOAD, Quantity::Load, false);
+    if has(LOAD) {
+        return other(LOAD, Quantity::Load, false);
     }
     None
 }
@@ -482,12 +197,12 @@ pub(super) fn named(name: &str) -> Option<Named> {
 fn drop_unit(words: &mut Vec<String>) {
     loop {
         let n = words.len();
-        let is = |at: usize, list: &[&str]| words.get(at).is_some_and(|word| list.contains(&word.as_str()));
+        let is = |at: usize, list: &str| words.get(at).is_some_and(|word| is_in(list, word));
         // s^2 and s^-1
-        let power = n > 2 && is(n - 1, &["1", "2"]) && is(n - 2, &["s", "sec"]);
+        let power = n > 2 && is(n - 1, "1 2") && is(n - 2, "s sec");
         match power {
             true => words.truncate(n - 2),
-            false if n > 1 && is(n - 1, &UNITS) => words.truncate(n - 1),
+            false if n > 1 && is(n - 1, UNITS) => words.truncate(n - 1),
             false => return,
         }
     }
@@ -503,27 +218,26 @@ fn axis_of(letter: Option<char>) -> Option<usize> {
 }
 
 /// Axis of a word that joins it to a word of one of these lists.
-fn joined(word: &str, lists: [&[&str]; 2]) -> Option<usize> {
+fn joined(word: &str, lists: [&str; 2]) -> Option<usize> {
     let axis = axis_of(word.chars().last())?;
     let sensor = bare(&word[..word.len() - 1]);
-    lists.iter().any(|list| list.contains(&sensor)).then_some(axis)
+    lists.iter().any(|list| is_in(list, sensor)).then_some(axis)
 }
 
 /// `None` if the words state no axis of a sensor; `Some(None)` if they state an axis but no measurement of it.
 fn inertial(words: &[&str]) -> Option<Option<Named>> {
     type Kind = fn(usize) -> Quantity;
-    const KINDS: [(Kind, [&[&str]; 2]); 3] = [
-        (Quantity::Force, [&FORCE, &JOINED_FORCE]),
-        (Quantity::Rate, [&RATE, &JOINED_RATE]),
-        (Quantity::Field, [&FIELD, &JOINED_FIELD]),
+    const KINDS: [(Kind, [&str; 2]); 3] = [
+        (Quantity::Force, [FORCE, JOINED_FORCE]),
+        (Quantity::Rate, [RATE, JOINED_RATE]),
+        (Quantity::Field, [FIELD, JOINED_FIELD]),
     ];
-    let turns =
-        words.iter().any(|word| TURNS.contains(word)) && words.iter().any(|word| SPEED.contains(word));
-    let of_kind = |word: &str, (_, [alone, joins]): &(Kind, [&[&str]; 2])| {
-        alone.contains(&bare(word)) || joined(word, [alone, joins]).is_some()
+    let turns = words.iter().any(|word| is_in(TURNS, word)) && words.iter().any(|word| is_in(SPEED, word));
+    let of_kind = |word: &str, (_, [alone, joins]): &(Kind, [&str; 2])| {
+        is_in(alone, bare(word)) || joined(word, [alone, joins]).is_some()
     };
-    let is_turn = |word: &str| turns && (TURNS.contains(&word) || SPEED.contains(&word));
-    let kinds: Vec<&(Kind, [&[&str]; 2])> = KINDS
+    let is_turn = |word: &str| turns && (is_in(TURNS, word) || is_in(SPEED, word));
+    let kinds: Vec<&(Kind, [&str; 2])> = KINDS
         .iter()
         .enumerate()
         .filter(|(at, kind)| words.iter().any(|word| of_kind(word, kind)) || *at == 1 && turns)
@@ -553,15 +267,14 @@ fn inertial(words: &[&str]) -> Option<Option<Named>> {
         .copied()
         .filter(|word| !is_axis(word) && !of_kind(word, kind) && !is_turn(word))
         .collect();
-    let turning = words.contains(&"angular") && std::ptr::eq(kind, &KINDS[0]);
     let rank = rank(&context, |word| match word {
         "angular" => None,
-        word if DECOYS.contains(&word) => None,
-        word if PROCESSED_WORDS.contains(&word) => Some(PROCESSED),
-        word if NEUTRAL.contains(&word) => Some(PLAIN),
+        word if is_in(DECOYS, word) => None,
+        word if is_in(PROCESSED_WORDS, word) => Some(PROCESSED),
+        word if is_in(NEUTRAL, word) => Some(PLAIN),
         _ => Some(UNKNOWN),
     });
-    let Some(rank) = rank.filter(|_| !turning) else { return Some(None) };
+    let Some(rank) = rank else { return Some(None) };
     let sensor: Vec<String> =
         words.iter().filter(|word| !is_axis(word)).map(|word| without_axis(word)).collect();
     let sensor: Vec<&str> = sensor.iter().map(String::as_str).collect();
@@ -570,7 +283,7 @@ fn inertial(words: &[&str]) -> Option<Option<Named>> {
 
 fn is_temperature(word: &str) -> bool {
     let word = bare(word);
-    TEMPERATURE.contains(&word) || word.ends_with("temperature") || (word.ends_with("temp") && word.len() > 4)
+    is_in(TEMPERATURE, word) || word.ends_with("temperature") || (word.ends_with("temp") && word.len() > 4)
 }
 
 fn temperature(words: &[&str]) -> Option<Named> {
@@ -578,7 +291,7 @@ fn temperature(words: &[&str]) -> Option<Named> {
         .iter()
         .map(|word| {
             let word = bare(word);
-            match TEMPERATURE.contains(&word) {
+            match is_in(TEMPERATURE, word) {
                 true => "",
                 false => word.strip_suffix("temperature").or(word.strip_suffix("temp")).unwrap_or(word),
             }
@@ -588,10 +301,10 @@ fn temperature(words: &[&str]) -> Option<Named> {
     let rank = match context.is_empty() {
         true => PLAIN,
         false => rank(&context, |word| match word {
-            word if DECOYS.contains(&word) || ELSEWHERE.contains(&word) => None,
-            word if PROCESSED_WORDS.contains(&word) || NEARBY.contains(&word) => Some(PROCESSED),
-            word if OWN.contains(&word) => Some(BARE),
-            word if NEUTRAL.contains(&word) => Some(PLAIN),
+            word if is_in(DECOYS, word) || is_in(ELSEWHERE, word) => None,
+            word if is_in(PROCESSED_WORDS, word) || is_in(NEARBY, word) => Some(PROCESSED),
+            word if is_in(OWN, word) => Some(BARE),
+            word if is_in(NEUTRAL, word) => Some(PLAIN),
             _ => Some(UNKNOWN),
         })?,
     };
@@ -608,10 +321,10 @@ fn rank(context: &[&str], of: impl Fn(&str) -> Option<u8>) -> Option<u8> {
 }
 
 fn of(quantity: Quantity, rank: u8, sensor: &[&str], context: &[&str]) -> Option<Named> {
-    const NUMBERED: [&str; 6] = ["", "imu", "sensor", "device", "dev", "unit"];
+    const NUMBERED: &str = "imu sensor device dev unit";
     let is_numbered = |word: &str| {
         let word = bare(word);
-        NUMBERED.contains(&word) || FORCE.contains(&word) || RATE.contains(&word)
+        word.is_empty() || is_in(NUMBERED, word) || is_in(FORCE, word) || is_in(RATE, word)
     };
     let numbers = context.iter().filter(|word| is_numbered(word));
     let numbers = numbers.filter_map(|word| word[bare(word).len()..].parse().ok()).collect();
