@@ -23,9 +23,6 @@ const BLOCK: usize = 512;
 /// Byte range of the samples in a block.
 const SAMPLES: std::ops::Range<usize> = 30..510;
 
-/// # Errors
-///
-/// The file cannot be read, or holds no samples.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -41,7 +38,6 @@ pub(super) fn read(
             device = "AX6";
         }
         let mut block = [0; BLOCK];
-        let mut number = 0_u64;
         loop {
             match fill(&mut block)? {
                 0 => break,
@@ -51,10 +47,7 @@ pub(super) fn read(
                     break;
                 }
             }
-            number += 1;
-            if number.is_multiple_of(8192) {
-                interrupt::check();
-            }
+            interrupt::check();
             match take(&block, &mut blocks) {
                 // the device has not written blank blocks yet
                 Taken::Samples | Taken::Nothing => {}

@@ -43,9 +43,6 @@ struct Page {
     rate_hz: Option<f64>,
 }
 
-/// # Errors
-///
-/// The file cannot be read, has no calibration, or holds no samples.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -57,17 +54,13 @@ pub(super) fn read(
     let (mut page, mut in_pages, mut has_samples) = (Page::default(), false, true);
     let mut blocks = Blocks::default();
     let mut line = Vec::new();
-    let mut lines = 0_u64;
     loop {
         line.clear();
         let n = input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line);
         if n.map_err(FileError::reading(path))? == 0 {
             break;
         }
-        lines += 1;
-        if lines.is_multiple_of(8192) {
-            interrupt::check();
-        }
+        interrupt::check();
         let text = line.trim_ascii();
         if text == b"Recorded Data" {
             if !in_pages {

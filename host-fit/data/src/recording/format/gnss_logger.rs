@@ -29,14 +29,10 @@ pub(super) fn is(begin: &[u8]) -> bool {
     text.starts_with(b"#") && (says(b"elapsedRealtimeNanos") || says(b"# Raw,"))
 }
 
-/// # Errors
-///
-/// The file cannot be read, or holds no sensor; with `strict` also an unusable row.
 pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result<Opened, RecordingError> {
     // for every kind of row: timestamps and three values
     let mut rows: Vec<(Vec<i64>, [Vec<f64>; 3])> = vec![Default::default(); 2 * SENSORS.len()];
     let mut line = Vec::new();
-    let mut number = 0_u64;
     let mut unusable = 0_u64;
     loop {
         line.clear();
@@ -45,10 +41,7 @@ pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result
         if n == 0 {
             break;
         }
-        number += 1;
-        if number.is_multiple_of(8192) {
-            interrupt::check();
-        }
+        interrupt::check();
         let Ok(text) = std::str::from_utf8(&line) else { continue };
         let mut cells = text.trim_end().split(',');
         let kind = cells.next().unwrap_or_default();

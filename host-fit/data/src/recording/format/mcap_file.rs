@@ -21,9 +21,6 @@ use crate::interrupt;
 /// before decompression.
 const LONGEST: usize = 1 << 27;
 
-/// # Errors
-///
-/// It is damaged before its first record, or holds no inertial topic.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,
@@ -37,12 +34,8 @@ pub(super) fn read(
     let mut reader = LinearReader::new_with_options(reading);
     let mut read = Read::new(options);
     let mut at = 0_u64;
-    let mut events = 0_u64;
     let damage = loop {
-        events += 1;
-        if events.is_multiple_of(4096) {
-            interrupt::check();
-        }
+        interrupt::check();
         let event = match catch_panic(|| reader.next_event().map(|event| step(&mut read, event))) {
             Ok(None) => break None,
             Ok(Some(Ok(request))) => request,

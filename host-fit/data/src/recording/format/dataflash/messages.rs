@@ -36,14 +36,13 @@ pub(super) struct Messages<'a, R> {
     payload: Vec<u8>,
     lost: u64,
     is_cut: bool,
-    messages: u64,
 }
 
 impl<'a, R: BufRead> Messages<'a, R> {
     pub(super) fn new(path: &'a Path, input: R) -> Self {
         let mut readers = Vec::new();
         readers.resize_with(256, || None);
-        Self { path, input, readers, payload: Vec::new(), lost: 0, is_cut: false, messages: 0 }
+        Self { path, input, readers, payload: Vec::new(), lost: 0, is_cut: false }
     }
 
     /// Number of bytes outside of messages; those of a truncated end do not count.
@@ -57,16 +56,9 @@ impl<'a, R: BufRead> Messages<'a, R> {
     }
 
     /// Next message; `None` at the end.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read.
     pub(super) fn next(&mut self) -> Result<Option<(&Reader, &[u8])>, RecordingError> {
         loop {
-            self.messages += 1;
-            if self.messages.is_multiple_of(65_536) {
-                interrupt::check();
-            }
+            interrupt::check();
             let Some(kind) = self.begin()? else { return Ok(None) };
             let payload = match &self.readers[usize::from(kind)] {
                 _ if kind == FMT => FMT_PAYLOAD,

@@ -76,9 +76,6 @@ const POWER: usize = 6;
 const LOAD: usize = 7;
 const TEMPERATURE: Option<(&str, &str, f64)> = Some(("temperature", "temp_c", 1.0));
 
-/// # Errors
-///
-/// It is damaged before the data begin, or holds no inertial topic at its full rate.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,
@@ -98,12 +95,8 @@ pub(super) fn read(
     let mut messages = Messages::new(input);
     let mut formats = Formats::default();
     let mut damage = None;
-    let mut taken = 0_u64;
     while damage.is_none() {
-        taken += 1;
-        if taken.is_multiple_of(4096) {
-            interrupt::check();
-        }
+        interrupt::check();
         let Some(message) = messages.next().map_err(FileError::reading(path))? else { break };
         // a failed assertion of the library is damage of the file
         let parsed = catch_panic(|| {
@@ -361,10 +354,6 @@ impl Gathered {
     }
 
     /// Reduces every topic to the samples of one device.
-    ///
-    /// # Errors
-    ///
-    /// An inertial topic has several devices, and `asked` names none of them; or it names one that does not exist.
     fn choose_devices(&mut self, path: &Path, asked: &[&str]) -> Result<(), RecordingError> {
         let refused = |problem: String, help: &str| choice::no_sensors(path, Format::Ulog, problem, help);
         let known: Vec<String> = self.devices.iter().flatten().map(Device::name).collect();
@@ -416,10 +405,6 @@ impl Gathered {
     }
 
     /// Describes accelerometer and gyro on different chips.
-    ///
-    /// # Errors
-    ///
-    /// Another instance of one of them is, or may be, on the other's chip, and `asked` does not name both.
     fn one_chip(&self, path: &Path, taken: &[usize], asked: &[&str]) -> Result<String, RecordingError> {
         let [acc, gyr] = *taken else { return Ok(String::new()) };
         let (Some(force), Some(rate)) = (self.device[acc], self.device[gyr]) else {
