@@ -4,83 +4,56 @@
 /// Rows of a matrix that rotates a vector of the sensor or board into the frame of its mounting.
 pub(super) type Matrix = [[f64; 3]; 3];
 
-/// Roll, pitch and yaw of the numbers that both autopilots share, degrees.
-const SHARED: [[f64; 3]; 41] = [
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, 45.0],
-    [0.0, 0.0, 90.0],
-    [0.0, 0.0, 135.0],
-    [0.0, 0.0, 180.0],
-    [0.0, 0.0, 225.0],
-    [0.0, 0.0, 270.0],
-    [0.0, 0.0, 315.0],
-    [180.0, 0.0, 0.0],
-    [180.0, 0.0, 45.0],
-    [180.0, 0.0, 90.0],
-    [180.0, 0.0, 135.0],
-    [0.0, 180.0, 0.0],
-    [180.0, 0.0, 225.0],
-    [180.0, 0.0, 270.0],
-    [180.0, 0.0, 315.0],
-    [90.0, 0.0, 0.0],
-    [90.0, 0.0, 45.0],
-    [90.0, 0.0, 90.0],
-    [90.0, 0.0, 135.0],
-    [270.0, 0.0, 0.0],
-    [270.0, 0.0, 45.0],
-    [270.0, 0.0, 90.0],
-    [270.0, 0.0, 135.0],
-    [0.0, 90.0, 0.0],
-    [0.0, 270.0, 0.0],
-    [0.0, 180.0, 90.0],
-    [0.0, 180.0, 270.0],
-    [90.0, 90.0, 0.0],
-    [180.0, 90.0, 0.0],
-    [270.0, 90.0, 0.0],
-    [90.0, 180.0, 0.0],
-    [270.0, 180.0, 0.0],
-    [90.0, 270.0, 0.0],
-    [180.0, 270.0, 0.0],
-    [270.0, 270.0, 0.0],
-    [90.0, 180.0, 90.0],
-    [90.0, 0.0, 270.0],
-    [90.0, 68.8, 293.3],
-    [0.0, 315.0, 0.0],
-    [90.0, 315.0, 0.0],
-];
+/// Names of the numbers from 0 that both autopilots share, without decimals: axes and degrees.
+const SHARED: &str = "\
+    NONE YAW_45 YAW_90 YAW_135 YAW_180 YAW_225 YAW_270 YAW_315 ROLL_180 ROLL_180_YAW_45 ROLL_180_YAW_90 \
+    ROLL_180_YAW_135 PITCH_180 ROLL_180_YAW_225 ROLL_180_YAW_270 ROLL_180_YAW_315 ROLL_90 ROLL_90_YAW_45 \
+    ROLL_90_YAW_90 ROLL_90_YAW_135 ROLL_270 ROLL_270_YAW_45 ROLL_270_YAW_90 ROLL_270_YAW_135 PITCH_90 \
+    PITCH_270 PITCH_180_YAW_90 PITCH_180_YAW_270 ROLL_90_PITCH_90 ROLL_180_PITCH_90 ROLL_270_PITCH_90 \
+    ROLL_90_PITCH_180 ROLL_270_PITCH_180 ROLL_90_PITCH_270 ROLL_180_PITCH_270 ROLL_270_PITCH_270 \
+    ROLL_90_PITCH_180_YAW_90 ROLL_90_YAW_270 ROLL_90_PITCH_68_YAW_293 PITCH_315 ROLL_90_PITCH_315";
 
 /// Number of the mounting of 68 and 293 degrees by its name; the autopilots differ in the digits that the name omits.
+#[cfg(feature = "dataflash")]
 const PITCH_68: usize = 38;
 
-/// Numbers from 41 of ArduPilot.
-const OF_ARDUPILOT: [[f64; 3]; 3] = [[0.0, 7.0, 0.0], [45.0, 0.0, 0.0], [315.0, 0.0, 0.0]];
+/// Names of ArduPilot's numbers from 41.
+#[cfg(feature = "dataflash")]
+const OF_ARDUPILOT: &str = "PITCH_7 ROLL_45 ROLL_315";
 
-/// Numbers from 41 of PX4.
-const OF_PX4: [[f64; 3]; 7] = [
-    [270.0, 0.0, 180.0],
-    [270.0, 0.0, 270.0],
-    [0.0, 90.0, 180.0],
-    [0.0, 9.0, 180.0],
-    [0.0, 45.0, 0.0],
-    [270.0, 0.0, 225.0],
-    [270.0, 0.0, 315.0],
-];
+/// Names of PX4's numbers from 41.
+#[cfg(feature = "ulog")]
+const OF_PX4: &str = "\
+    ROLL_270_YAW_180 ROLL_270_YAW_270 PITCH_90_YAW_180 PITCH_9_YAW_180 PITCH_45 ROLL_270_YAW_225 \
+    ROLL_270_YAW_315";
 
 /// Mounting of an AHRS_ORIENTATION number; `None` for a number outside the table, such as a custom one.
 #[cfg(feature = "dataflash")]
 pub(super) fn of_ardupilot(number: f64) -> Option<Matrix> {
     let index = (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)?;
-    SHARED.iter().chain(&OF_ARDUPILOT).nth(index).copied().map(of_angles)
+    match index {
+        PITCH_68 => Some(of_angles([90.0, 68.8, 293.3])),
+        _ => name(OF_ARDUPILOT, index).map(angles).map(of_angles),
+    }
 }
 
 /// Mounting of a PX4 number; `None` for a number outside the table.
 #[cfg(feature = "ulog")]
 pub(super) fn of_px4(number: u8) -> Option<Matrix> {
-    let index = usize::from(number);
-    if index == PITCH_68 {
-        return Some(of_angles([90.0, 68.0, 293.0]));
-    }
-    SHARED.iter().chain(&OF_PX4).nth(index).copied().map(of_angles)
+    name(OF_PX4, usize::from(number)).map(angles).map(of_angles)
+}
+
+/// Name of a number in the shared list continued by `own`.
+fn name(own: &'static str, number: usize) -> Option<&'static str> {
+    SHARED.split_ascii_whitespace().chain(own.split_ascii_whitespace()).nth(number)
+}
+
+/// Roll, pitch and yaw in a name, degrees.
+fn angles(name: &str) -> [f64; 3] {
+    ["ROLL", "PITCH", "YAW"].map(|about| {
+        let degrees = name.split('_').skip_while(|word| *word != about).nth(1);
+        degrees.and_then(|degrees| degrees.parse().ok()).unwrap_or(0.0)
+    })
 }
 
 /// Matrix of roll, pitch and yaw, degrees: yaw after pitch after roll.
@@ -132,73 +105,8 @@ mod tests {
         [x, y, z]
     }
 
-    /// Names of both enumerations, by number, without decimals.
-    const NAMES: [&str; 41] = [
-        "",
-        "YAW_45",
-        "YAW_90",
-        "YAW_135",
-        "YAW_180",
-        "YAW_225",
-        "YAW_270",
-        "YAW_315",
-        "ROLL_180",
-        "ROLL_180_YAW_45",
-        "ROLL_180_YAW_90",
-        "ROLL_180_YAW_135",
-        "PITCH_180",
-        "ROLL_180_YAW_225",
-        "ROLL_180_YAW_270",
-        "ROLL_180_YAW_315",
-        "ROLL_90",
-        "ROLL_90_YAW_45",
-        "ROLL_90_YAW_90",
-        "ROLL_90_YAW_135",
-        "ROLL_270",
-        "ROLL_270_YAW_45",
-        "ROLL_270_YAW_90",
-        "ROLL_270_YAW_135",
-        "PITCH_90",
-        "PITCH_270",
-        "PITCH_180_YAW_90",
-        "PITCH_180_YAW_270",
-        "ROLL_90_PITCH_90",
-        "ROLL_180_PITCH_90",
-        "ROLL_270_PITCH_90",
-        "ROLL_90_PITCH_180",
-        "ROLL_270_PITCH_180",
-        "ROLL_90_PITCH_270",
-        "ROLL_180_PITCH_270",
-        "ROLL_270_PITCH_270",
-        "ROLL_90_PITCH_180_YAW_90",
-        "ROLL_90_YAW_270",
-        "ROLL_90_PITCH_68_YAW_293",
-        "PITCH_315",
-        "ROLL_90_PITCH_315",
-    ];
-    const NAMES_OF_ARDUPILOT: [&str; 3] = ["PITCH_7", "ROLL_45", "ROLL_315"];
-    const NAMES_OF_PX4: [&str; 7] = [
-        "ROLL_270_YAW_180",
-        "ROLL_270_YAW_270",
-        "PITCH_90_YAW_180",
-        "PITCH_9_YAW_180",
-        "PITCH_45",
-        "ROLL_270_YAW_225",
-        "ROLL_270_YAW_315",
-    ];
-
-    fn angles(name: &str) -> [f64; 3] {
-        let words: Vec<&str> = name.split('_').collect();
-        ["ROLL", "PITCH", "YAW"].map(|about| {
-            let at = words.iter().position(|word| *word == about);
-            at.map_or(0.0, |at| words[at + 1].parse().unwrap())
-        })
-    }
-
-    /// Largest difference between a mounting and the rotation in its name, over three vectors.
-    fn off(matrix: &Matrix, name: &str) -> f64 {
-        // the name of this one omits its decimals
-        let angles = if name.contains("68") { [90.0, 68.8, 293.3] } else { angles(name) };
+    /// Largest difference between a mounting and the rotation by these angles, over three vectors.
+    fn off(matrix: &Matrix, angles: [f64; 3]) -> f64 {
         let vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -0.5, 0.8]];
         let differences = vectors.into_iter().flat_map(|vector| {
             let (found, expected) = (turned(matrix, vector), by_steps(angles, vector));
@@ -209,13 +117,17 @@ mod tests {
 
     #[test]
     fn mountings_are_the_rotations_in_their_names() {
-        for (number, name) in NAMES.iter().chain(&NAMES_OF_ARDUPILOT).enumerate() {
-            assert!(off(&of_ardupilot(number as f64).unwrap(), name) < 1e-14, "{number}: {name}");
+        for number in 0..44 {
+            // the name of this one omits its decimals
+            let angles = match number {
+                PITCH_68 => [90.0, 68.8, 293.3],
+                _ => angles(name(OF_ARDUPILOT, number).unwrap()),
+            };
+            assert!(off(&of_ardupilot(number as f64).unwrap(), angles) < 1e-14, "{number}");
         }
-        for (number, name) in NAMES.iter().chain(&NAMES_OF_PX4).enumerate() {
-            // PX4 uses the digits of the name: 0.8 degrees of pitch and 0.3 of yaw are 0.02 of a vector
-            let bound = if number == PITCH_68 { 0.02 } else { 1e-14 };
-            assert!(off(&of_px4(number as u8).unwrap(), name) < bound, "{number}: {name}");
+        for number in 0..48 {
+            let angles = angles(name(OF_PX4, number).unwrap());
+            assert!(off(&of_px4(number as u8).unwrap(), angles) < 1e-14, "{number}");
         }
         // ArduPilot's own numbers of this one, to the digits of its source
         let written = [
@@ -233,14 +145,34 @@ mod tests {
     }
 
     #[test]
+    fn numbers_are_those_of_the_autopilots() {
+        for (number, angles) in [
+            (0, [0.0, 0.0, 0.0]),
+            (12, [0.0, 180.0, 0.0]),
+            (13, [180.0, 0.0, 225.0]),
+            (25, [0.0, 270.0, 0.0]),
+            (36, [90.0, 180.0, 90.0]),
+            (40, [90.0, 315.0, 0.0]),
+        ] {
+            assert!(off(&of_ardupilot(f64::from(number)).unwrap(), angles) < 1e-14, "{number}");
+            assert!(off(&of_px4(number).unwrap(), angles) < 1e-14, "{number}");
+        }
+        assert!(off(&of_ardupilot(41.0).unwrap(), [0.0, 7.0, 0.0]) < 1e-14);
+        assert!(off(&of_ardupilot(43.0).unwrap(), [315.0, 0.0, 0.0]) < 1e-14);
+        assert!(off(&of_px4(38).unwrap(), [90.0, 68.0, 293.0]) < 1e-14);
+        assert!(off(&of_px4(44).unwrap(), [0.0, 9.0, 180.0]) < 1e-14);
+        assert!(off(&of_px4(47).unwrap(), [270.0, 0.0, 315.0]) < 1e-14);
+    }
+
+    #[test]
     fn detects_a_wrong_rotation() {
         // pitch after yaw after roll, another convention, is another rotation where two angles meet
         let swapped = of_angles([90.0, 0.0, 90.0]);
-        assert!(off(&swapped, "ROLL_90_PITCH_90") > 0.1);
+        assert!(off(&swapped, [90.0, 90.0, 0.0]) > 0.1);
         // a transposed matrix turns the other way
         let [x, y, z] = of_angles([0.0, 0.0, 45.0]);
         let transposed = [0, 1, 2].map(|axis| [x[axis], y[axis], z[axis]]);
-        assert!(off(&transposed, "YAW_45") > 0.1);
+        assert!(off(&transposed, [0.0, 0.0, 45.0]) > 0.1);
     }
 
     #[test]
@@ -263,6 +195,6 @@ mod tests {
             assert!((0..3).all(|axis| (back[axis] - vector[axis]).abs() < 1e-15));
         }
         // half a degree is no right angle
-        assert!(off(&of_angles([0.0, 0.0, 90.5]), "YAW_90") > 0.008);
+        assert!(off(&of_angles([0.0, 0.0, 90.5]), [0.0, 0.0, 90.0]) > 0.008);
     }
 }
