@@ -8,17 +8,18 @@ use super::super::provenance::{Frame, Provenance, Values};
 use super::super::table::Table;
 use super::found::Entry;
 use super::{Format, header};
+use crate::column::{ACCELEROMETERS, GYROS, MAGNETOMETERS};
 use crate::unit::Unit;
 
 /// Column names of a known program, without the unit, which a header may state in any spelling. A name that ends in `()`
 /// matches only with a unit. Matching is case-insensitive.
 pub(super) struct Dialect {
     pub(super) format: Format,
-    /// Columns that must all exist.
-    marks: &'static [&'static str],
-    /// Channel, column, and the part after the column in an entry of a column map: arithmetic, and the unit if the
-    /// header states none.
-    columns: &'static [(&'static str, &'static str, &'static str)],
+    /// Columns that must all exist, of any of these sets.
+    marks: &'static [&'static [&'static str]],
+    /// Channels, their columns, and the part after the column in an entry of a column map: arithmetic, and the unit if
+    /// the header states none.
+    columns: &'static [(&'static [&'static str], &'static [&'static str], &'static str)],
     /// Column of separate timestamps of the gyros.
     pub(super) gyro_clock: Option<&'static str>,
     /// Assumptions other than the units.
@@ -52,15 +53,11 @@ pub(super) const PHONE_FACTORY: &str = "the phone's factory calibration";
 const DIALECTS: &[Dialect] = &[
     Dialect {
         format: Format::Euroc,
-        marks: &["timestamp", "w_RS_S_x", "a_RS_S_x"],
+        marks: &[&["timestamp", "w_RS_S_x", "a_RS_S_x"]],
         columns: &[
-            ("t_s", "timestamp", "ns"),
-            ("gx_rads", "w_RS_S_x", "rad/s"),
-            ("gy_rads", "w_RS_S_y", "rad/s"),
-            ("gz_rads", "w_RS_S_z", "rad/s"),
-            ("ax_mps2", "a_RS_S_x", "m/s2"),
-            ("ay_mps2", "a_RS_S_y", "m/s2"),
-            ("az_mps2", "a_RS_S_z", "m/s2"),
+            (&["t_s"], &["timestamp"], "ns"),
+            (&GYROS, &["w_RS_S_x", "w_RS_S_y", "w_RS_S_z"], "rad/s"),
+            (&ACCELEROMETERS, &["a_RS_S_x", "a_RS_S_y", "a_RS_S_z"], "m/s2"),
         ],
         assumed: "with gravity",
         corrected_by: Some(""),
@@ -69,30 +66,26 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::Kalibr,
-        marks: &["timestamp", "omega_x", "alpha_x"],
+        marks: &[&["timestamp", "omega_x", "alpha_x"]],
         columns: &[
-            ("t_s", "timestamp", "ns"),
-            ("gx_rads", "omega_x", "rad/s"),
-            ("gy_rads", "omega_y", "rad/s"),
-            ("gz_rads", "omega_z", "rad/s"),
-            ("ax_mps2", "alpha_x", "m/s2"),
-            ("ay_mps2", "alpha_y", "m/s2"),
-            ("az_mps2", "alpha_z", "m/s2"),
+            (&["t_s"], &["timestamp"], "ns"),
+            (&GYROS, &["omega_x", "omega_y", "omega_z"], "rad/s"),
+            (&ACCELEROMETERS, &["alpha_x", "alpha_y", "alpha_z"], "m/s2"),
         ],
         assumed: "alpha is specific force, with gravity",
         ..PLAIN
     },
     Dialect {
         format: Format::SensorLog,
-        marks: &["accelerometerTimestamp_sinceReboot", "accelerometerAccelerationX"],
+        marks: &[&["accelerometerTimestamp_sinceReboot", "accelerometerAccelerationX"]],
         columns: &[
-            ("t_s", "accelerometerTimestamp_sinceReboot", "s"),
-            ("ax_mps2", "accelerometerAccelerationX", "*-1:g"),
-            ("ay_mps2", "accelerometerAccelerationY", "*-1:g"),
-            ("az_mps2", "accelerometerAccelerationZ", "*-1:g"),
-            ("gx_rads", "gyroRotationX", "rad/s"),
-            ("gy_rads", "gyroRotationY", "rad/s"),
-            ("gz_rads", "gyroRotationZ", "rad/s"),
+            (&["t_s"], &["accelerometerTimestamp_sinceReboot"], "s"),
+            (
+                &ACCELEROMETERS,
+                &["accelerometerAccelerationX", "accelerometerAccelerationY", "accelerometerAccelerationZ"],
+                "*-1:g",
+            ),
+            (&GYROS, &["gyroRotationX", "gyroRotationY", "gyroRotationZ"], "rad/s"),
         ],
         gyro_clock: Some("gyroTimestamp_sinceReboot"),
         assumed: "the accelerometers' sign turned so that gravity counts up; each sensor has its own timestamps since reboot",
@@ -102,7 +95,7 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::SensorLog,
-        marks: &["motionUserAccelerationX"],
+        marks: &[&["motionUserAccelerationX"]],
         refused: Some((
             "it holds the fused motion… columns of SensorLog alone, which are without bias and gravity",
             "switch on \"Accelerometer\" and \"Gyroscope\" in its settings, and record again",
@@ -111,19 +104,13 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::StTools,
-        marks: &["timestamp ()", "A_X ()"],
+        marks: &[&["timestamp ()", "A_X ()"]],
         columns: &[
-            ("t_s", "timestamp ()", ""),
-            ("ax_mps2", "A_X ()", ""),
-            ("ay_mps2", "A_Y ()", ""),
-            ("az_mps2", "A_Z ()", ""),
-            ("gx_rads", "G_X ()", ""),
-            ("gy_rads", "G_Y ()", ""),
-            ("gz_rads", "G_Z ()", ""),
-            ("mag_x_ut", "M_X ()", ""),
-            ("mag_y_ut", "M_Y ()", ""),
-            ("mag_z_ut", "M_Z ()", ""),
-            ("temp_c", "T ()", ""),
+            (&["t_s"], &["timestamp ()"], ""),
+            (&ACCELEROMETERS, &["A_X ()", "A_Y ()", "A_Z ()"], ""),
+            (&GYROS, &["G_X ()", "G_Y ()", "G_Z ()"], ""),
+            (&MAGNETOMETERS, &["M_X ()", "M_Y ()", "M_Z ()"], ""),
+            (&["temp_c"], &["T ()"], ""),
         ],
         assumed: "with gravity",
         corrected_by: Some(""),
@@ -132,15 +119,11 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::PhysicsToolbox,
-        marks: &["time", "gFx", "gFy", "gFz"],
+        marks: &[&["time", "gFx", "gFy", "gFz"]],
         columns: &[
-            ("t_s", "time", "s"),
-            ("ax_mps2", "gFx", "g"),
-            ("ay_mps2", "gFy", "g"),
-            ("az_mps2", "gFz", "g"),
-            ("gx_rads", "wx", "rad/s"),
-            ("gy_rads", "wy", "rad/s"),
-            ("gz_rads", "wz", "rad/s"),
+            (&["t_s"], &["time"], "s"),
+            (&ACCELEROMETERS, &["gFx", "gFy", "gFz"], "g"),
+            (&GYROS, &["wx", "wy", "wz"], "rad/s"),
         ],
         assumed: "gFx … with gravity; ax, ay, az are without gravity and left alone",
         corrected_by: Some(PHONE),
@@ -149,18 +132,12 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::AndroSensor,
-        marks: &["ACCELEROMETER X ()", "Time since start"],
+        marks: &[&["ACCELEROMETER X ()", "Time since start"]],
         columns: &[
-            ("t_s", "Time since start", "ms"),
-            ("ax_mps2", "ACCELEROMETER X ()", "m/s2"),
-            ("ay_mps2", "ACCELEROMETER Y ()", "m/s2"),
-            ("az_mps2", "ACCELEROMETER Z ()", "m/s2"),
-            ("gx_rads", "GYROSCOPE X ()", "rad/s"),
-            ("gy_rads", "GYROSCOPE Y ()", "rad/s"),
-            ("gz_rads", "GYROSCOPE Z ()", "rad/s"),
-            ("mag_x_ut", "MAGNETIC FIELD X ()", "uT"),
-            ("mag_y_ut", "MAGNETIC FIELD Y ()", "uT"),
-            ("mag_z_ut", "MAGNETIC FIELD Z ()", "uT"),
+            (&["t_s"], &["Time since start"], "ms"),
+            (&ACCELEROMETERS, &["ACCELEROMETER X ()", "ACCELEROMETER Y ()", "ACCELEROMETER Z ()"], "m/s2"),
+            (&GYROS, &["GYROSCOPE X ()", "GYROSCOPE Y ()", "GYROSCOPE Z ()"], "rad/s"),
+            (&MAGNETOMETERS, &["MAGNETIC FIELD X ()", "MAGNETIC FIELD Y ()", "MAGNETIC FIELD Z ()"], "uT"),
         ],
         assumed: "with gravity; rows are written at a rate of their own; GRAVITY and LINEAR ACCELERATION are estimates and left alone",
         corrected_by: Some(PHONE),
@@ -169,25 +146,20 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::Phyphox,
-        marks: &["Time ()", "Acceleration x ()"],
-        columns: PHYPHOX,
-        assumed: PHYPHOX_ASSUMED,
-        corrected_by: Some(PHONE),
-        frame: Frame::Phone,
-        ..PLAIN
-    },
-    Dialect {
-        format: Format::Phyphox,
-        marks: &["Time ()", "Gyroscope x ()"],
-        columns: PHYPHOX,
-        assumed: PHYPHOX_ASSUMED,
+        marks: &[&["Time ()", "Acceleration x ()"], &["Time ()", "Gyroscope x ()"]],
+        columns: &[
+            (&["t_s"], &["Time ()"], "s"),
+            (&ACCELEROMETERS, &["Acceleration x ()", "Acceleration y ()", "Acceleration z ()"], "m/s2"),
+            (&GYROS, &["Gyroscope x ()", "Gyroscope y ()", "Gyroscope z ()"], "rad/s"),
+        ],
+        assumed: "with gravity",
         corrected_by: Some(PHONE),
         frame: Frame::Phone,
         ..PLAIN
     },
     Dialect {
         format: Format::SensorLogger,
-        marks: &["version", "device name", "platform", "sensors"],
+        marks: &[&["version", "device name", "platform", "sensors"]],
         refused: Some((
             "it is Metadata.csv of Sensor Logger, which describes a recording and holds no samples",
             "name the folder that it lies in, or the file of a sensor, as Gyroscope.csv",
@@ -196,7 +168,7 @@ const DIALECTS: &[Dialect] = &[
     },
     Dialect {
         format: Format::Phyphox,
-        marks: &["Time ()", "Linear Acceleration x ()"],
+        marks: &[&["Time ()", "Linear Acceleration x ()"]],
         refused: Some((
             "it holds acceleration without g of phyphox alone, which is an estimate of the phone",
             "record \"Acceleration with g\" and \"Gyroscope\" instead",
@@ -204,18 +176,6 @@ const DIALECTS: &[Dialect] = &[
         ..PLAIN
     },
 ];
-
-const PHYPHOX: &[(&str, &str, &str)] = &[
-    ("t_s", "Time ()", "s"),
-    ("ax_mps2", "Acceleration x ()", "m/s2"),
-    ("ay_mps2", "Acceleration y ()", "m/s2"),
-    ("az_mps2", "Acceleration z ()", "m/s2"),
-    ("gx_rads", "Gyroscope x ()", "rad/s"),
-    ("gy_rads", "Gyroscope y ()", "rad/s"),
-    ("gz_rads", "Gyroscope z ()", "rad/s"),
-];
-
-const PHYPHOX_ASSUMED: &str = "with gravity";
 
 /// Returns true if a column matches a pattern.
 pub(super) fn is_named(column: &str, pattern: &str) -> bool {
@@ -237,14 +197,17 @@ impl Dialect {
         DIALECTS
             .iter()
             .filter(|dialect| format.is_none_or(|format| dialect.format == format))
-            .find(|dialect| dialect.marks.iter().all(has))
+            .find(|dialect| dialect.marks.iter().any(|marks| marks.iter().all(has)))
+    }
+
+    /// Channel, column, and the part after it, of every column.
+    fn columns(&self) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+        self.columns.iter().flat_map(|&(targets, columns, how)| {
+            targets.iter().zip(columns).map(move |(target, column)| (*target, *column, how))
+        })
     }
 
     /// Channel, column, arithmetic and unit of the columns of a table. A unit stated in the header takes precedence.
-    ///
-    /// # Errors
-    ///
-    /// A header states an unreadable unit for a column that the user does not map.
     pub(super) fn entries(
         &self,
         path: &Path,
@@ -252,7 +215,7 @@ impl Dialect {
         options: &LoadOptions,
     ) -> Result<Vec<Entry>, RecordingError> {
         let mut entries = Vec::new();
-        for &(target, pattern, how) in self.columns {
+        for (target, pattern, how) in self.columns() {
             let Some(column) = table.columns.iter().find(|column| is_named(&column.name, pattern)) else {
                 continue;
             };
@@ -295,7 +258,7 @@ impl Dialect {
 
     /// Column of the timestamps, if the dialect defines one.
     pub(super) fn clock(&self) -> Option<&'static str> {
-        self.columns.iter().find(|(target, ..)| *target == "t_s").map(|(_, pattern, _)| *pattern)
+        self.columns().find(|(target, ..)| *target == "t_s").map(|(_, pattern, _)| pattern)
     }
 
     /// Corrections and frame of the values.
@@ -370,7 +333,7 @@ mod tests {
     fn file(dialect: &Dialect, kind: Unit, spelling: &str, per_unit: f64, brackets: [char; 2]) -> String {
         const ROWS: usize = 200;
         let clock = dialect.gyro_clock.map(|clock| ("t_s", clock, "s"));
-        let columns: Vec<_> = dialect.columns.iter().copied().chain(clock).collect();
+        let columns: Vec<_> = dialect.columns().chain(clock).collect();
         let mut scales = Vec::new();
         let mut headers = Vec::new();
         for (target, pattern, how) in &columns {
@@ -411,7 +374,7 @@ mod tests {
             let same = |(row, value): (usize, &f64)| (value / truth(target, row) - 1.0).abs() < 1e-9;
             Some(values.iter().enumerate().all(same))
         };
-        dialect.columns.iter().map(|(target, ..)| *target).find(|target| is_right(target) != Some(true))
+        dialect.columns().map(|(target, ..)| target).find(|target| is_right(target) != Some(true))
     }
 
     fn read(folder: &Path, text: &str) -> Result<Recording, String> {
@@ -426,7 +389,7 @@ mod tests {
         let (mut stated, mut refused) = (0, 0);
         for dialect in DIALECTS.iter().filter(|dialect| dialect.refused.is_none()) {
             let mut kinds: Vec<Unit> = Vec::new();
-            for (target, ..) in dialect.columns {
+            for (target, ..) in dialect.columns() {
                 let kind = Unit::of_column(target);
                 if !kinds.contains(&kind) {
                     kinds.push(kind);
@@ -442,8 +405,8 @@ mod tests {
                         let read_as = recording.sources[0].read_as.as_ref().unwrap();
                         assert_eq!(read_as.format, dialect.format, "{what}");
                         assert_eq!(first_wrong(dialect, &recording), None, "{what}");
-                        let target = dialect.columns.iter().map(|(target, ..)| target);
-                        let target = target.into_iter().find(|target| Unit::of_column(target) == kind);
+                        let mut targets = dialect.columns().map(|(target, ..)| target);
+                        let target = targets.find(|target| Unit::of_column(target) == kind);
                         let unit = header::spelling(spelling, target.unwrap()).unwrap();
                         let unit_text = format!(" in {unit}");
                         assert!(read_as.assumed.contains(&unit_text), "{what}: {}", read_as.assumed);
