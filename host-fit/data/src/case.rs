@@ -106,30 +106,24 @@ pub enum CaseError {
     /// `meta.json` is not a valid description.
     #[error("{}:{line}:{column}: not the description of a case: {reason}\nhelp: it needs \"case\", \"target\", \"nominal_rate_hz\" and \"files\"", path.display())]
     Meta {
-        /// Path of the description.
         path: PathBuf,
         /// Line of the error, from 1.
         line: usize,
         /// Column of the error, from 1.
         column: usize,
-        /// Message of the JSON parser.
         reason: String,
     },
     #[error(
         "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
     )]
     Schema {
-        /// Path of the description.
         path: PathBuf,
         /// Schema named in the file.
         found: String,
     },
     /// No log to explain is named.
     #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"log\" }}", path.display())]
-    NoField {
-        /// Path of the description.
-        path: PathBuf,
-    },
+    NoField { path: PathBuf },
     /// No file of that name exists in any known format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or remove it from \"files\"", folder.display())]
     NoLog { folder: PathBuf, name: String },
@@ -161,10 +155,6 @@ fn path_of(folder: &Path, name: &str) -> Result<PathBuf, CaseError> {
 
 impl CaseMeta {
     /// Reads `meta.json` of a case folder.
-    ///
-    /// # Errors
-    ///
-    /// The file does not exist, does not describe a case, or follows another schema.
     pub fn read(folder: &Path) -> Result<Self, CaseError> {
         let path = folder.join("meta.json");
         let bytes = file::read(&path)?;
@@ -175,10 +165,6 @@ impl CaseMeta {
     }
 
     /// Paths of the logs in `folder`, in the order of the roles.
-    ///
-    /// # Errors
-    ///
-    /// A named log exists in no known format.
     pub fn paths(&self, folder: &Path) -> Result<Vec<PathBuf>, CaseError> {
         let CaseFiles { baseline, field, eval } = &self.files;
         [baseline, field, eval].into_iter().flatten().map(|name| path_of(folder, name)).collect()
@@ -219,10 +205,6 @@ impl CaseMeta {
 
 impl Case {
     /// Reads a case folder.
-    ///
-    /// # Errors
-    ///
-    /// `meta.json` or a log that it names cannot be read.
     pub fn read(folder: &Path) -> Result<Self, CaseError> {
         let meta = CaseMeta::read(folder)?;
         let log = |name: &Option<String>| -> Result<Option<Recording>, CaseError> {

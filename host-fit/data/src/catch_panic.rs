@@ -8,11 +8,7 @@ thread_local! {
 }
 
 /// Calls into a library. State changed by a failed call must not be used again. A requested stop is no panic and unwinds
-/// further.
-///
-/// # Errors
-///
-/// Message of the library's panic.
+/// further. Returns the message of a panic.
 pub fn catch_panic<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(call));

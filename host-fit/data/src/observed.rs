@@ -24,10 +24,6 @@ pub struct ObservedAxis<'a> {
 
 impl<'a> ObservedAxis<'a> {
     /// Observes `column` in the rows at rest that `stillness` finds.
-    ///
-    /// # Errors
-    ///
-    /// The column is missing or has no value.
     pub fn at_rest(
         log: &'a Recording,
         stillness: &'a Stillness,
@@ -38,10 +34,6 @@ impl<'a> ObservedAxis<'a> {
 
     /// Observes `column` in the rows at rest that `log` states, and with a reference also in those of a log that mostly
     /// moves. A log without that statement is at rest throughout.
-    ///
-    /// # Errors
-    ///
-    /// The column is missing or has no value.
     pub fn stated(log: &'a Recording, column: &str) -> Result<Self, RecordingError> {
         let error = log.error_series(column)?;
         let still = log.still.as_deref();

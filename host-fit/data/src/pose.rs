@@ -147,7 +147,6 @@ pub struct LevelsAfterPauses {
     pub count: usize,
     /// Timestamp of the end of the pause with the largest change, s.
     pub time_s: f64,
-    /// Its duration, s.
     pub pause_s: f64,
     /// Change of the specific force, m/s².
     pub change: f64,

@@ -11,7 +11,6 @@ pub enum Refused {
         line: usize,
         /// Column of the error, from 1.
         column: usize,
-        /// Message of the parser.
         reason: String,
     },
     /// Another schema, with its name.

@@ -40,10 +40,6 @@ pub struct Stillness {
 
 impl Stillness {
     /// Rejects a log in which less than half a minute of `rows` is at rest because the device moves all along.
-    ///
-    /// # Errors
-    ///
-    /// [`RecordingError::Moves`].
     pub fn check_rest(&self, recording: &Recording, rows: &Range<usize>) -> Result<(), RecordingError> {
         disturbance::check_rest(recording, &self.disturbances, &self.still, rows)
     }

@@ -81,10 +81,6 @@ pub fn describe_disturbances(recording: &Recording, disturbances: &[Disturbance]
 
 /// Rejects a log in nearly continuous motion: less than half a minute of `rows` is at rest (`rest`, with the rows of
 /// `found` already excluded).
-///
-/// # Errors
-///
-/// [`RecordingError::Moves`].
 pub fn check_rest(
     recording: &Recording,
     found: &[Disturbance],
@@ -125,10 +121,6 @@ pub fn check_rest(
 }
 
 /// Rejects a log with less than half a minute at rest because the device moves; accepts any log whose motion is kept.
-///
-/// # Errors
-///
-/// [`RecordingError::Moves`].
 pub fn check(recording: &Recording) -> Result<(), RecordingError> {
     let marks = recording.cached(Marks::of);
     check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))

@@ -35,10 +35,6 @@ pub enum CompareAndSwapError {
 
 impl FileVersion {
     /// Present state of `path`, which need not exist.
-    ///
-    /// # Errors
-    ///
-    /// The file exists and cannot be read.
     pub fn now(path: &Path) -> Result<Self, FileError> {
         let digest = digest_of(path).map_err(FileError::reading(path))?;
         Ok(Self { path: path.to_owned(), digest, is_changed: false })
@@ -54,10 +50,7 @@ impl FileVersion {
     }
 
     /// Replaces the file if it is unchanged; no other process replaces it between the comparison and the rename.
-    ///
-    /// # Errors
-    ///
-    /// The file changed, or cannot be written. Its present content is then untouched.
+    /// On an error its present content is untouched.
     pub fn replace(&self, content: &[u8]) -> Result<(), CompareAndSwapError> {
         let failed = || FileError::writing(&self.path);
         let sibling = TemporarySibling::of(&self.path).map_err(failed())?;

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 pub struct FileError {
     pub path: PathBuf,
     pub action: &'static str,
-    /// Error of the system.
     pub source: io::Error,
 }
 

@@ -48,10 +48,6 @@ pub enum KeyedRowsError {
 
 impl<T: Serialize + DeserializeOwned> KeyedRows<T> {
     /// Opens the file, or creates it.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read or written, or has other content.
     pub fn open(path: &Path) -> Result<Self, KeyedRowsError> {
         let (stored, in_line) = read(path)?;
         let file =
@@ -60,10 +56,6 @@ impl<T: Serialize + DeserializeOwned> KeyedRows<T> {
     }
 
     /// Checks that the file has nothing but rows, or does not exist.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read, or has other content.
     pub fn check(path: &Path) -> Result<(), KeyedRowsError> {
         read::<T>(path).map(drop)
     }
@@ -74,20 +66,12 @@ impl<T: Serialize + DeserializeOwned> KeyedRows<T> {
     }
 
     /// Appends a row, and waits until the disk has it.
-    ///
-    /// # Errors
-    ///
-    /// It cannot be written.
     pub fn append(&self, row: &KeyedRow<T>) -> Result<(), FileError> {
         let mut appended = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         appended.append(&row.line()).map_err(FileError::writing(&self.path))
     }
 
-    /// Replaces the content of the file by these rows.
-    ///
-    /// # Errors
-    ///
-    /// They cannot be written; the file is then unchanged.
+    /// Replaces the content of the file by these rows. On an error it is unchanged.
     pub fn replace(self, rows: &[KeyedRow<T>]) -> Result<(), FileError> {
         write_atomically(&self.path, &rows.iter().flat_map(KeyedRow::line).collect::<Vec<u8>>())
     }

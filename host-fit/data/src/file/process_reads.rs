@@ -117,9 +117,7 @@ pub fn note_written(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// # Errors
-///
-/// `path` leads to a file that was read.
+/// Rejects a path that leads to a file that was read.
 pub fn refuse_to_replace(path: &Path) -> io::Result<()> {
     let Some(identity) = Identity::of(path) else { return Ok(()) };
     match known().read.get(&identity) {

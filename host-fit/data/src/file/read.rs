@@ -8,10 +8,6 @@ use super::error::{COPY, FileError};
 use super::process_reads::note_read;
 
 /// Reads the whole of `path`.
-///
-/// # Errors
-///
-/// The file does not exist or is not readable.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
     let mut content = Vec::new();
     let mut file = File::open(path).map_err(FileError::reading(path))?;
@@ -20,10 +16,6 @@ pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {
 }
 
 /// Opens `path` for reading.
-///
-/// # Errors
-///
-/// The file does not exist or is not readable.
 pub fn open(path: &Path) -> Result<File, FileError> {
     let file = File::open(path).map_err(FileError::opening(path))?;
     note_read(&file, path).map_err(FileError::opening(path))?;
@@ -31,10 +23,6 @@ pub fn open(path: &Path) -> Result<File, FileError> {
 }
 
 /// Fills a buffer as far as the input reaches; returns the number of bytes.
-///
-/// # Errors
-///
-/// The input cannot be read.
 pub fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
@@ -50,10 +38,6 @@ pub fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize>
 
 /// Opens `path` as [`open`] does; the content of a pipe, which is readable only once and in order, is copied to an
 /// unnamed file.
-///
-/// # Errors
-///
-/// Those of [`open`], or no room for the copy.
 pub fn open_to_seek(path: &Path) -> Result<File, FileError> {
     let mut file = open(path)?;
     // a folder is refused by the reader

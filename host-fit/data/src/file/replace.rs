@@ -13,11 +13,7 @@ use super::process_reads::{note_read, note_written, refuse_to_replace};
 /// A temporary sibling is named `.fos-…….tmp`, with random letters.
 const SIBLING: (&str, &str) = (".fos-", ".tmp");
 
-/// Writes `path` by way of a temporary file in the same folder.
-///
-/// # Errors
-///
-/// The folder does not exist or is not writable, or the disk is full. An existing file is then untouched.
+/// Writes `path` by way of a temporary file in the same folder. On an error an existing file is untouched.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
     replace(path, |mut file| file.write_all(content)).map_err(FileError::writing(path))
 }
@@ -29,9 +25,7 @@ pub fn replace(path: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::
     sibling.put()
 }
 
-/// # Errors
-///
-/// Nothing can be written to `path`: it exists and is no regular file, or it is an input of this process.
+/// Rejects a path that exists and is no regular file, or is an input of this process.
 pub fn check_output(path: &Path) -> Result<(), FileError> {
     may_be_replaced(path).and_then(|()| refuse_to_replace(path)).map_err(FileError::writing(path))
 }
@@ -46,10 +40,6 @@ fn may_be_replaced(path: &Path) -> io::Result<()> {
 }
 
 /// Creates the folder `path` and its missing parents.
-///
-/// # Errors
-///
-/// A folder cannot be created.
 pub fn make_folder(path: &Path) -> Result<(), FileError> {
     let missing: Vec<&Path> =
         path.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists()).collect();

@@ -96,7 +96,6 @@ pub enum MapError {
     Arithmetic {
         /// Entry as written, `target=column…`.
         spec: String,
-        /// Arithmetic of the entry.
         arithmetic: String,
     },
     /// Unit of another quantity than that of the channel.
@@ -152,9 +151,6 @@ struct TomlMapping {
 
 impl ColumnMap {
     /// Builds a map from entries as given on a command line.
-    ///
-    /// # Errors
-    /// The first invalid entry, see [`MapError`].
     pub fn from_specs<S: AsRef<str>>(specs: impl IntoIterator<Item = S>) -> Result<ColumnMap, MapError> {
         let mut map = ColumnMap::default();
         for spec in specs {
@@ -164,9 +160,6 @@ impl ColumnMap {
     }
 
     /// Builds a map from the text of a TOML file.
-    ///
-    /// # Errors
-    /// Text that is not TOML, or the first invalid entry.
     pub fn from_toml(text: &str) -> Result<ColumnMap, MapError> {
         let file: TomlMap = toml::from_str(text)?;
         let mut map = ColumnMap::default();
@@ -186,9 +179,6 @@ impl ColumnMap {
     }
 
     /// Builds a map from a TOML file.
-    ///
-    /// # Errors
-    /// A file that cannot be read, and those of [`ColumnMap::from_toml`].
     pub fn from_file(path: &Path) -> Result<ColumnMap, MapError> {
         let text = String::from_utf8(file::read(path)?)
             .map_err(|_| MapError::NotText { path: path.display().to_string() })?;
@@ -196,9 +186,6 @@ impl ColumnMap {
     }
 
     /// Adds one entry, as given on a command line.
-    ///
-    /// # Errors
-    /// An invalid entry, or one whose target is mapped already.
     pub fn add(&mut self, spec: &str) -> Result<(), MapError> {
         let form = || MapError::Form { spec: spec.to_owned() };
         if let Some(column) = spec.strip_prefix('!') {

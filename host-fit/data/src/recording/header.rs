@@ -25,9 +25,6 @@ const LINES_TO_SPACE: usize = 20;
 
 /// Takes the header, and the lines above it, from the first lines of a text. `comment` is the one above the first of
 /// them.
-///
-/// # Errors
-/// No header, or a header with two equal names.
 pub(super) fn take(
     path: &Path,
     comment: Option<Vec<u8>>,

@@ -36,9 +36,6 @@ const MAX_BACKS: f64 = 0.02;
 const SAME_RATE: f64 = 0.07;
 
 /// Reads a log in any known format ([`KNOWN_FORMATS`](super::KNOWN_FORMATS)), recognised by its content.
-///
-/// # Errors
-/// A file that cannot be read or is no log; see [`RecordingError`].
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, RecordingError> {
     let path = path.as_ref();
     let (opened, mut source) = format::open(path, options, Extent::Whole)?;
@@ -74,9 +71,6 @@ pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Recording, 
 }
 
 /// Columns at the begin of a log, and their meaning.
-///
-/// # Errors
-/// Those of [`load`].
 pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
     let options = LoadOptions::default();
     let (opened, _) = format::open(path, &options, Extent::Begin)?;
@@ -98,9 +92,6 @@ pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
 
 impl Recording {
     /// Builds a recording from columns in memory, named as in a log: `t_s`, `gx_rads`, `still`, ….
-    ///
-    /// # Errors
-    /// Columns of different lengths, and errors of [`load`].
     pub fn from_columns(
         source: Source,
         columns: Vec<(String, Vec<f64>)>,
@@ -289,9 +280,6 @@ fn marks_of(grid: &Grid) -> Vec<Mark> {
 }
 
 /// Timestamps with the grid and the rate computed from them.
-///
-/// # Errors
-/// The timestamps determine no rate or an impossible one, or are out of order.
 fn measured(
     path: &Path,
     column: String,
@@ -416,9 +404,6 @@ fn is_interleaved(time_s: &[f64], channels: &[Channel]) -> bool {
 }
 
 /// Excludes axes without a single number, so that the others can be used.
-///
-/// # Errors
-/// The user's own map names the column of such an axis.
 fn exclude_empty_axes(
     path: &Path,
     channels: &mut Vec<Channel>,

@@ -121,12 +121,10 @@ pub use write::{check_log_path, write_columns};
 pub struct Recording {
     /// Source files: one, or several that were joined.
     pub sources: Vec<Source>,
-    /// Timestamp of every row, s.
     pub time_s: Vec<f64>,
     channels: Vec<Channel>,
     /// Stretches without gaps, in order, covering all rows. Nothing is fitted or predicted across two.
     pub segments: Vec<Segment>,
-    /// Measured sampling rate.
     pub rate: Rate,
     /// Rows in which the device is known to be still; `None` if the log does not state it.
     pub still: Option<Vec<bool>>,
@@ -134,7 +132,6 @@ pub struct Recording {
     pub turns: Vec<usize>,
     /// True if rows with detected motion are used like any others.
     pub keeps_moved: bool,
-    /// Defects found in the log.
     pub quality: Quality,
     /// Resampling of its streams, if they had separate timestamps.
     pub alignment: Option<Alignment>,
@@ -179,9 +176,6 @@ impl Recording {
     }
 
     /// Usable inertial channels: those with a number, and with one in their reference if they have one.
-    ///
-    /// # Errors
-    /// No axis is usable.
     pub fn axes(&self) -> Result<Vec<String>, RecordingError> {
         let has_values = |channel: &Channel| channel.values.iter().any(|value| value.is_finite());
         let lacks = |axis: &str| -> Option<String> {

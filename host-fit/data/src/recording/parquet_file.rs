@@ -38,7 +38,6 @@ enum Kind {
 
 /// A column of the file to read.
 struct Selected {
-    /// Index among the columns of the file.
     index: usize,
     /// True if cells may be empty.
     optional: bool,

@@ -57,10 +57,6 @@ pub struct ColumnPreview {
 }
 
 /// Reads the begin of a file. Columns named in `map` are shown as it reads them, the others as guessed if it is empty.
-///
-/// # Errors
-///
-/// The file cannot be read or is no log.
 pub fn preview(path: &Path, map: &ColumnMap) -> Result<Preview, RecordingError> {
     let (table, meaning) = load::begin(path)?;
     let columns: Vec<(&str, &[f64])> =

@@ -23,10 +23,6 @@ impl Recording {
     }
 
     /// Rejects a log of another sensor, or of differently corrected values.
-    ///
-    /// # Errors
-    ///
-    /// [`RecordingError::OtherSensor`].
     pub fn refuse_other_sensor(&self, next: &Self) -> Result<(), RecordingError> {
         for triad in [Triad::Accelerometers, Triad::Gyros] {
             if let Some([here, there]) = self.provenance(triad).contradiction(&next.provenance(triad)) {

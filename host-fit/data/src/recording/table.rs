@@ -12,7 +12,6 @@ pub(super) struct Table {
     pub(super) columns: Vec<Column>,
     /// Skipped rows of the file, in order.
     pub(super) skipped: Vec<Skipped>,
-    /// Findings so far.
     pub(super) quality: Quality,
     /// Columns of the file that a map ignores.
     pub(super) ignored: Vec<String>,

@@ -38,10 +38,6 @@ enum Files {
 }
 
 /// Opens a folder with a checksum of the files read from it.
-///
-/// # Errors
-///
-/// The folder cannot be read.
 pub(super) fn folder(path: &Path, digest: Digest) -> Result<Archive, RecordingError> {
     let mut names = Vec::new();
     list(path, "", MAX_DEPTH, &mut names).map_err(FileError::reading(path))?;
@@ -67,10 +63,6 @@ fn list(folder: &Path, begin: &str, deep: usize, names: &mut Vec<String>) -> std
 }
 
 /// Opens an archive; its checksum is that of the archive file, computed by the caller.
-///
-/// # Errors
-///
-/// It is damaged, or this build excludes zip.
 #[cfg(feature = "zip")]
 pub(super) fn zip(path: &Path, file: File) -> Result<Archive, RecordingError> {
     let archive = crate::catch_panic::catch_panic(|| zip::ZipArchive::new(file))
@@ -105,10 +97,6 @@ impl Archive {
     }
 
     /// Reads a file by name; `read` gets its path for messages, which contains that of the archive.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read, and errors of `read`.
     pub(super) fn read<T>(
         &mut self,
         name: &str,
@@ -121,10 +109,6 @@ impl Archive {
     }
 
     /// The same for a file without data: it is excluded from the checksum.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`read`](Self::read).
     pub(super) fn look_into<T>(
         &mut self,
         name: &str,

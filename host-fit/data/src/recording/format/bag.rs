@@ -30,9 +30,6 @@ const LONGEST: u32 = 1 << 30;
 /// Longest decompressed chunk, bytes: a few kilobytes may expand to any length. Writers close chunks beyond a megabyte.
 const LONGEST_UNPACKED: u32 = 1 << 27;
 
-/// # Errors
-///
-/// The file cannot be read, or holds no inertial topic.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,

@@ -17,10 +17,6 @@ const COUNTS_PER_G: [f64; 7] = [256.0, 512.0, 1024.0, 2048.0, 4096.0, 8192.0, 16
 const WITHIN: f64 = 1.25;
 
 /// Columns of a blackbox, if the table is one.
-///
-/// # Errors
-///
-/// A header states an unreadable unit.
 pub(super) fn decoded(path: &Path, table: &Table) -> Result<Option<Found>, RecordingError> {
     let of = |name: &str| {
         // such as `gyroADC[0]` or `gyroADC[0] (deg/s)`

@@ -8,10 +8,6 @@ use super::super::table::Table;
 use super::Format;
 
 /// Instance number in an option, alone or after one of `names`; the first instance by default.
-///
-/// # Errors
-///
-/// It is no number.
 #[cfg(any(feature = "dataflash", feature = "ulog"))]
 pub(super) fn instance(
     path: &Path,
@@ -47,10 +43,6 @@ pub(super) fn others_too(names: &[String]) -> String {
 pub(super) const SELDOM: u64 = 100;
 
 /// Rejects the choice of a sensor if there is nothing to choose.
-///
-/// # Errors
-///
-/// A topic is named; the error lists the content of the file.
 pub(super) fn refuse_topic(path: &Path, options: &LoadOptions, offers: &str) -> Result<(), RecordingError> {
     match &options.topic {
         None => Ok(()),
@@ -69,10 +61,6 @@ pub(super) fn describe_table(table: &Table) -> String {
 }
 
 /// Rejects a log that is damaged, or has unreadable messages, if the user wants none skipped.
-///
-/// # Errors
-///
-/// `strict`, and damage or an unreadable message.
 pub(super) fn refuse_damage(
     path: &Path,
     format: Format,

@@ -25,10 +25,6 @@ use crate::file::{self, FileError};
 const BEGIN_ROWS: usize = 2000;
 
 /// Opens a file, or a folder written by a program.
-///
-/// # Errors
-///
-/// The path cannot be read, or is nothing known.
 pub(in super::super) fn open(
     path: &Path,
     options: &LoadOptions,

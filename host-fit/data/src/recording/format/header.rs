@@ -79,10 +79,6 @@ pub(in super::super) fn is_unit(text: &str) -> bool {
 }
 
 /// Unit of a column: as stated in its header, else `default`.
-///
-/// # Errors
-///
-/// The header states a unit that is none of `target`.
 pub(super) fn unit_of(
     path: &Path,
     column: &str,
@@ -100,10 +96,6 @@ pub(super) fn unit_of(
 }
 
 /// Conversion of a column to the unit of `target`, based on [`unit_of`].
-///
-/// # Errors
-///
-/// Those of [`unit_of`].
 pub(super) fn conversion_of(
     path: &Path,
     column: &str,
@@ -115,10 +107,6 @@ pub(super) fn conversion_of(
 }
 
 /// Rejects accelerometers whose median magnitude is gravity in another unit than the one in which they are read.
-///
-/// # Errors
-///
-/// [`RecordingError::GravityUnit`].
 pub(super) fn refuse_other_gravity(
     path: &Path,
     table: &Table,

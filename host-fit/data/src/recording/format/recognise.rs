@@ -14,9 +14,6 @@ use super::meaning::{Meaning, filled};
 use super::{Format, ReadAs, betaflight, header, several, unnamed, xsens};
 use crate::column::{AXES, Triad};
 
-/// # Errors
-///
-/// An unusable table of a known program.
 pub(in super::super) fn meaning(
     path: &Path,
     table: &Table,

@@ -223,10 +223,6 @@ impl Topics {
     }
 
     /// Streams of the sensors, and the assumptions made.
-    ///
-    /// # Errors
-    ///
-    /// No inertial topic, or several devices on the one to read; with `strict` also an unreadable message.
     pub(super) fn finish(
         mut self,
         path: &Path,

@@ -111,10 +111,6 @@ enum Kind<'a> {
 }
 
 /// Reads one recording: the files of one folder, or one log.
-///
-/// # Errors
-///
-/// No known file, several recordings without a choice, or an unreadable file.
 pub(super) fn read(
     path: &Path,
     archive: &mut Archive,
@@ -272,10 +268,6 @@ struct Chosen {
 
 impl Chosen {
     /// Files to read among those of one folder; `all` are the files of the archive.
-    ///
-    /// # Errors
-    ///
-    /// The only accelerometer is without gravity; or two files are of one sensor.
     fn of(
         path: &Path,
         all: &[String],
@@ -448,10 +440,6 @@ pub(super) const WITHOUT_GRAVITY: (&str, &str) = (
 
 /// Channels of a single file of Sensor Logger, recognised by its header; the sensor follows from its name, or for an
 /// accelerometer from gravity. `None` if it is no such file.
-///
-/// # Errors
-///
-/// An accelerometer without gravity, or a sensor that neither the name nor the values identify.
 pub(super) fn one_of(path: &Path, table: &Table) -> Option<Result<Found, RecordingError>> {
     let column = |name: &str| table.columns.iter().find(|column| column.name == name);
     let _ = (column("time")?, column("seconds_elapsed")?);

@@ -31,9 +31,6 @@ const MAX_CHOICES: usize = 3;
 /// Channel, column and unit.
 type Entry = (&'static str, String, String);
 
-/// # Errors
-///
-/// The values do not identify the columns; or there is no time among them, and no rate is stated.
 pub(super) fn meaning(path: &Path, table: &Table, options: &LoadOptions) -> Result<Meaning, RecordingError> {
     let map = &options.columns;
     let is_given = |target: &str| map.column_of(target) != target;

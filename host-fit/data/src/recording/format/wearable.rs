@@ -49,10 +49,6 @@ impl Blocks {
     }
 
     /// Converts the log to streams. `assumed` describes the conversion of the values.
-    ///
-    /// # Errors
-    ///
-    /// Fewer than two samples; in strict mode, a damaged block.
     pub(super) fn opened(
         self,
         path: &Path,

@@ -18,10 +18,6 @@ const MODULUS: f64 = 4_294_967_296.0;
 const LONG_STEP: f64 = 5000.0;
 
 /// Columns of an export, if the table is one.
-///
-/// # Errors
-///
-/// A header states an unreadable unit; the export holds no measurements of the sensors.
 pub(super) fn exported(path: &Path, table: &Table) -> Result<Option<Found>, RecordingError> {
     let of = |name: &str| table.columns.iter().find(|column| header::split(&column.name).0 == name);
     let triad = |name: &str| -> Option<[&Column; 3]> {

@@ -40,9 +40,6 @@ struct Gathered {
     volts: Samples<1>,
 }
 
-/// # Errors
-///
-/// The file cannot be read, or holds no inertial messages.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,

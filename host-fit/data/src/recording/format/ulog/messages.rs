@@ -33,10 +33,6 @@ impl<R: BufRead> Messages<R> {
     }
 
     /// Next message with its frame; `None` at the end.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be read.
     pub(super) fn next(&mut self) -> io::Result<Option<&[u8]>> {
         self.message.clear();
         if self.at == 0 {
@@ -79,10 +75,6 @@ pub(super) struct Formats {
 
 impl Formats {
     /// Examines a message before the library does; `in_data` once the library has laid out the formats.
-    ///
-    /// # Errors
-    ///
-    /// The formats are too deep or too large.
     pub(super) fn look_at(&mut self, message: &[u8], in_data: bool) -> Result<(), String> {
         let refused = || "its formats are too deep or too large".to_owned();
         let Some((frame, payload)) = message.split_at_checked(FRAME as usize) else { return Ok(()) };
