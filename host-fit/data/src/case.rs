@@ -100,10 +100,8 @@ pub struct CaseFiles {
 /// A case that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// A file cannot be read; holds the error of the system.
     #[error(transparent)]
     File(#[from] FileError),
-    /// `meta.json` is not a valid description.
     #[error("{}:{line}:{column}: not the description of a case: {reason}\nhelp: it needs \"case\", \"target\", \"nominal_rate_hz\" and \"files\"", path.display())]
     Meta {
         path: PathBuf,
@@ -116,18 +114,11 @@ pub enum CaseError {
     #[error(
         "{}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: use the program that wrote it", path.display()
     )]
-    Schema {
-        path: PathBuf,
-        /// Schema named in the file.
-        found: String,
-    },
-    /// No log to explain is named.
+    Schema { path: PathBuf, found: String },
     #[error("{}: \"files\" names no \"field\": there is no log to explain\nhelp: name it, as in \"files\": {{ \"field\": \"log\" }}", path.display())]
     NoField { path: PathBuf },
-    /// No file of that name exists in any known format.
     #[error("{}: there is none of {name}.parquet, {name}.csv.gz, {name}.csv\nhelp: put the log there, or remove it from \"files\"", folder.display())]
     NoLog { folder: PathBuf, name: String },
-    /// A log cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
 }

@@ -25,7 +25,6 @@ pub struct FileVersion {
 pub enum CompareAndSwapError {
     #[error(transparent)]
     File(#[from] FileError),
-    /// Another process wrote the file first.
     #[error(
         "{}: changed meanwhile by another process, whose version is kept; nothing was written\nhelp: run the command again",
         .0.display()

@@ -72,46 +72,31 @@ impl Mapping {
 /// Reason why a column map is invalid.
 #[derive(Debug, Error)]
 pub enum MapError {
-    /// Not of the form `target=column…`.
     #[error(
         "column map \"{spec}\": not an entry\nhelp: write target=column[:arithmetic][:unit], as in gx_rads=gyro_x:mdps, or !column to leave a column out"
     )]
-    Form {
-        /// Entry as written, `target=column…`.
-        spec: String,
-    },
+    Form { spec: String },
     #[error(
         "column map \"{spec}\": unknown unit \"{unit}\"\nhelp: known are {}. For raw counts give the scale, as in gx_rads=gx:-32768*0.061:mdps",
         known_units()
     )]
-    UnknownUnit {
-        /// Entry as written, `target=column…`.
-        spec: String,
-        unit: String,
-    },
+    UnknownUnit { spec: String, unit: String },
     /// Arithmetic that is not a chain of `+ - * /` with finite numbers.
     #[error(
         "column map \"{spec}\": cannot read the arithmetic \"{arithmetic}\"\nhelp: write a chain of + - * / with numbers, applied from left to right, as in -32768*0.061"
     )]
-    Arithmetic {
-        /// Entry as written, `target=column…`.
-        spec: String,
-        arithmetic: String,
-    },
-    /// Unit of another quantity than that of the channel.
+    Arithmetic { spec: String, arithmetic: String },
     #[error(
         "column map \"{spec}\": {target} is in {}, and \"{unit}\" cannot be converted to it\nhelp: check the unit, or the channel that the column stands for",
         expected.symbol()
     )]
     WrongKind {
-        /// Entry as written, `target=column…`.
         spec: String,
         /// Channel in the log format, such as `gx_rads`.
         target: String,
         expected: Unit,
         unit: String,
     },
-    /// Two entries for one channel.
     #[error(
         "column map: {target} is given twice (columns \"{first}\" and \"{second}\")\nhelp: keep one of them"
     )]
@@ -124,10 +109,8 @@ pub enum MapError {
     /// Invalid TOML, or TOML not of the documented form.
     #[error("column map: {0}\nhelp: write a table [columns] of channel = \"column:unit\"")]
     Toml(#[from] toml::de::Error),
-    /// A map that cannot be read.
     #[error("column map {0}")]
     File(#[from] FileError),
-    /// A map that is no text.
     #[error("column map {path}: it is no text\nhelp: write a table [columns] of channel = \"column:unit\"")]
     NotText { path: String },
 }
