@@ -1,36 +1,25 @@
 //! Units: the SI units a recording holds, and the units logs come in.
 
-use serde::{Deserialize, Serialize};
-
 /// Unit of a channel once loaded. A recording holds nothing but these.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Seconds.
-    #[serde(rename = "s")]
     Second,
     /// Specific force, m/s².
-    #[serde(rename = "m/s2")]
     MetrePerSecondSquared,
     /// Angular rate, rad/s.
-    #[serde(rename = "rad/s")]
     RadianPerSecond,
     /// Temperature, °C.
-    #[serde(rename = "degC")]
     Celsius,
     /// Voltage, V.
-    #[serde(rename = "V")]
     Volt,
     /// Magnetic flux density, µT.
-    #[serde(rename = "uT")]
     Microtesla,
     /// Pressure, Pa.
-    #[serde(rename = "Pa")]
     Pascal,
     /// Percentage.
-    #[serde(rename = "%")]
     Percent,
     /// Not stated by the column's name: the numbers are kept unchanged.
-    #[serde(rename = "")]
     Unstated,
 }
 

@@ -8,7 +8,7 @@ use crate::recording::Recording;
 use crate::statistics::median;
 
 /// Stretch of a log in which the device was moved.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Disturbance {
     /// Rows of the motion, including the ring-down of the sensor.
     pub rows: Range<usize>,
@@ -34,8 +34,7 @@ impl Disturbance {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Short: a blow.
     Knock,

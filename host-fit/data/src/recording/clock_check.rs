@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use serde::Serialize;
-
 use super::channel::Channel;
 use super::grid::Segment;
 use crate::statistics::median_of;
@@ -31,20 +29,17 @@ const MANY_DIGITS: f64 = 1e15;
 const ROUNDING_MATTERS: f64 = 1e-3;
 
 /// Reason why the timestamps of a log are not the time of its samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ClockProblem {
     /// A stated rate replaces the timestamps.
     Overridden {
-        /// Column of the timestamps.
         column: String,
         /// Rate by the timestamps, Hz; `None` if they determine none.
         stamped_hz: Option<f64>,
-        /// Stated rate, Hz.
         rate_hz: f64,
     },
     /// A thermometer changes faster than any part can warm or cool.
     TooFast {
-        /// Column of the timestamps.
         column: String,
         /// Column of the thermometer, such as `temp_c`.
         thermometer: String,
@@ -55,14 +50,12 @@ pub enum ClockProblem {
     },
     /// All timestamps end in zeros, as after rounding by a spreadsheet.
     Rounded {
-        /// Column of the timestamps.
         column: String,
         /// Common divisor of the timestamps, s.
         step_s: f64,
     },
     /// Many rows repeat the timestamp before them.
     Repeated {
-        /// Column of the timestamps.
         column: String,
         /// Share of the rows.
         share: f64,

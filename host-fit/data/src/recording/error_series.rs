@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 
-use serde::Serialize;
-
 use super::Recording;
 use super::channel::Channel;
 use super::error::RecordingError;
@@ -31,8 +29,7 @@ impl ErrorSeries<'_> {
 }
 
 /// True value that the measurement is compared with.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// Nothing was subtracted: the log is static, and the constant true value becomes part of the offset.
     Constant,
@@ -42,9 +39,6 @@ pub enum Reference {
 
 impl Recording {
     /// Channel of an axis, by its full name (`gx_rads`) or its short one (`gx`, `ay`).
-    ///
-    /// # Errors
-    /// No such channel.
     pub fn axis(&self, axis: &str) -> Result<&Channel, RecordingError> {
         let full = match axis {
             "ax" | "ay" | "az" => format!("{axis}_mps2"),
@@ -73,9 +67,6 @@ impl Recording {
 
     /// Measured minus reference for an axis (named as for [`Recording::axis`]). The reference is the channel
     /// `ref_<name>` if the log has it, else a constant.
-    ///
-    /// # Errors
-    /// No such channel, or a channel without a single number.
     pub fn error_series(&self, axis: &str) -> Result<ErrorSeries<'_>, RecordingError> {
         let measured = self.axis(axis)?;
         let name = measured.column().reference();

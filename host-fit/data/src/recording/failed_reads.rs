@@ -1,7 +1,5 @@
 //! Failed reads of a thermometer: placeholder values that a driver logs in their place.
 
-use serde::Serialize;
-
 use super::channel::Channel;
 use crate::unit::Unit;
 
@@ -19,7 +17,7 @@ const JUMP_K: f64 = 5.0;
 const MIN_ROWS: usize = 20;
 
 /// Failed reads of a thermometer, treated as empty cells.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FailedReads {
     /// Column in the log format, such as `temp_c`.
     pub column: String,

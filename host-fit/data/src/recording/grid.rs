@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
-
 use crate::statistics::median;
 
 /// Shortest pause of a recorder, s: a shorter wait is a buffer that was not read in time or a busy bus.
@@ -50,7 +48,7 @@ pub(super) const EXACT_MISSING: u64 = 5_000;
 /// Time that goes back by more than T, and stays back, is a restart of the clock: a boundary with an unknown number of
 /// missing samples. A wrong timestamp of a row or two is no gap. Boundaries that do not depend on timestamps (a change
 /// of `segment`, skipped rows) are given.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Segment {
     /// Rows of the segment.
     pub rows: Range<usize>,
@@ -62,8 +60,7 @@ pub struct Segment {
 }
 
 /// Reason why a segment starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Boundary {
     /// The recording starts.
     Start,

@@ -4,8 +4,6 @@ use std::fmt;
 
 use crate::text::counted;
 
-use serde::Serialize;
-
 use super::clock_check::ClockProblem;
 use super::failed_reads::FailedReads;
 
@@ -16,7 +14,7 @@ const PLACES_KEPT: usize = 5;
 const CONTENT_KEPT: usize = 40;
 
 /// Defects of a log. All counts are zero for a clean one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quality {
     /// Data rows in the file, used or not (not the header, comments or blank lines).
     pub rows_in_file: u64,
@@ -33,12 +31,10 @@ pub struct Quality {
     /// Empty or not finite cells, by column; only columns that have any.
     pub missing_cells: Vec<MissingCells>,
     /// Axes without a single number, which are excluded: the recording has no channel of these names.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub empty_axes: Vec<String>,
     /// Failed reads of thermometers, by column; they read NaN.
     pub failed_reads: Vec<FailedReads>,
     /// Reasons why the timestamps are not the time of the samples.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub clock: Vec<ClockProblem>,
     /// Number of stretches of missing samples.
     pub gaps: u64,
@@ -48,20 +44,17 @@ pub struct Quality {
     pub pauses: u64,
     /// Total duration of the pauses, s.
     pub paused_s: f64,
-    /// Ignored columns of text.
     pub text_columns: Vec<String>,
     /// First text found in one of them, in a file with lines.
     pub first_text: Option<BadRow>,
     /// Column map entries that may be right, by names and values: they are suggestions, and not applied.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub perhaps: Vec<String>,
     /// Column map entries inferred from the values of a file without a header.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumed_map: Vec<String>,
 }
 
 /// Cells of one channel without a usable number; they read NaN.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MissingCells {
     /// Column name in the file.
     pub column: String,
@@ -71,21 +64,18 @@ pub struct MissingCells {
     pub not_finite: u64,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BadRow {
     /// Line of a text, row of a table.
     pub place: Place,
-    /// Column at fault, if any.
     pub column: Option<String>,
     /// Content, shortened.
     pub content: String,
-    /// Reason why it is unusable.
     pub problem: Problem,
 }
 
 /// Position of a row in its file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Line of a text file, from 1, and cell in it, from 1 (0: the whole line).
     Line { line: u64, cell: u64 },
@@ -94,15 +84,12 @@ pub enum Place {
 }
 
 /// Reason why a row is unusable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Problem {
     NotANumber,
     /// The row has more or fewer cells than the header.
     CellCount {
-        /// Number of cells in the header.
         expected: usize,
-        /// Number of cells in the row.
         found: usize,
     },
     /// The timestamp is empty or not finite.

@@ -2,8 +2,6 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use serde::Serialize;
-
 use super::grid::{Boundary, Grid};
 pub(super) use crate::statistics::{MAD_TO_SD, median};
 
@@ -39,7 +37,7 @@ const USUAL_SLOPE: f64 = 0.1;
 pub const RATES_HZ: RangeInclusive<f64> = 0.01..=1e6;
 
 /// Sampling rate of a recording.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
     /// Rate stated by the user or a case's `meta.json`, Hz.
     pub nominal_hz: Option<f64>,
@@ -57,8 +55,7 @@ pub struct Rate {
 }
 
 /// Arrangement of timestamps on the regular sample grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stamps {
     /// Scatter below 2 % of the period.
     Regular,

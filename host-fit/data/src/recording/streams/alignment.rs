@@ -2,13 +2,11 @@
 
 use std::fmt;
 
-use serde::Serialize;
-
 use super::clocks::Clocks;
 use super::lead::Group;
 
 /// Resampling of the streams of a log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     /// Name of the lead, the stream whose timestamps are those of the rows.
     pub lead: String,
@@ -23,7 +21,7 @@ pub struct Alignment {
 }
 
 /// A stream other than the lead.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct JoinedStream {
     /// Name in the file.
     pub name: String,
@@ -39,8 +37,7 @@ pub struct JoinedStream {
 }
 
 /// Method of resampling a stream at the timestamps of the lead.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HowJoined {
     /// Unchanged: its timestamps are those of the lead.
     SameStamps,

@@ -18,14 +18,11 @@
 use std::fmt;
 use std::ops::Range;
 
-use serde::Serialize;
-
 use crate::statistics::finite_median;
 use crate::unit::STANDARD_GRAVITY_MPS2;
 
 /// Result of the comparison of two clocks.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Clocks {
     Apart(Apart),
     /// The device does not turn, or too briefly: treated as one clock.
@@ -35,7 +32,7 @@ pub enum Clocks {
 }
 
 /// An offset between two clocks.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
     /// Correction to be added to the timestamps of the stream in the middle of the log, s.
     pub offset_s: f64,
@@ -47,7 +44,6 @@ pub struct Apart {
     pub drift_error: f64,
     /// Distance to the nearest other offset that explains the motion as well, s; `None` if the offset is unique. Of
     /// several, the one nearest to zero is chosen: delays within one device are shorter than the period of most swings.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub repeats_s: Option<f64>,
     /// True if it was added to the timestamps: it is significant, and exceeds a tenth of the stream's period somewhere.
     pub applied: bool,
