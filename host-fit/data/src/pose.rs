@@ -4,7 +4,6 @@
 //! In two orientations the mean of both is the true value of neither, and the difference would be modelled as an error.
 
 use crate::column::ACCELEROMETERS;
-use std::fmt;
 use std::ops::Range;
 
 use fos_core::GRAVITY_MPS2;
@@ -141,42 +140,24 @@ fn neighbouring_rests(recording: &Recording, still: &[bool]) -> Vec<(Range<usize
     rests.windows(2).map(|pair| (tail(&pair[0]), head(&pair[1]))).collect()
 }
 
-/// Accelerometer levels that differ across pauses, by less than certainly makes another orientation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LevelsAfterPauses {
-    pub count: usize,
-    /// Timestamp of the end of the pause with the largest change, s.
-    pub time_s: f64,
-    pub pause_s: f64,
-    /// Change of the specific force, m/s².
-    pub change: f64,
-}
-
-impl fmt::Display for LevelsAfterPauses {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { count, time_s, pause_s, change } = self;
-        let tilt = (change / f64::from(GRAVITY_MPS2)).to_degrees();
-        match count {
-            1 => write!(f, "after a pause of {pause_s:.1} s, at {time_s:.1} s,")?,
-            count => write!(f, "after {count} pauses, most at {time_s:.1} s,")?,
-        }
-        write!(
-            f,
-            " the accelerometers show another level, by {change:.3} m/s², as a tilt of {tilt:.1}° would: orientation changed or bias step, indistinguishable across a pause; each side has a level of its own"
-        )
-    }
-}
-
-/// Level changes across pauses in which the device may have been tilted slightly.
-pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<LevelsAfterPauses> {
+/// Describes accelerometer levels that differ across pauses, by less than certainly makes another orientation.
+pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<String> {
     let changes: Vec<(f64, usize)> = neighbouring_rests(recording, still)
         .into_iter()
         .filter(|(tail, head)| tail.end == head.start && !is_far(recording, tail, head))
         .filter_map(|(tail, head)| Some((after_pause(recording, &tail, &head)?, head.start)))
         .collect();
     let (change, row) = *changes.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let pause_s = recording.time_s[row] - recording.time_s[row - 1];
-    Some(LevelsAfterPauses { count: changes.len(), time_s: recording.time_s[row], pause_s, change })
+    let time_s = recording.time_s[row];
+    let pause_s = time_s - recording.time_s[row - 1];
+    let after = match changes.len() {
+        1 => format!("after a pause of {pause_s:.1} s, at {time_s:.1} s,"),
+        count => format!("after {count} pauses, most at {time_s:.1} s,"),
+    };
+    let tilt = (change / f64::from(GRAVITY_MPS2)).to_degrees();
+    Some(format!(
+        "{after} the accelerometers show another level, by {change:.3} m/s², as a tilt of {tilt:.1}° would: orientation changed or bias step, indistinguishable across a pause; each side has a level of its own"
+    ))
 }
 
 /// Change of the accelerometer levels across a pause, m/s², if a different direction of gravity explains it: beyond the
@@ -405,7 +386,7 @@ mod tests {
     #[test]
     fn warns_that_tilt_and_step_are_indistinguishable_across_a_pause() {
         let log = with_pause(60.0, [[0.1, 0.2, 9.79], [0.27, 0.2, 9.79]], [25.0; 2]);
-        let message = after_pauses(&log, &[true; 6000]).expect("a change").to_string();
+        let message = after_pauses(&log, &[true; 6000]).expect("a change");
         assert!(message.contains("after a pause of 60.0 s") && message.contains("tilt of 1.0°"), "{message}");
         assert!(message.contains("orientation changed or bias step, indistinguishable"), "{message}");
     }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::{ClockProblem, FailedReads, Recording};
 use crate::interrupt::in_parallel;
-use crate::pose::{self, LevelsAfterPauses};
+use crate::pose;
 use crate::spikes::{Spikes, spikes};
 use crate::statistics::median;
 use crate::stuck::{MIN_CHANGES, REFUSED_SHARE, coarse_step, least_change, stuck};
@@ -68,7 +68,7 @@ pub enum LogWarning {
         step: f64,
     },
     /// Accelerometer levels differ across a pause.
-    LevelAfterPause(LevelsAfterPauses),
+    LevelAfterPause(String),
     /// Entries of a column map that were inferred from the values of a file without a header.
     AssumedMap(Vec<String>),
     /// Timestamps that do not match the sampling times.
@@ -136,7 +136,7 @@ impl fmt::Display for LogWarning {
                 f,
                 "{column} moves in steps of {step:.3e}, coarser than its noise: changes smaller than a step are hidden; choose a finer range of the sensor"
             ),
-            Self::LevelAfterPause(levels) => levels.fmt(f),
+            Self::LevelAfterPause(text) => f.write_str(text),
             Self::AssumedMap(map) => {
                 let map: Vec<String> = map.iter().map(|entry| format!("'{entry}'")).collect();
                 write!(
