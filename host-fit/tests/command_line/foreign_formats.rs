@@ -4,34 +4,25 @@ use std::fs;
 
 use crate::session::{done, fails, stderr_of};
 use fos_data::recording::KNOWN_FORMATS;
-use fos_testkit::foreign::{
-    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
-};
+use fos_testkit::foreign::{Flight, Text, files};
 use serde_json::Value;
 
 #[test]
 fn every_format_is_diagnosed_by_one_command_without_an_option() {
     let flight = Flight::new(3000, 5000, 4);
-    let mut files = vec![
-        ("log", "log.csv", flight.csv().into_bytes()),
-        ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
-        ("dataflash", "A.BIN", dataflash(&flight, &[], false)),
-        ("mcap", "a.mcap", mcap(&flight)),
-        ("bag", "a.bag", bag(&flight, Chunks::Some)),
-        ("geneactiv", "wrist.bin", geneactiv(&flight)),
-        ("axivity", "ankle.cwa", axivity(&flight, Axivity::WithGyro)),
-    ];
-    for (id, name, write) in TEXTS {
-        if !files.iter().any(|(known, ..)| known == id) {
-            files.push((id, name, write(&flight)));
+    // one file of each format
+    let mut logs: Vec<&Text> = Vec::new();
+    for log in files() {
+        if !logs.iter().any(|(known, ..)| *known == log.0) {
+            logs.push(log);
         }
     }
     for known in KNOWN_FORMATS {
-        assert!(files.iter().any(|(id, ..)| *id == known.id), "{}: no file of it", known.id);
+        assert!(logs.iter().any(|(id, ..)| *id == known.id), "{}: no file of it", known.id);
     }
     let folder = tempfile::tempdir().expect("a folder");
-    for (id, name, bytes) in files {
-        fs::write(folder.path().join(name), bytes).expect("written");
+    for &(id, name, write) in logs {
+        fs::write(folder.path().join(name), write(&flight)).expect("written");
         let message = done(folder.path(), &["diagnose", name, "--json"]);
         let answers: Value =
             serde_json::from_str(&message).unwrap_or_else(|error| panic!("{id}: {error}: {message}"));
@@ -48,9 +39,9 @@ fn every_format_is_diagnosed_by_one_command_without_an_option() {
             );
         }
     }
-    let message = done(folder.path(), &["diagnose", "a.ulg"]);
+    let message = done(folder.path(), &["diagnose", "flight.ulg"]);
     assert!(fos_data::column::AXES.iter().all(|axis| message.contains(axis)), "{message}");
-    assert!(message.starts_with("a.ulg: read as PX4 ULog: sensor_accel 0"), "{message}");
+    assert!(message.starts_with("flight.ulg: read as PX4 ULog: sensor_accel 0"), "{message}");
     assert!(message.contains("rows are the samples of "), "{message}");
 }
 

@@ -4,9 +4,7 @@
 use std::fs;
 
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, RecordingError, load, write_columns};
-use fos_testkit::foreign::{
-    Chunks, Flight, Publisher, Rate, TEXTS, bag, bag_of, dataflash, mcap, mcap_of, ulog, ulog_of, zip,
-};
+use fos_testkit::foreign::{Flight, Publisher, TEXTS, bag_of, files, mcap_of, ulog_of, zip};
 use tempfile::TempDir;
 
 fn read(name: &str, bytes: &[u8], options: &LoadOptions) -> Result<Recording, RecordingError> {
@@ -263,16 +261,15 @@ fn ambiguous_table_offers_working_maps() {
 /// Files of every format, with one recording each.
 fn every_format() -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(500, 5000, 1);
-    let mut files: Vec<(String, Vec<u8>)> =
-        TEXTS.iter().map(|(_, name, write)| ((*name).to_owned(), write(&flight))).collect();
+    let mut logs: Vec<(String, Vec<u8>)> =
+        files().map(|(_, name, write)| ((*name).to_owned(), write(&flight))).collect();
     let phone = "time,seconds_elapsed,z,y,x\n1,0.0,9.8,0.1,0.2\n2,0.01,9.8,0.1,0.2\n3,0.02,9.8,0.1,0.2\n";
     let folder = TempDir::new().unwrap();
     let parquet = folder.path().join("a.parquet");
     let columns = [("t_s", flight.time_s()), ("gx_rads", vec![0.1; flight.len()])];
     let columns: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (*name, &values[..])).collect();
     write_columns(&parquet, &columns).unwrap();
-    files.extend([
-        ("log.csv".to_owned(), flight.csv().into_bytes()),
+    logs.extend([
         ("log.parquet".to_owned(), fs::read(&parquet).unwrap()),
         ("named.csv".to_owned(), b"time_ms,gyro_x_dps\n0,1\n5,2\n10,1\n15,3\n".to_vec()),
         ("a.zip".to_owned(), zip(&[("log.csv", flight.csv().as_bytes())])),
@@ -281,12 +278,8 @@ fn every_format() -> Vec<(String, Vec<u8>)> {
             zip(&[("Gyroscope.csv", phone.as_bytes()), ("TotalAcceleration.csv", phone.as_bytes())]),
         ),
         ("Gyroscope.csv".to_owned(), phone.as_bytes().to_vec()),
-        ("a.ulg".to_owned(), ulog(&flight, Rate::Full)),
-        ("a.bin".to_owned(), dataflash(&flight, &[], false)),
-        ("a.mcap".to_owned(), mcap(&flight)),
-        ("a.bag".to_owned(), bag(&flight, Chunks::Some)),
     ]);
-    files
+    logs
 }
 
 /// Options that cannot have an effect on a file of one recording.
@@ -350,12 +343,9 @@ fn topic_option_on_a_table_lists_its_columns() {
 fn strict_refuses_a_damaged_log_of_any_format() {
     let flight = Flight::new(500, 5000, 1);
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
-    for (name, bytes) in [
-        ("a.ulg", ulog(&flight, Rate::Full)),
-        ("a.bin", dataflash(&flight, &[], false)),
-        ("a.mcap", mcap(&flight)),
-        ("a.bag", bag(&flight, Chunks::None)),
-    ] {
+    let logs = ["flight.ulg", "flight.bin", "flight.mcap", "flight.bag"];
+    for (_, name, write) in files().filter(|(_, name, _)| logs.contains(name)) {
+        let bytes = write(&flight);
         assert!(read(name, &bytes, &strict).is_ok(), "{name}");
         let cut = &bytes[..bytes.len() * 3 / 4 - 5];
         assert!(read(name, cut, &LoadOptions::default()).is_ok(), "{name}");

@@ -6,53 +6,45 @@ use std::fs;
 
 use fos_data::column::AXES;
 use fos_data::recording::{Format, KNOWN_FORMATS, LoadOptions, ReadAs, Recording, load};
-use fos_testkit::foreign::{
-    Axivity, Chunks, Flight, Rate, TEXTS, axivity, bag, dataflash, geneactiv, mcap, ulog,
-};
+use fos_testkit::foreign::{Axivity, Chunks, Flight, Text, axivity, bag, files};
 use fos_testkit::page;
 use tempfile::TempDir;
 
 const SAMPLES: usize = 2000;
 
-/// Writes a flight as a file.
-type Write = Box<dyn Fn(&Flight) -> Vec<u8>>;
+/// Files that hold what the log format holds, to the last bit.
+const LOSSLESS: [&str; 5] = ["flight.ulg", "flight.bin", "flight.mcap", "flight.bag", "plain.bag"];
 
 /// A variant of a format: file name, description, and writer.
 struct Variant {
     format: Format,
     name: &'static str,
     what: &'static str,
-    write: Write,
+    write: fn(&Flight) -> Vec<u8>,
 }
 
 fn variants() -> Vec<Variant> {
-    let of = |format, name, what, write: fn(&Flight) -> Vec<u8>| Variant {
-        format,
-        name,
-        what,
-        write: Box::new(write),
-    };
-    let mut all = vec![
-        of(Format::Log, "log.csv", "every digit", |flight| flight.csv().into_bytes()),
-        of(Format::Ulog, "full.ulg", "`sensor_accel`, `sensor_gyro`", |flight| ulog(flight, Rate::Full)),
-        of(Format::Ulog, "combined.ulg", "`sensor_combined`", |flight| ulog(flight, Rate::Decimated)),
-        of(Format::Ulog, "fifo.ulg", "FIFO batches of 10", |flight| ulog(flight, Rate::Fifo)),
-        of(Format::Dataflash, "imu.bin", "`IMU`", |flight| dataflash(flight, &[], false)),
-        of(Format::Dataflash, "raw.bin", "`ACC`, `GYR`", |flight| dataflash(flight, &[], true)),
-        of(Format::Mcap, "ros2.mcap", "`/imu/data_raw`, `/imu/temperature`", mcap),
-        of(Format::Bag, "chunks.bag", "`/imu`, `/temperature`, in chunks", |flight| {
-            bag(flight, Chunks::Some)
-        }),
-        of(Format::Bag, "plain.bag", "the same without chunks", |flight| bag(flight, Chunks::None)),
-        of(Format::GeneActiv, "geneactiv.bin", "pages of 300 samples", geneactiv),
-        of(Format::Axivity, "ax6.cwa", "AX6", |flight| axivity(flight, Axivity::WithGyro)),
-        of(Format::Axivity, "packed.cwa", "AX3, packed", |flight| axivity(flight, Axivity::Packed)),
-        of(Format::Axivity, "unpacked.cwa", "AX3, unpacked", |flight| axivity(flight, Axivity::Unpacked)),
+    const MORE: [Text; 2] = [
+        ("bag", "plain.bag", |flight| bag(flight, Chunks::None)),
+        ("axivity", "unpacked.cwa", |flight| axivity(flight, Axivity::Unpacked)),
     ];
-    all.extend(TEXTS.iter().map(|(id, name, write)| Variant {
+    let variant = |(id, name, write): &Text| Variant {
         format: id.parse().unwrap(),
         name,
         what: match *name {
+            "flight.csv" => "every digit",
+            "flight.ulg" => "`sensor_accel`, `sensor_gyro`",
+            "decimated.ulg" => "`sensor_combined`",
+            "batches.ulg" => "FIFO batches of 10",
+            "flight.bin" => "`IMU`",
+            "every_sample.bin" => "`ACC`, `GYR`",
+            "flight.mcap" => "`/imu/data_raw`, `/imu/temperature`",
+            "flight.bag" => "`/imu`, `/temperature`, in chunks",
+            "plain.bag" => "the same without chunks",
+            "flight_geneactiv.bin" => "pages of 300 samples",
+            "ax6.cwa" => "AX6",
+            "packed.cwa" => "AX3, packed",
+            "unpacked.cwa" => "AX3, unpacked",
             "android.zip" => "a file a sensor, m/s²",
             "ios.zip" => "a file a sensor, g, sign turned",
             "phyphox.zip" => "a file a sensor",
@@ -60,8 +52,9 @@ fn variants() -> Vec<Variant> {
             "blackbox.csv" => "counts, °/s",
             _ => "one table",
         },
-        write: Box::new(write),
-    }));
+        write: *write,
+    };
+    let mut all: Vec<Variant> = files().chain(&MORE).map(variant).collect();
     // in the order in which the formats are listed
     let place = |variant: &Variant| KNOWN_FORMATS.iter().position(|known| known.format == variant.format);
     all.sort_by_key(place);
@@ -134,12 +127,37 @@ fn page_documents_the_result_for_a_flight() {
     let mut text = String::from(
         "\n| format | file | holds | axes | rows | rate, Hz | largest error: m/s² | rad/s | °C | gaps found | samples missing |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
+    let log = read_in(&folder, "flight.csv", flight.csv().as_bytes(), None).unwrap();
     let mut covered = Vec::new();
     for Variant { format, name, what, write } in variants() {
         let recording = read_in(&folder, name, &write(&flight), None).unwrap();
         let read_as = recording.sources[0].read_as.as_ref().map_or(Format::Log, |read_as| read_as.format);
         assert_eq!(read_as, format, "{name}");
         assert_eq!((recording.n_rows(), recording.quality.gaps), (SAMPLES, 0), "{name}");
+        if name == "flight.csv" {
+            assert_eq!(recording.time_s, flight.time_s());
+        }
+        if LOSSLESS.contains(&name) {
+            assert_eq!(
+                (&recording.time_s, recording.rate.true_hz),
+                (&log.time_s, log.rate.true_hz),
+                "{name}"
+            );
+            for channel in log.channels() {
+                let found = recording.channel(&channel.name).unwrap();
+                assert_eq!((found.unit, &found.values), (channel.unit, &channel.values), "{name}");
+            }
+        }
+        // the accelerometer of this one is interpolated
+        if name != "decimated.ulg" {
+            let is_known = |axis: &String| recording.channel(axis).unwrap().n_missing() == 0;
+            assert!(recording.axes().unwrap().iter().all(is_known), "{name}");
+        }
+        if let Some(read_as) = &recording.sources[0].read_as {
+            assert!(!read_as.assumed.is_empty(), "{name}");
+            let stated = read_in(&folder, name, &write(&flight), Some(format)).unwrap();
+            assert_eq!(stated.time_s, recording.time_s, "{name}");
+        }
         let broken = read_in(&folder, name, &write(&with_a_gap(&flight)), None).unwrap();
         let quality = &broken.quality;
         assert_eq!((quality.gaps, quality.samples_missing, broken.n_rows()), (1, 50, SAMPLES - 50), "{name}");

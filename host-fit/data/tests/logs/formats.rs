@@ -53,50 +53,6 @@ fn is_the_flight(recording: &Recording, flight: &Flight, tolerance: f64, step: f
     assert!((period_s - 0.005).abs() < 1e-6, "{period_s}");
 }
 
-#[test]
-fn lossless_formats_read_back_to_the_last_bit() {
-    let flight = flight();
-    for (id, name, bytes) in [
-        ("ulog", "a.ulg", ulog(&flight, Rate::Full)),
-        ("dataflash", "a.bin", dataflash(&flight, &[], false)),
-        ("mcap", "a.mcap", mcap(&flight)),
-        ("bag", "a.bag", bag(&flight, Chunks::Some)),
-        ("bag", "b.bag", bag(&flight, Chunks::None)),
-    ] {
-        let recording = read(name, &bytes);
-        assert_eq!(format_of(&recording).0, id);
-        is_the_flight(&recording, &flight, 0.0, 0.0);
-        assert_eq!(recording.time_s, flight.time_s(), "{name}");
-        assert!(recording.channel("temp_c").is_ok(), "{name}");
-        // the same as in the log format
-        let csv = read("a.csv", flight.csv().as_bytes());
-        assert!(csv.sources[0].read_as.is_none());
-        assert_eq!((&recording.time_s, recording.rate.true_hz), (&csv.time_s, csv.rate.true_hz), "{name}");
-        for channel in csv.channels() {
-            let found = recording.channel(&channel.name).unwrap();
-            assert_eq!((found.unit, &found.values), (channel.unit, &channel.values), "{name}");
-        }
-    }
-}
-
-#[test]
-fn reads_texts_of_apps_and_tools_without_options() {
-    let flight = flight();
-    for (id, name, write) in TEXTS {
-        let recording = read(name, &write(&flight));
-        let (found, assumed) = format_of(&recording);
-        assert_eq!(found, *id, "{name}");
-        assert!(!assumed.is_empty());
-        // converted there and back; the blackbox is rounded to counts and degrees
-        let step = if *id == "betaflight" { 0.5_f64.to_radians() + 1e-9 } else { 1e-9 };
-        is_the_flight(&recording, &flight, 1e-12, step);
-        assert_eq!(recording.axes().unwrap().len(), 6, "{name}");
-        // and again with an explicit format
-        let options = LoadOptions { format: Some(found.parse().unwrap()), ..LoadOptions::default() };
-        assert_eq!(read_as(name, &write(&flight), &options).unwrap().time_s, recording.time_s, "{name}");
-    }
-}
-
 /// A file of three columns in the order of Sensor Logger.
 fn sensor_logger(z: f64) -> String {
     let rows: String = (0..50)
@@ -311,29 +267,18 @@ fn unusable_logs_name_the_data_to_record() {
 }
 
 #[test]
-fn truncated_log_is_read_with_a_warning() {
-    let flight = flight();
-    for (name, bytes) in [
-        ("a.ulg", ulog(&flight, Rate::Full)),
-        ("a.mcap", mcap(&flight)),
-        ("a.bag", bag(&flight, Chunks::None)),
-        ("a.bin", dataflash(&flight, &[], false)),
-    ] {
-        let recording = read(name, &bytes[..bytes.len() / 2]);
-        assert!((SAMPLES / 3..SAMPLES).contains(&recording.n_rows()), "{name}: {}", recording.n_rows());
-        let assumed = format_of(&recording).1;
-        assert!(assumed.contains("cut short"), "{name}: {assumed}");
-        // and noise in the middle
-        let mut noisy = bytes.clone();
-        let middle = noisy.len() / 2;
-        noisy[middle..middle + 400].fill(0x5a);
-        let recording = read(name, &noisy);
-        assert!(recording.n_rows() > SAMPLES / 3, "{name}");
-        assert!(
-            format_of(&recording).1.contains("bytes") || format_of(&recording).1.contains("damaged"),
-            "{name}"
-        );
-    }
+fn truncated_bag_without_chunks_is_read_with_a_warning() {
+    let mut bytes = bag(&flight(), Chunks::None);
+    let middle = bytes.len() / 2;
+    let cut = read("a.bag", &bytes[..middle]);
+    assert!((SAMPLES / 3..SAMPLES).contains(&cut.n_rows()), "{}", cut.n_rows());
+    assert!(format_of(&cut).1.contains("cut short"), "{}", format_of(&cut).1);
+    // and noise in the middle
+    bytes[middle..middle + 400].fill(0x5a);
+    let noisy = read("a.bag", &bytes);
+    assert!(noisy.n_rows() > SAMPLES / 3);
+    let assumed = format_of(&noisy).1;
+    assert!(assumed.contains("bytes") || assumed.contains("damaged"), "{assumed}");
 }
 
 #[test]
