@@ -76,22 +76,14 @@ pub enum BatchError {
     Diagnose(#[from] DiagnoseError),
     #[error("{}: no folder in it has a meta.json\nhelp: each case is a folder with a meta.json and its logs", .0.display())]
     NoCases(PathBuf),
-    /// The folder cannot be listed.
     #[error("{}: {source}", path.display())]
-    Folder {
-        path: PathBuf,
-        /// Message of the system.
-        source: std::io::Error,
-    },
+    Folder { path: PathBuf, source: std::io::Error },
 }
 
 /// Diagnoses every case in `folder` and writes `answers.json` and the corrections to `output`. Calls `progress` with
 /// the number of cases done, the number of cases and the name of the last one. Stored answers are reused if their case,
-/// the library and `program` are unchanged; `program` is any text that differs between builds.
-///
-/// # Errors
-///
-/// The folder has no case, or the answers cannot be written. A case that cannot be read gives an answer with an error.
+/// the library and `program` are unchanged; `program` is any text that differs between builds. A case that cannot be
+/// read becomes an answer with an error.
 pub fn run(
     folder: &Path,
     output: &Path,

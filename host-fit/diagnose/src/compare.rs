@@ -26,26 +26,18 @@ use fos_fit::signal::noise_floor::{NoiseFloor, noise_floor};
 /// Error of a comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// A column that the model needs is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
-    /// The physical part cannot be run.
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    /// The dependence of the residual cannot be computed.
     #[error(transparent)]
     Dependence(#[from] DependenceError),
-    /// No row at rest remains for the evaluation.
     #[error(
         "no row at rest remains for the evaluation: all {trained} were fitted\nhelp: use a smaller `train`, or a longer log"
     )]
-    NothingLeft {
-        /// Number of rows that were trained on.
-        trained: usize,
-    },
+    NothingLeft { trained: usize },
 }
 
 /// Comparison of a model with the measurements.
@@ -154,10 +146,6 @@ fn evaluate(
 /// Evaluates `model` and its rivals on `rows`; also returns the trace of the model, for the figures. `lag_1` is the
 /// lag-1 autocorrelation of each axis' training data. The noise is estimated from `trained`, the data that the model
 /// was fitted to, if they are available.
-///
-/// # Errors
-///
-/// A column is missing, the model cannot be run, or no row at rest remains.
 pub fn compare(
     model: &UnitModel,
     lag_1: &[f64],
@@ -221,10 +209,6 @@ pub struct Evaluation {
 }
 
 /// Evaluates these axes of the model of a study on `log`; see [`compare_on`].
-///
-/// # Errors
-///
-/// Errors of [`compare`].
 pub fn compare_study(
     study: &Study,
     columns: &[String],
@@ -249,10 +233,6 @@ pub fn compare_study(
 /// Evaluates `model`, fitted to `data`, on `log`: on the rows that were not fitted if it is the log of `data`, else on
 /// all rows. If the log that was fitted is another one and available as `own`, the noise is estimated from it, and a
 /// `log` that continues it starts with its lags and hysteresis.
-///
-/// # Errors
-///
-/// Errors of [`compare`].
 pub fn compare_on(
     data: &Data,
     model: &UnitModel,
@@ -280,10 +260,6 @@ pub fn compare_on(
 
 /// Returns [`Comparison::strapdown`] of [`compare_study`], without the comparison of the axes one by one; empty unless the
 /// study and the log have all six axes.
-///
-/// # Errors
-///
-/// A column is missing, or the model cannot be run.
 pub fn strapdown(
     study: &Study,
     log: &Recording,
@@ -351,10 +327,6 @@ pub fn lags_off(model: &UnitModel, log: &Recording) -> Option<f64> {
 }
 
 /// Combines fitted axes into a study, evaluated on the rows after the training part.
-///
-/// # Errors
-///
-/// Errors of [`compare`].
 pub fn study_of(
     recording: &Recording,
     stillness: &Stillness,

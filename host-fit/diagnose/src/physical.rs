@@ -14,7 +14,6 @@ use fos_fit::playback::Playback;
 pub enum PhysicalError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
 }

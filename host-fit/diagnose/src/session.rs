@@ -32,11 +32,8 @@ pub enum Wanted<'a, L> {
 pub struct NoLog;
 
 impl<L: Sync> NamedLogs<L> {
-    /// Loads the logs of a step on `column`, in parallel; `read` are the options that they are read with.
-    ///
-    /// # Errors
-    ///
-    /// [`NoLog`], or the first error of `load`.
+    /// Loads the logs of a step on `column`, in parallel; `read` are the options that they are read with. Fails with
+    /// [`NoLog`] or the first error of `load`.
     pub fn load<E: From<NoLog> + Send>(
         &self,
         study: &Study,
@@ -79,10 +76,6 @@ pub enum Addition<'a> {
 
 /// Adds effects to an axis of a study, estimated on these logs. `progress` is called with each diagnosis and step of [`Addition::Best`].
 /// The study is unchanged if it fails.
-///
-/// # Errors
-///
-/// The axis was refined on other logs, the effect cannot be added, or the model with all axes exceeds the limits of a predictor.
 pub fn add(
     study: &mut Study,
     column: &str,

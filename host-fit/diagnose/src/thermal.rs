@@ -33,7 +33,6 @@ pub enum LeftError {
     Thermal(#[from] ThermalError),
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    /// No row at rest remains for the evaluation.
     #[error(
         "{log}: no row at rest remains for the evaluation\nhelp: use a smaller `train`, or another evaluation log"
     )]
@@ -45,10 +44,6 @@ pub type Correction<'a> = &'a dyn Fn(&str, f64) -> f64;
 
 /// Computes the slow error of `columns` with each of `corrections` and with the physical part of `model`, on those of
 /// `rows` in which the device is at rest.
-///
-/// # Errors
-///
-/// A column is missing, the model cannot be run, or no row at rest remains.
 pub fn left_by_temperature(
     model: &UnitModel,
     recording: &Recording,

@@ -69,10 +69,8 @@ pub struct LogTruth {
 }
 
 impl SimulatedCase {
-    /// Logs as read by a user: reference, log to explain, evaluation. Streams with separate clocks are resampled.
-    ///
-    /// # Errors
-    /// A log is invalid, which does not happen to a simulated one.
+    /// Logs as read by a user: reference, log to explain, evaluation. Streams with separate clocks are resampled. A
+    /// simulated log is never invalid.
     pub fn recordings(&self) -> Result<[Recording; 3], RecordingError> {
         let read = |name: &str, columns: &[NamedSeries], log: u64| {
             let options = LoadOptions { rate_hz: Some(self.meta.nominal_rate_hz), ..LoadOptions::default() };
@@ -93,9 +91,6 @@ impl SimulatedCase {
 }
 
 /// Simulates a case.
-///
-/// # Errors
-/// The part is unknown, the set-up cannot show an effect, or an effect makes no error.
 pub fn simulate_case(plan: &CasePlan) -> Result<SimulatedCase, PlanError> {
     let Draft { unit, scene, logged, field, shapes } = draft(plan)?;
     let seed = plan.seed;

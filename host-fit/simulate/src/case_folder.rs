@@ -18,20 +18,13 @@ pub enum CaseFolderError {
     File(#[from] FileError),
     /// A value that JSON cannot represent.
     #[error("{}: {source}", path.display())]
-    Json {
-        path: PathBuf,
-        /// Error of the serialiser.
-        source: serde_json::Error,
-    },
+    Json { path: PathBuf, source: serde_json::Error },
 }
 
 impl SimulatedCase {
     /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device
     /// does not have: `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and
     /// the regressors). The case is named after the folder.
-    ///
-    /// # Errors
-    /// Errors of the system.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), CaseFolderError> {
         let folder = folder.as_ref();
         make_folder(folder)?;

@@ -18,20 +18,14 @@ const HIDDEN: [(Effect, f64); 2] = [(Effect::ThermalLag, 120.0), (Effect::Supply
 
 #[derive(Debug, thiserror::Error)]
 pub enum DemoCaseError {
-    /// It cannot be simulated.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Its logs cannot be written or read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
 }
 
 /// Simulates three logs of a phone-class device on a desk, writes them to `folder` and reads them: `reference.parquet`,
 /// `log.parquet` with effects hidden in [`HIDDEN_IN`], and `evaluation.parquet` with the same effects.
-///
-/// # Errors
-///
-/// The folder cannot be written.
 pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], DemoCaseError> {
     let mut plan = CasePlan::new(seed, "bmi270", Setup::Desk, Axis::Gx);
     plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();

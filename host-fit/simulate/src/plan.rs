@@ -16,11 +16,8 @@ pub const NOMINAL_RATE_HZ: f64 = 200.0;
 /// Durations of the logs, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Durations {
-    /// Duration of the reference log, s.
     pub reference_s: f64,
-    /// Duration of the log to explain, s.
     pub log_s: f64,
-    /// Duration of the evaluation log, s.
     pub evaluation_s: f64,
 }
 
@@ -130,14 +127,8 @@ impl CasePlan {
 pub enum PlanError {
     #[error("there is no part {0:?}; choose from {parts}", parts = PARTS.map(|part| part.name).join(", "))]
     Part(String),
-    /// The set-up cannot show the effect on this axis.
     #[error("{effect} does not show on {} in the set-up {}{}", .setup.name(), .target.column(), places(*.effect))]
-    Unsuited {
-        effect: Effect,
-        setup: Setup,
-        /// Axis that should show it.
-        target: Axis,
-    },
+    Unsuited { effect: Effect, setup: Setup, target: Axis },
     /// The effect makes no error in this log: a parameter out of reach, or a log too short.
     #[error("{effect} with parameter {parameter} makes no error in a field of this length")]
     Nothing { effect: Effect, parameter: f64 },

@@ -41,9 +41,6 @@ pub struct Planted {
 }
 
 /// Sizes of the effects of a plan, and their remaining sizes after fitting others; without simulating a log.
-///
-/// # Errors
-/// Those of `simulate_case`.
 pub fn assess(plan: &CasePlan) -> Result<Vec<Planted>, PlanError> {
     let Draft { unit, logged, field, shapes, .. } = draft(plan)?;
     let columns = shapes.iter().map(|shape| shape.columns(&field, 1, plan.seed)).collect();

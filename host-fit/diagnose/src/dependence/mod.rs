@@ -102,10 +102,6 @@ pub struct Trained<'a> {
 
 /// Computes the dependence of the residual of every axis of `model` in `rows`; `None` if the data are too few to
 /// separate a dependence from drifting noise.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn dependence(
     model: &UnitModel,
     recording: &Recording,
@@ -202,7 +198,6 @@ impl ChannelInBlocks {
 pub enum DependenceError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// fos-core refuses the model.
     #[error("the model cannot be run: {0}")]
     Model(#[from] fos_core::ModelError),
 }

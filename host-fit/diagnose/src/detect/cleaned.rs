@@ -35,10 +35,6 @@ struct Log<'a> {
 
 impl<'a> Cleaned<'a> {
     /// Cleans the logs of a question.
-    ///
-    /// # Errors
-    ///
-    /// The column to explain is missing or stuck, a log is never at rest, or the logs are of different sensors.
     pub(super) fn of(question: &Question<'a>) -> Result<Self, DiagnoseError> {
         let column = question.log.axis(question.target)?.name.clone();
         let mut others = question.reference.into_iter().chain(question.evaluation);

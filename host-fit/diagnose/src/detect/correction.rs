@@ -8,10 +8,6 @@ use fos_data::recording::{Recording, RecordingError};
 /// is the log of the diagnosis. On its mean the correction of a slow effect is 0, since the mean belongs to the bias.
 ///
 /// A step that was found in one log is a constant in the next. Before its first value a quantity is taken as constant.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn correction(
     findings: &[Finding],
     fitted: &Recording,

@@ -25,10 +25,6 @@ use super::testable::{Testable, lacking};
 use crate::effects::{Detector, Effect, Inputs};
 
 /// Diagnoses the missing effects of an axis.
-///
-/// # Errors
-///
-/// A column is missing, or the log is too short.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let mut diagnosis = diagnose_cleaned(&logs.question(question), logs.zone())?;
@@ -140,10 +136,6 @@ fn is_among(untested: &[Untested], effect: &Effect) -> bool {
 
 /// Estimates effects together, whether or not they are missing, in this order: parameters, sizes, and the reduction by
 /// each with those before it in the model. Spectral lines are assigned in order of strength.
-///
-/// # Errors
-///
-/// A column is missing, the log is too short, or an effect does not show in it.
 pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Finding>, DiagnoseError> {
     let logs = Cleaned::of(question)?;
     let question = &logs.question(question);

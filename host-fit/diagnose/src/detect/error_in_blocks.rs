@@ -28,10 +28,6 @@ pub struct ErrorInBlocks {
 
 impl ErrorInBlocks {
     /// Reduces `column` of a recording without known faults.
-    ///
-    /// # Errors
-    ///
-    /// The column is missing.
     pub fn of(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
         Self::new(recording, column, &[])
     }
@@ -52,10 +48,6 @@ impl ErrorInBlocks {
     }
 
     /// Reduces `column` in the blocks of the slow error.
-    ///
-    /// # Errors
-    ///
-    /// The column is missing.
     pub fn in_slow_blocks(recording: &Recording, column: &str) -> Result<Self, RecordingError> {
         Self::in_blocks_of(recording, column, &[], SLOW_BLOCK_S)
     }

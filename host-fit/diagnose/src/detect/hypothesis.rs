@@ -117,10 +117,6 @@ impl<'a> Hypotheses<'a> {
     }
 
     /// Returns the hypothesis of `effect` at `value`, cached. An effect whose inputs never change has columns of zeros.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(super) fn make(
         &self,
         effect: &Arc<Effect>,

@@ -19,10 +19,6 @@ const TRUSTED: f64 = 3.0;
 /// Returns the fitted range of each input that occurs as a power, widened as long as the change of the curve from its
 /// value at the edge is significant: a cubic is undetermined far outside. `coefficients` and `covariance` are those of
 /// `regressors`.
-///
-/// # Errors
-///
-/// A column is missing.
 pub(super) fn limits(
     inputs: &Inputs<'_>,
     regressors: &[Regressor],

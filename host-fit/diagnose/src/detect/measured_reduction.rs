@@ -20,10 +20,6 @@ const LEAST_RISE: f64 = 0.005;
 
 /// Diagnoses the missing effects of an axis, and measures their reductions if there is an evaluation log. One that begins
 /// where the log to explain ends is evaluated after it, so that lags and hysteresis have their states.
-///
-/// # Errors
-///
-/// Errors of [`diagnose`].
 pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let Some(evaluation) = question.evaluation else { return diagnose(question) };
     let (log, from) = match question.evaluation_from {
@@ -37,10 +33,6 @@ pub fn diagnose_and_measure(question: &Question<'_>) -> Result<Diagnosis, Diagno
 /// Adds to every finding the reduction measured on `rows` of `evaluation`, with the findings before it in the model. A slow
 /// effect that makes the error worse than predicted becomes a lead if its predicted interval excludes 0, else it is not
 /// conclusive; in either case the next ones are measured without it.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn with_measured_reduction(
     mut diagnosis: Diagnosis,
     fitted: &Recording,

@@ -79,10 +79,6 @@ pub(super) struct PredictedReductions<'a> {
 
 impl PredictedReductions<'_> {
     /// Returns the blocks in which the error of a log is drawn, from row `from` on.
-    ///
-    /// # Errors
-    ///
-    /// The column is missing.
     pub(super) fn blocks(
         log: &Recording,
         column: &str,
@@ -93,10 +89,6 @@ impl PredictedReductions<'_> {
     }
 
     /// Predicts the reduction by `effect` while those of `later` findings are still in the error.
-    ///
-    /// # Errors
-    ///
-    /// The noise levels are not identifiable.
     pub(super) fn of(
         &self,
         effect: &SlowEffect,

@@ -128,10 +128,6 @@ impl Prepared {
 
     /// Describes what a log that is too short for slow effects needs: time at rest, or the columns that are unknown for
     /// most of it.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(super) fn time_needed(&self, question: &Question<'_>) -> Result<String, DiagnoseError> {
         // as in `is_short`: the first block after each turn only determines a level
         let blocks = &self.reduced.blocks;

@@ -59,10 +59,8 @@ pub struct Given {
 pub enum DiagnoseError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// An effect is unknown.
     #[error(transparent)]
     Effect(#[from] crate::effects::EffectError),
-    /// The noise levels are not identifiable.
     #[error(transparent)]
     Noise(#[from] fos_fit::noise::UnknownLevels),
     /// The coefficients of an effect have no covariance, for example because data are not finite.
@@ -70,24 +68,14 @@ pub enum DiagnoseError {
         "{effect}: the uncertainty of its coefficients is not identifiable from this log: their covariance is not positive definite\nhelp: record a longer log at rest, without outliers"
     )]
     UnknownCoefficients { effect: String },
-    /// A requested effect does not show in the log.
     #[error(
         "{effect} cannot be estimated from this log: {reason}\nhelp: a log in which what the effect follows is logged and changes"
     )]
     NotThere { effect: String, reason: String },
-    /// The axis repeats one value.
     #[error(
         "{column} repeats one value, {value:?}, for {seconds:.1} s of {all_s:.1} s at rest: stuck or not connected\nhelp: leave the axis out with `axis`"
     )]
-    Stuck {
-        column: String,
-        value: f64,
-        /// Duration of the repeated value, s.
-        seconds: f64,
-        /// Time at rest, s.
-        all_s: f64,
-    },
-    /// Coarse steps hide all noise.
+    Stuck { column: String, value: f64, seconds: f64, all_s: f64 },
     #[error(
         "{column}: every value at rest is {value:?}: coarse steps of {step:.3e} hide its noise and all changes that are smaller\nhelp: choose a finer range of the sensor, or leave the axis out with `axis`"
     )]
@@ -97,7 +85,6 @@ pub enum DiagnoseError {
         /// Step of the other axes of the triad, in their unit.
         step: f64,
     },
-    /// The log is too short.
     #[error(
         "{column}: {:.1} s at rest; at least {:.0} s are needed to tell an effect from drifting noise\nhelp: record a longer log at rest, or one with the true values (`ref_…`)",
         *blocks as f64 * length_s,
@@ -107,7 +94,6 @@ pub enum DiagnoseError {
         column: String,
         /// Number of blocks in which the column is known.
         blocks: usize,
-        /// Length of the blocks, s.
         length_s: f64,
     },
 }

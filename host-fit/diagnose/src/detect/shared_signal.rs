@@ -47,10 +47,6 @@ struct Together {
 
 /// Adds to the diagnoses of a log the slow signal that their axes share. If nothing else explains an axis, its verdict
 /// becomes *unexplained* by this signal.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn with_shared_signal(
     mut answers: Vec<Diagnosis>,
     recording: &Recording,

@@ -28,10 +28,6 @@ pub(super) struct Testable {
 
 impl Testable {
     /// Selects the effects of a question's library, without those that are given.
-    ///
-    /// # Errors
-    ///
-    /// A given effect is unknown, or a column is missing.
     pub(super) fn of(
         question: &Question<'_>,
         inputs: &Inputs<'_>,
@@ -62,10 +58,6 @@ impl Testable {
 
     /// Returns the effects of attitude, which an axis at rest in one attitude cannot show: its slow changes are its own
     /// error.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(super) fn attitude_effects(
         &self,
         hypotheses: &Hypotheses<'_>,

@@ -73,10 +73,6 @@ pub struct Visibility {
 
 impl Course {
     /// The planned recording, with `target` at 0 throughout: only its inputs matter.
-    ///
-    /// # Errors
-    ///
-    /// The recording has too few samples.
     pub fn recording(&self, target: &str) -> Result<Recording, RecordingError> {
         let rows = (self.seconds / PLANNED_PERIOD_S).floor() as usize;
         let time_s: Vec<f64> = (0..rows).map(|row| row as f64 * PLANNED_PERIOD_S).collect();
@@ -96,10 +92,6 @@ impl Course {
 
 /// Smallest sizes of the slow effects of `library` on axis `target` that `recording` shows, if `reference`, a log of the same
 /// device at rest, states its noise. Effects without a regressor in the recording are absent.
-///
-/// # Errors
-///
-/// A column is missing, or a log is too short.
 pub fn visibility(
     recording: &Recording,
     reference: &Recording,

@@ -52,10 +52,6 @@ impl<'a> Inputs<'a> {
 
     /// Returns one flag per row: true if all `columns` are known there. A column is unknown before its first value
     /// after power-on.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn known_rows<'c>(
         &self,
         columns: impl Iterator<Item = &'c str>,
@@ -76,19 +72,11 @@ impl<'a> Inputs<'a> {
     }
 
     /// Evaluates a regressor over all rows.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn regressor(&self, regressor: &Regressor) -> Result<Arc<[f64]>, RecordingError> {
         regressor.over(|spec| self.input(spec))
     }
 
     /// Evaluates the block means of a regressor.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn block_means(&self, regressor: &Regressor, blocks: &Blocks) -> Result<Vec<f64>, RecordingError> {
         let mut means = vec![0.0; blocks.len()];
         for product in &regressor.products {
@@ -138,10 +126,6 @@ impl<'a> Inputs<'a> {
     }
 
     /// Evaluates a regressor over all rows with its inputs clamped to `limits`.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn regressor_within(
         &self,
         regressor: &Regressor,
@@ -157,11 +141,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// Evaluates an input over all rows. A missing value is held. Before the first value the input is constant at its
-    /// first value ([`known_rows`](Self::known_rows) marks these rows).
-    ///
-    /// # Errors
-    ///
-    /// The column is missing, or all its cells are empty.
+    /// first value ([`known_rows`](Self::known_rows) marks these rows). A column of empty cells is an error.
     pub fn input(&self, spec: &InputSpec) -> Result<Arc<[f64]>, RecordingError> {
         let name = spec.to_string();
         if let Some(known) = self.cached.get(&name) {

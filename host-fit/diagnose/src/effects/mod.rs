@@ -214,7 +214,6 @@ pub struct ConfusedWith {
 /// Error in the file of an effect, or in a request to the library.
 #[derive(Debug, thiserror::Error)]
 pub enum EffectError {
-    /// The file of an effect cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
     #[error(
@@ -223,10 +222,8 @@ pub enum EffectError {
     NotAnEffect {
         /// File as given, with line and column if the parser reports them.
         place: String,
-        /// Message of the parser or of the check.
         reason: String,
     },
-    /// The identifier belongs to another effect.
     #[error(
         "{place}: the id {id:?} is taken: {other} has an effect of it\nhelp: give this one another id, as \"my_{id}\""
     )]
@@ -234,28 +231,18 @@ pub enum EffectError {
         /// File, line and column.
         place: String,
         id: String,
-        /// Place of the other effect.
         other: String,
     },
-    /// `confused_with` lists an unknown effect.
     #[error("{place}: confused_with names {id:?}, which is no effect{}\nhelp: write one of {}, or leave the entry out", did_you_mean(.closest.as_deref()), .known.join(", "))]
     NoRival {
         /// File, line and column.
         place: String,
         id: String,
-        /// The most similar identifier.
         closest: Option<String>,
         known: Vec<String>,
     },
-    /// There is no effect of this identifier.
     #[error("there is no effect {id:?}{}\nhelp: the library has {}", did_you_mean(.closest.as_deref()), .known.join(", "))]
-    Unknown {
-        id: String,
-        /// The most similar identifier.
-        closest: Option<String>,
-        known: Vec<String>,
-    },
-    /// No effect in the library is searched for in this way on this axis.
+    Unknown { id: String, closest: Option<String>, known: Vec<String> },
     #[error(
         "nothing in the library is found as {search:?} on {column}\nhelp: undo the step whose effect has taken the place of the built-in one, and add it under another identifier"
     )]
@@ -304,10 +291,6 @@ impl Library {
     }
 
     /// Returns the effect of this identifier.
-    ///
-    /// # Errors
-    ///
-    /// There is none; the error lists the known ones and the most similar one.
     pub fn get(&self, id: &str) -> Result<&Effect, EffectError> {
         self.effects.iter().find(|effect| effect.id == id).ok_or_else(|| EffectError::Unknown {
             id: id.to_owned(),
@@ -319,10 +302,6 @@ impl Library {
 
     /// Returns the effect with this search method that acts on the axis of `column`. If there are several, it is the
     /// last whose range contains the parameter `value` (a user's own is later than the built-in one), else the first.
-    ///
-    /// # Errors
-    ///
-    /// No effect on this axis has this search method.
     pub fn found_as(&self, search: Detector, column: &str, value: f64) -> Result<&Effect, EffectError> {
         let found_so =
             || self.effects.iter().filter(|effect| effect.search == search && effect.strikes(column));
@@ -352,10 +331,6 @@ impl Library {
 
 impl Effect {
     /// Reads an effect; `path` is used in the error.
-    ///
-    /// # Errors
-    ///
-    /// The text is not an effect, a term cannot be read, or a unit is unknown.
     pub fn parse(path: &str, text: &str) -> Result<Self, EffectError> {
         let wrong = |reason: String| EffectError::NotAnEffect { place: path.to_owned(), reason };
         let effect: Self = toml::from_str(text).map_err(|error| EffectError::toml(path, text, &error))?;
@@ -363,9 +338,7 @@ impl Effect {
         Ok(effect)
     }
 
-    /// # Errors
-    ///
-    /// Returns the reason if the effect is invalid although its fields have the right types.
+    /// Checks what the types of the fields do not; the error is the reason.
     pub(crate) fn check(&self) -> Result<(), String> {
         if self.id.is_empty()
             || !self.id.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
@@ -415,11 +388,8 @@ impl Effect {
         self.terms.iter().all(|term| term.regressor.split(['*', '+']).all(is_input))
     }
 
-    /// Returns the regressors for a target column and a value of the parameter, each with the index of its term.
-    ///
-    /// # Errors
-    ///
-    /// A term cannot be read, or refers to an axis that the target does not have.
+    /// Returns the regressors for a target column and a value of the parameter, each with the index of its term. Fails
+    /// if a term cannot be read or refers to an axis that the target does not have.
     pub fn regressors(&self, target: &str, value: Option<f64>) -> Result<Vec<(usize, Regressor)>, String> {
         let name = self.parameter.as_ref().map(|parameter| parameter.name.as_str());
         let striking = self.terms.iter().enumerate().filter(|(_, term)| term.targets.contain(target));

@@ -26,10 +26,6 @@ struct Rival {
 
 impl Library {
     /// Returns the built-in effects and the user's, one file each.
-    ///
-    /// # Errors
-    ///
-    /// A file cannot be read or is not an effect, an identifier is taken, or `confused_with` lists an unknown effect.
     pub fn with_files<P: AsRef<Path>>(paths: &[P]) -> Result<Self, EffectError> {
         let mut library = Self::built_in();
         let mut from: HashMap<String, String> = HashMap::new();

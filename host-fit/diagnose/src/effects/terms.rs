@@ -14,10 +14,6 @@ pub struct Product {
 
 impl Product {
     /// Parses inputs joined by `*`.
-    ///
-    /// # Errors
-    ///
-    /// An input cannot be read.
     pub fn parse(text: &str) -> Result<Self, String> {
         Ok(Self { inputs: text.split('*').map(|input| input.trim().parse()).collect::<Result<_, _>>()? })
     }
@@ -44,10 +40,6 @@ pub struct Regressor {
 
 impl Regressor {
     /// Parses products joined by `+`.
-    ///
-    /// # Errors
-    ///
-    /// A product cannot be read.
     pub fn parse(text: &str) -> Result<Self, String> {
         Ok(Self { products: text.split('+').map(Product::parse).collect::<Result<_, _>>()? })
     }

@@ -13,50 +13,30 @@ use crate::study::StudyAxisError;
 pub enum RefineError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The effect cannot be estimated.
     #[error(transparent)]
     Diagnose(#[from] DiagnoseError),
-    /// The effect is unknown.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// fos-core refuses the model.
     #[error(
         "the grown model cannot be run: {0}\nhelp: take an effect back first, of another axis too, or fit fewer axes together"
     )]
     Model(#[from] ModelError),
-    /// The physical part cannot be run.
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    /// The study has no such axis, or nothing was added to it.
     #[error(transparent)]
     Study(#[from] StudyAxisError),
-    /// The log is of another sensor than the study, or was corrected differently.
     #[error(
         "{log} does not go with the study: the study's {column} is {study}, that of the log {found}\nhelp: a log of the same sensor, recorded in the same way; `topic` chooses the sensor of a log"
     )]
-    OtherSensor {
-        log: String,
-        column: String,
-        /// Property of the study, in words.
-        study: String,
-        /// Property of the log, in words.
-        found: String,
-    },
+    OtherSensor { log: String, column: String, study: String, found: String },
     #[error(
         "{0} is in the model already\nhelp: the history of the study shows what was added; undo takes the last back"
     )]
     Twice(String),
-    /// The log does not determine the effect.
     #[error(
         "{effect} is not identifiable from this log: {reason}\nhelp: record a log that shows it: {experiment}"
     )]
-    NotIdentifiable {
-        effect: String,
-        reason: String,
-        /// Experiment that would identify the effect.
-        experiment: String,
-    },
-    /// The effect increases the error of the evaluation log.
+    NotIdentifiable { effect: String, reason: String, experiment: String },
     #[error(
         "{effect} was not added: with it the {what} over the evaluation log grows {growth}\nhelp: record a log that shows the effect: {experiment}"
     )]
@@ -66,19 +46,12 @@ pub enum RefineError {
         what: &'static str,
         /// Error before and after, and its uncertainty, with the unit.
         growth: String,
-        /// Experiment that would identify the effect.
         experiment: String,
     },
-    /// Earlier effects were estimated and evaluated on other data.
     #[error(
         "{column} was refined on other data: {changes}; steps on different data cannot be compared\nhelp: put the same logs back to go on, or take the steps back first (undo)"
     )]
-    OtherLogs {
-        column: String,
-        /// Differences of the data, in words.
-        changes: String,
-    },
-    /// The effect has nothing to subtract.
+    OtherLogs { column: String, changes: String },
     #[error("{0}: it cannot be subtracted sample by sample\nhelp: {1}")]
     NothingToTakeOff(String, &'static str),
 }

@@ -88,10 +88,6 @@ fn shows_in_blocks(finding: &Finding) -> bool {
 
 /// Returns the evidence for one of the `findings` of a diagnosis of `log` without a model; none for an effect that
 /// does not show in blocks.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn evidence_without_model(
     log: &Recording,
     column: &str,
@@ -121,10 +117,6 @@ pub struct LineEvidence {
 }
 
 /// Returns the evidence for a finding of a line in `column`; none for other findings, and if the log is too short.
-///
-/// # Errors
-///
-/// The column is missing.
 pub fn line_evidence(
     log: &Recording,
     column: &str,
@@ -154,10 +146,6 @@ fn line_spectrum(log: &Recording, column: &str) -> Result<Option<Spectrum>, Reco
 impl Refiner<'_> {
     /// Returns the evidence for one of the `findings` of a diagnosis of `refinement`; none for an effect that does not
     /// show in blocks.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn evidence(
         &self,
         refinement: &Refinement,
@@ -174,10 +162,6 @@ impl Refiner<'_> {
     }
 
     /// Returns the additional cost of `finding` on the device.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub fn price(&self, refinement: &Refinement, finding: &Finding) -> Result<Option<Cost>, RefineError> {
         let Some(last) = refinement.last().filter(|_| !finding.correction.is_empty()) else {
             return Ok(None);

@@ -61,10 +61,6 @@ impl<'a> ObservedLog<'a> {
 
     /// Levels the only axis of `model` in `log`, which has the rows of this one and perhaps other values. The level is
     /// that of `rows`.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing, or fos-core refuses the model.
     pub(super) fn levelled<'l>(
         &self,
         model: &UnitModel,

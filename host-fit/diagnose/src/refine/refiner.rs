@@ -71,10 +71,6 @@ impl<'a> Refiner<'a> {
     }
 
     /// Returns the state before any effect is added: the fitted axis of the study with the bias of the log to explain.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing, or fos-core refuses the model.
     pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
         let left = self.left(model, &[])?;
         let log = self.measured(&model.axes[0].column);
@@ -82,11 +78,6 @@ impl<'a> Refiner<'a> {
     }
 
     /// Starts the refinement of an axis of a study; `logs` are stored in it.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis, a column is missing, the log is of another sensor or was corrected differently, or
-    /// fos-core refuses the model.
     pub fn begin(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
         self.refuse_other_sensor(study, column)?;
         let steps = vec![self.first_step(&study.axis_alone(column)?)?];
@@ -106,10 +97,6 @@ impl<'a> Refiner<'a> {
 
     /// Resumes the refinement of an axis of a study if it was made with these logs; otherwise starts it if nothing was
     /// added yet.
-    ///
-    /// # Errors
-    ///
-    /// Errors of [`Refiner::begin`]; or the axis was refined on other logs.
     pub fn resume(&self, study: &Study, column: &str, logs: LogSources) -> Result<Refinement, RefineError> {
         match study.refinement_of(column) {
             Some(refinement) if refinement.logs == logs => Ok(refinement.clone()),
@@ -121,11 +108,7 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Checks that an effect has a correction on this axis.
-    ///
-    /// # Errors
-    ///
-    /// The alternative to adding the effect.
+    /// Checks that an effect has a correction on this axis. The error states the alternative.
     pub fn can_add(&self, column: &str, effect: &Effect) -> Result<(), RefineError> {
         if effect.search == Detector::Step && !self.log.whole.is_bias_known(column) {
             let help = "at rest an accelerometer shows gravity beside its bias, and in a later log a step of one is indistinguishable from a step of the other; log the true values (`ref_…`)";
@@ -134,11 +117,8 @@ impl<'a> Refiner<'a> {
         can_be_added(effect)
     }
 
-    /// Checks that a detected effect can be added: it has a correction, and the log determines it.
-    ///
-    /// # Errors
-    ///
-    /// The alternative to adding the effect, or the log to record.
+    /// Checks that a detected effect can be added: it has a correction, and the log determines it. The error states the
+    /// alternative, or the log to record.
     pub fn can_add_finding(
         &self,
         column: &str,
@@ -150,10 +130,6 @@ impl<'a> Refiner<'a> {
     }
 
     /// Diagnoses the model at the end of `refinement`.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing, or the log is too short.
     pub fn diagnose(&self, refinement: &Refinement) -> Result<Diagnosis, RefineError> {
         let wide = refinement.added().filter(|added| added.finding.band == Band::Wide);
         let wide: Vec<Finding> = wide.map(|added| added.finding.clone()).collect();
@@ -186,11 +162,6 @@ impl<'a> Refiner<'a> {
 
     /// Returns the model of `refinement` with `effect` added. All effects are estimated again, together with those that
     /// the diagnosis finds, so that a missing effect does not bias the others.
-    ///
-    /// # Errors
-    ///
-    /// The effect is in the model already or has no correction, a column that it needs is missing, the log is too short
-    /// or does not determine the effect, or it increases the error of the evaluation log.
     pub fn add(&self, refinement: &Refinement, effect: &Effect) -> Result<RefinementStep, RefineError> {
         self.can_add(&refinement.column, effect)?;
         self.add_beside(refinement, effect, &self.diagnose(refinement)?)
@@ -257,10 +228,6 @@ impl<'a> Refiner<'a> {
 
     /// Adds the effects that a diagnosis finds, the one with the largest predicted reduction first, until none is worth
     /// adding. Returns the added steps; `progress` is called with each diagnosis and step.
-    ///
-    /// # Errors
-    ///
-    /// Errors of [`Refiner::diagnose`] and [`Refiner::add`].
     pub fn add_best(
         &self,
         refinement: &Refinement,
@@ -505,10 +472,6 @@ impl<'a> Refiner<'a> {
 }
 
 /// Rejects effects without a correction.
-///
-/// # Errors
-///
-/// The alternative to adding the effect.
 fn can_be_added(effect: &Effect) -> Result<(), RefineError> {
     let help = match effect.band {
         Band::Data => "fix the recording: another full scale, a faster bus, a finer output",

@@ -19,10 +19,6 @@ const WIDTHS: f64 = 1.0;
 /// Adds findings to the physical part of the only axis of `model`; `fitted` is the log in which they were found. Steps
 /// become no terms, since they are part of the bias of every later log. Returns the positions of the terms, effect by
 /// effect.
-///
-/// # Errors
-///
-/// A column is missing.
 pub(super) fn add(
     model: &mut UnitModel,
     findings: &[Finding],
@@ -65,10 +61,6 @@ pub(super) fn add(
 ///
 /// An input is limited to its `limits`, by its text; without limits, to one width beyond the range that was `seen` of
 /// it. Both count from the centre.
-///
-/// # Errors
-///
-/// The range of an input is unknown.
 pub fn factors<E>(
     model: &mut UnitModel,
     product: &Product,

@@ -38,10 +38,6 @@ impl Study {
 
     /// Returns the column of an axis, by its full name (`gx_rads`) or its short one (`gx`); without a name that of the only
     /// axis.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis, or no name and several axes.
     pub fn column(&self, axis: Option<&str>) -> Result<String, StudyAxisError> {
         let axes = self.columns();
         match (axis, &axes[..]) {
@@ -55,10 +51,6 @@ impl Study {
     }
 
     /// Returns the column of the axis whose last effect is removed: the named one, otherwise the only one with an added effect.
-    ///
-    /// # Errors
-    ///
-    /// Errors of [`Study::column`].
     pub fn column_to_undo(&self, axis: Option<&str>) -> Result<String, StudyAxisError> {
         let refined = self.refinements.iter().filter(|refinement| refinement.added().next().is_some());
         match (axis, &refined.collect::<Vec<_>>()[..]) {
@@ -78,10 +70,6 @@ impl Study {
     }
 
     /// Returns the model of one axis of the study, as it is now.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis.
     pub fn axis_alone(&self, column: &str) -> Result<UnitModel, StudyAxisError> {
         let index = self.model.axes.iter().position(|axis| axis.column == column);
         index
@@ -90,10 +78,6 @@ impl Study {
     }
 
     /// The part of the study that is of one axis without its refinement: the inverse of [`Study::joined`].
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis.
     pub fn only(&self, column: &str) -> Result<Self, StudyAxisError> {
         let model = UnitModel { calibration: self.model.calibration.clone(), ..self.axis_alone(column)? };
         let index = self.axes.iter().position(|report| report.column == column);
@@ -125,10 +109,6 @@ impl Study {
     }
 
     /// Removes the last effect that was added to `column`; returns its identifier.
-    ///
-    /// # Errors
-    ///
-    /// Nothing was added.
     pub fn undo(&mut self, column: &str) -> Result<String, StudyAxisError> {
         let nothing = || StudyAxisError::NothingAdded(column.to_owned());
         let refinement =

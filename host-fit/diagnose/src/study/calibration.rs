@@ -15,18 +15,12 @@ use super::Study;
 pub struct OtherDevice {
     log: String,
     triad: &'static str,
-    /// Property of the study, in words.
     study: String,
-    /// Property of the log, in words.
     found: String,
 }
 
 impl Study {
     /// Adds a calibration made from `log`, or replaces the one that the study has.
-    ///
-    /// # Errors
-    ///
-    /// The log is of another sensor, or was corrected differently.
     pub fn calibrate(&mut self, calibration: UnitCalibration, log: &Recording) -> Result<(), OtherDevice> {
         let triads = [(Triad::Accelerometers, "accelerometer"), (Triad::Gyros, "gyro")];
         let other =

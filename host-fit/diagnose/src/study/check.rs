@@ -13,11 +13,7 @@ use fos_data::recording::SensorProvenance;
 use fos_fit::model::{FittedAxis, FittedTerm, NamedInput, UnitModel};
 
 impl Study {
-    /// Checks the study.
-    ///
-    /// # Errors
-    ///
-    /// The inconsistency, in words, which no study written by this program has.
+    /// Checks the study. The error is the inconsistency, which no study written by this program has.
     pub(super) fn check(&self) -> Result<(), String> {
         check_model(&self.model).map_err(|wrong| format!("model: {wrong}"))?;
         let columns: Vec<&str> = self.model.axes.iter().map(|axis| axis.column.as_str()).collect();

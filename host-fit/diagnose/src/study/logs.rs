@@ -19,27 +19,13 @@ pub enum LogAgainError {
         study.display(),
         in_words(tried)
     )]
-    NotThere {
-        log: String,
-        /// File of the study.
-        study: PathBuf,
-        /// Paths that were tried.
-        tried: Vec<PathBuf>,
-    },
-    /// Another log lies in its place.
+    NotThere { log: String, study: PathBuf, tried: Vec<PathBuf> },
     #[error(
         "{}: not the log that {} was made with: its digest is {found}, the study's is {named}\nhelp: put that log back, or name another one in the command",
         log.display(),
         study.display()
     )]
-    Another {
-        /// Path of the other log.
-        log: PathBuf,
-        /// File of the study.
-        study: PathBuf,
-        found: String,
-        named: String,
-    },
+    Another { log: PathBuf, study: PathBuf, found: String, named: String },
 }
 
 fn in_words(paths: &[PathBuf]) -> String {
@@ -47,10 +33,6 @@ fn in_words(paths: &[PathBuf]) -> String {
 }
 
 /// Reads a log that the study at `study` refers to.
-///
-/// # Errors
-///
-/// It is not found, another log lies in its place, or it cannot be read.
 pub fn load_again(source: &Source, study: &Path, read: &LoadOptions) -> Result<Recording, LogAgainError> {
     let tried = places(source, study);
     let mut first_problem = None;
@@ -92,10 +74,6 @@ fn places(source: &Source, study: &Path) -> Vec<PathBuf> {
 
 impl Study {
     /// Loads the logs that the study was fitted to.
-    ///
-    /// # Errors
-    ///
-    /// Errors of `load`, or the logs cannot be joined.
     pub fn fitted_log<E: From<RecordingError>>(
         &self,
         load: impl FnMut(&Source) -> Result<Recording, E>,

@@ -91,13 +91,11 @@ pub struct StudyStep {
 /// A study that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
     /// The file cannot be written back.
     #[error(transparent)]
     Unchanged(#[from] CompareAndSwapError),
-    /// The file is not a study, or is damaged.
     #[error("{path}:{line}:{column}: not a study: {reason}\nhelp: a study is what a fit writes")]
     NotAStudy {
         path: String,
@@ -105,7 +103,6 @@ pub enum StudyError {
         line: usize,
         /// Column of the error, from 1.
         column: usize,
-        /// Message of the parser.
         reason: String,
     },
     /// The fields contradict one another.
@@ -114,11 +111,7 @@ pub enum StudyError {
     #[error(
         "{path}: schema {found:?}; this program reads {SCHEMA:?}\nhelp: fit again, or use the program that wrote it"
     )]
-    Schema {
-        path: String,
-        /// Schema of the file.
-        found: String,
-    },
+    Schema { path: String, found: String },
 }
 
 impl Tool {
@@ -136,19 +129,11 @@ impl Data {
 
 impl Study {
     /// Reads a study.
-    ///
-    /// # Errors
-    ///
-    /// The file is missing, not a study, of another schema, or its fields contradict one another.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         Ok(Self::read_to_change(path)?.0)
     }
 
     /// Reads a study that will be written back.
-    ///
-    /// # Errors
-    ///
-    /// Errors of [`Study::read`].
     pub fn read_to_change(path: &Path) -> Result<(Self, FileVersion), StudyError> {
         let bytes = file::read(path)?;
         let refused = |refused| match (refused, path.display().to_string()) {
@@ -163,11 +148,7 @@ impl Study {
     }
 
     /// Writes the study atomically, provided that the file is unchanged since it was read; stores the paths of its logs
-    /// relative to it.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be written, or another process has written it meanwhile; it is then unchanged.
+    /// relative to it. A file that cannot be written, or that another process has written meanwhile, is unchanged.
     pub fn write(&mut self, file: &FileVersion) -> Result<(), StudyError> {
         self.note_places(file.path());
         Ok(file.replace(&self.to_bytes())?)
