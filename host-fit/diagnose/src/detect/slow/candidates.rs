@@ -51,9 +51,8 @@ impl SlowSearch<'_> {
         state: &State,
         first_pass: &[(f64, Hypothesis)],
     ) -> Result<Vec<Candidate>, RecordingError> {
-        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
         let best = &first_pass[..fitted_of(first_pass)];
-        let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(&accepted, state, hypothesis.clone());
+        let fit = |(_, hypothesis): &(f64, Hypothesis)| self.candidate(state, hypothesis.clone());
         let mut candidates = in_parallel(best, fit).into_iter().collect::<Result<Vec<_>, _>>()?;
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
         self.remove_thermal_steps(state, &mut candidates);
@@ -82,11 +81,10 @@ impl SlowSearch<'_> {
     /// The fitted levels are inflated by a missing effect, so that it hardly shows under them. Under those of the prior
     /// a large slow residual outweighs a sharp change: the step that explains most of it is not where the bias jumps.
     pub(super) fn first_pass(&self, state: &State) -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
-        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let fitted = state.fitted.levels;
-        let mut nulls = vec![self.at(&accepted, state.noise, fitted)];
+        let at = |levels: NoiseLevels| self.at(&state.accepted, state.noise, levels);
+        let mut nulls = vec![at(state.fitted.levels)];
         if state.noise == ExtraNoise::None {
-            nulls.insert(0, self.at(&accepted, state.noise, NoiseLevels::from_logs(&self.prior.mean)));
+            nulls.insert(0, at(NoiseLevels::from_logs(&self.prior.mean)));
         }
         let best = |effect: &Arc<Effect>| -> Result<Vec<(f64, Hypothesis)>, RecordingError> {
             if state.accepted.iter().any(|hypothesis| hypothesis.effect.id == effect.id)
@@ -104,7 +102,7 @@ impl SlowSearch<'_> {
                     if k == 0 {
                         continue;
                     }
-                    let score = gain - self.price(k, &hypothesis, &accepted);
+                    let score = gain - self.price(k, &hypothesis, &state.accepted);
                     if here.as_ref().is_none_or(|(other, _)| score > *other) {
                         here = Some((score, hypothesis));
                     }
@@ -119,23 +117,21 @@ impl SlowSearch<'_> {
         Ok(first_pass)
     }
 
-    /// Fits a hypothesis on top of `accepted`: refines its parameter and fits the noise levels.
+    /// Fits a hypothesis on top of `state`: refines its parameter and fits the noise levels.
     pub(super) fn candidate(
         &self,
-        accepted: &[&Hypothesis],
         state: &State,
         hypothesis: Hypothesis,
     ) -> Result<Candidate, RecordingError> {
         let with = |hypothesis: &Hypothesis, start| {
-            let all: Vec<&Hypothesis> = accepted.iter().copied().chain([hypothesis]).collect();
-            self.fit(&all, state.noise, start)
+            self.fit(state.accepted.iter().chain([hypothesis]), state.noise, start)
         };
         let first = with(&hypothesis, state.fitted.levels);
-        let refined = self.significant_terms(accepted, state.noise, &first, hypothesis)?;
+        let refined = self.significant_terms(state, first.levels, hypothesis)?;
         let fitted = with(&refined, first.levels);
         let k = fitted.gls.kept.len().saturating_sub(state.fitted.gls.kept.len());
         let gain = state.fitted.deviance - fitted.deviance;
-        let score = gain - self.price(k.max(1), &refined, accepted);
+        let score = gain - self.price(k.max(1), &refined, &state.accepted);
         Ok(Candidate { hypothesis: refined, fitted, gain, score })
     }
 }

@@ -28,7 +28,7 @@ impl SlowSearch<'_> {
         let mut found = Vec::new();
         for (place, current) in state.accepted.iter().enumerate() {
             let (without, _) = self.without(&state, place);
-            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
+            let levels = state.fitted.levels;
             let gain = without.fitted.deviance - state.fitted.deviance;
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
             let mut rivals = Vec::new();
@@ -38,7 +38,7 @@ impl SlowSearch<'_> {
                 }
                 let (mut rival, mut behind) = (candidate.hypothesis, gain - candidate.gain);
                 if behind < INSEPARABLE && self.is_nested(current, &rival) {
-                    match self.inside(&rest, &state, &rival)? {
+                    match self.inside(&without, levels, &rival)? {
                         Some((inner, further)) => (rival, behind) = (inner, behind + further),
                         None => continue,
                     }
@@ -47,18 +47,19 @@ impl SlowSearch<'_> {
                     rivals.push((rival, behind));
                 }
             }
-            let score = gain - self.price(k, current, &rest);
+            let score = gain - self.price(k, current, &without.accepted);
             let scored: Vec<(&Hypothesis, f64)> = rivals
                 .iter()
                 .filter(|(rival, _)| rival.effect.search == Detector::Terms)
                 .map(|(rival, behind)| {
-                    (rival, score - (gain - behind - self.price(rival.columns.len(), rival, &rest)))
+                    let price = self.price(rival.columns.len(), rival, &without.accepted);
+                    (rival, score - (gain - behind - price))
                 })
                 .collect();
-            let log_error = self.log_error(&rest, &state, current)?;
+            let log_error = self.log_error(&without, levels, current)?;
             found.push(Found {
                 hypothesis: current.clone(),
-                alternatives: self.alternatives((&rest, &state), current, log_error, &scored)?,
+                alternatives: self.alternatives((&without, levels), current, log_error, &scored)?,
                 place: self.place_after(&state.accepted[..place], current),
                 log_error,
                 gain,
@@ -68,8 +69,8 @@ impl SlowSearch<'_> {
         }
         let (mut noise_gain, mut noise_score) = (0.0, 0.0);
         if state.noise != ExtraNoise::None {
-            let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-            let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+            let base = NoiseLevels::from_logs(&self.prior.mean);
+            let without = self.fit(&state.accepted, ExtraNoise::None, base);
             noise_gain = without.deviance - state.fitted.deviance;
             let price = if matches!(state.noise, ExtraNoise::Walk) { 1.0 } else { 2.0 };
             noise_score = noise_gain - price * (self.blocks.len() as f64).ln() - self.price_of_axes();
@@ -128,13 +129,12 @@ impl SlowSearch<'_> {
     /// L. A lag of a minute that explains a log as well as no lag is indistinguishable from none.
     fn inside(
         &self,
-        rest: &[&Hypothesis],
-        state: &State,
+        rest: &State,
+        levels: NoiseLevels,
         rival: &Hypothesis,
     ) -> Result<Option<(Hypothesis, f64)>, RecordingError> {
         let (Some(parameter), Some(_)) = (&rival.effect.parameter, rival.value) else { return Ok(None) };
-        let at =
-            |hypothesis: &Hypothesis| self.deviance_with(rest, hypothesis, state.noise, state.fitted.levels);
+        let at = |hypothesis: &Hypothesis| self.deviance_with(rest, hypothesis, levels);
         let limit = at(rival);
         let mut best: Option<(f64, Hypothesis)> = None;
         for value in self.hypotheses.grid(&rival.effect) {
@@ -152,8 +152,8 @@ impl SlowSearch<'_> {
     /// Returns the standard error of the logarithm of a parameter, from the curvature of the deviance.
     fn log_error(
         &self,
-        rest: &[&Hypothesis],
-        state: &State,
+        rest: &State,
+        levels: NoiseLevels,
         current: &Hypothesis,
     ) -> Result<Option<f64>, RecordingError> {
         let Some(value) = current.value.filter(|_| current.effect.search == Detector::Terms) else {
@@ -161,7 +161,7 @@ impl SlowSearch<'_> {
         };
         let at = |log: f64| -> Result<f64, RecordingError> {
             let hypothesis = self.hypotheses.make(&current.effect, Some(log.exp()))?.with_terms_of(current);
-            Ok(self.deviance_with(rest, &hypothesis, state.noise, state.fitted.levels))
+            Ok(self.deviance_with(rest, &hypothesis, levels))
         };
         let step = 0.1;
         let curvature =

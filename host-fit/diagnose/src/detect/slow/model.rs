@@ -69,9 +69,12 @@ impl SlowSearch<'_> {
     }
 
     /// Returns the given regressors and those of these hypotheses.
-    pub(super) fn regressors<'h>(&'h self, accepted: &[&'h Hypothesis]) -> Vec<&'h [f64]> {
+    pub(super) fn regressors<'h>(
+        &'h self,
+        accepted: impl IntoIterator<Item = &'h Hypothesis>,
+    ) -> Vec<&'h [f64]> {
         let given = self.given.iter().map(Vec::as_slice);
-        given.chain(accepted.iter().flat_map(|hypothesis| hypothesis.columns())).collect()
+        given.chain(accepted.into_iter().flat_map(Hypothesis::columns)).collect()
     }
 
     /// Returns the positions of a hypothesis's regressors, after the given ones and those of `before`.
@@ -86,7 +89,12 @@ impl SlowSearch<'_> {
     }
 
     /// Fits coefficients and noise levels with these hypotheses.
-    pub(super) fn fit(&self, accepted: &[&Hypothesis], noise: ExtraNoise, start: NoiseLevels) -> Fitted {
+    pub(super) fn fit<'h>(
+        &'h self,
+        accepted: impl IntoIterator<Item = &'h Hypothesis>,
+        noise: ExtraNoise,
+        start: NoiseLevels,
+    ) -> Fitted {
         let regressors = self.regressors(accepted);
         let prior = self.prior_of(noise);
         let regression =
@@ -100,33 +108,26 @@ impl SlowSearch<'_> {
     }
 
     /// Fits the coefficients under given noise levels.
-    pub(super) fn at(&self, accepted: &[&Hypothesis], noise: ExtraNoise, levels: NoiseLevels) -> Fitted {
+    pub(super) fn at<'h>(
+        &'h self,
+        accepted: impl IntoIterator<Item = &'h Hypothesis>,
+        noise: ExtraNoise,
+        levels: NoiseLevels,
+    ) -> Fitted {
         let regressors = self.regressors(accepted);
         let prior = self.prior_of(noise);
         Regression { blocks: self.blocks, y: self.y, regressors: &regressors, prior: &prior }.at(levels)
     }
 
-    /// Returns −2 ln L with a hypothesis on top of `accepted`, under given noise levels.
-    pub(super) fn deviance_with(
-        &self,
-        accepted: &[&Hypothesis],
-        hypothesis: &Hypothesis,
-        noise: ExtraNoise,
-        levels: NoiseLevels,
-    ) -> f64 {
-        let all: Vec<&Hypothesis> = accepted.iter().copied().chain([hypothesis]).collect();
-        self.at(&all, noise, levels).deviance
+    /// Returns −2 ln L with a hypothesis on top of `state`, under given noise levels.
+    pub(super) fn deviance_with(&self, state: &State, hypothesis: &Hypothesis, levels: NoiseLevels) -> f64 {
+        self.at(state.accepted.iter().chain([hypothesis]), state.noise, levels).deviance
     }
 
     /// Returns the penalty of `k` coefficients and of the parameter search, on top of the effects of `accepted`. A term
     /// that the log cannot separate from the others counts, unless the effect is any subset of its terms: where the
     /// temperature does not vary, a drift of the scale factor explains what a scale factor error explains.
-    pub(in crate::detect) fn price(
-        &self,
-        k: usize,
-        hypothesis: &Hypothesis,
-        accepted: &[&Hypothesis],
-    ) -> f64 {
+    pub(in crate::detect) fn price(&self, k: usize, hypothesis: &Hypothesis, accepted: &[Hypothesis]) -> f64 {
         let grid = self.hypotheses.grid(&hypothesis.effect).len() as f64;
         let parameter = if hypothesis.value.is_some() { PARAMETER_PRICE } else { 0.0 };
         let clock = if hypothesis.effect.follows_clock_alone() { CLOCK_PRICE } else { 0.0 };
@@ -138,9 +139,9 @@ impl SlowSearch<'_> {
     /// Reduction of the penalty for the first drift of the bias with temperature: the odds that the part drifts
     /// visibly, which grow with the span of the temperature. A random walk estimated from the same log explains a
     /// monotonic drift nearly as well.
-    fn rebate(&self, hypothesis: &Hypothesis, accepted: &[&Hypothesis]) -> f64 {
+    fn rebate(&self, hypothesis: &Hypothesis, accepted: &[Hypothesis]) -> f64 {
         let drifts = |hypothesis: &Hypothesis| hypothesis.effect.follows_alone(TEMPERATURE);
-        if !drifts(hypothesis) || accepted.iter().any(|other| drifts(other)) {
+        if !drifts(hypothesis) || accepted.iter().any(drifts) {
             return 0.0;
         }
         let means = self.hypotheses.logged_means(TEMPERATURE);
@@ -151,8 +152,7 @@ impl SlowSearch<'_> {
     pub(super) fn without(&self, state: &State, place: usize) -> (State, Hypothesis) {
         let mut accepted = state.accepted.clone();
         let removed = accepted.remove(place);
-        let rest: Vec<&Hypothesis> = accepted.iter().collect();
-        let fitted = self.fit(&rest, state.noise, state.fitted.levels);
+        let fitted = self.fit(&accepted, state.noise, state.fitted.levels);
         (State { accepted, noise: state.noise, fitted }, removed)
     }
 }

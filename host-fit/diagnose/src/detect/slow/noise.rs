@@ -3,7 +3,6 @@
 use super::model::{ACCEPT, SlowSearch, State};
 use super::result::ExtraNoise;
 use crate::detect::MIN_BLOCKS;
-use crate::detect::hypothesis::Hypothesis;
 use fos_fit::noise::{Fitted, GaussMarkov, NoiseLevels};
 
 /// Initial correlation times of a further Gauss-Markov process, s.
@@ -15,15 +14,14 @@ impl SlowSearch<'_> {
         if state.noise != ExtraNoise::None || self.blocks.len() < MIN_BLOCKS {
             return None;
         }
-        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
+        let accepted = &state.accepted;
         let (price, of_axes) = ((self.blocks.len() as f64).ln(), self.price_of_axes());
         let start = state.fitted.levels;
-        let walk = self.fit(&accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
+        let walk = self.fit(accepted, ExtraNoise::Walk, NoiseLevels { walk: 3.0 * start.walk, ..start });
         let walk_score = state.fitted.deviance - walk.deviance - price - of_axes;
         // a slow process leaves little in the whitened residual, and effects that are still missing leave more in the other
         let whitened = fos_fit::signal::variance(&[&state.fitted.gls.residual]).sqrt();
-        let deviations =
-            [whitened.max(1.0) * start.flicker, self.residual_deviation(&accepted, &state.fitted)];
+        let deviations = [whitened.max(1.0) * start.flicker, self.residual_deviation(state)];
         let longest = self.blocks.len() as f64 * self.blocks.length_s / 5.0;
         let processes = GAUSS_MARKOV_STARTS_S
             .into_iter()
@@ -32,11 +30,11 @@ impl SlowSearch<'_> {
                 let base = NoiseLevels::from_logs(&self.prior.mean);
                 let deviance = |process: GaussMarkov| {
                     let levels = NoiseLevels { gauss_markov: Some(process), ..base };
-                    self.at(&accepted, ExtraNoise::GaussMarkov(process), levels).deviance
+                    self.at(accepted, ExtraNoise::GaussMarkov(process), levels).deviance
                 };
                 let [one, other] = deviations.map(|deviation| GaussMarkov { deviation, tau_s });
                 let process = if deviance(one) <= deviance(other) { one } else { other };
-                self.fit(&accepted, ExtraNoise::GaussMarkov(process), base)
+                self.fit(accepted, ExtraNoise::GaussMarkov(process), base)
             });
         // a shorter process is white noise in block means, which already has a level
         let is_slow = |process: &GaussMarkov| (self.blocks.length_s..longest).contains(&process.tau_s);
@@ -54,8 +52,8 @@ impl SlowSearch<'_> {
     }
 
     /// Returns the standard deviation of the block means without the accepted effects.
-    fn residual_deviation(&self, accepted: &[&Hypothesis], fitted: &Fitted) -> f64 {
-        let residual = fitted.gls.unexplained(self.y, &self.regressors(accepted));
+    fn residual_deviation(&self, state: &State) -> f64 {
+        let residual = state.fitted.gls.unexplained(self.y, &self.regressors(&state.accepted));
         fos_fit::signal::variance(&[&self.blocks.about_levels(&residual, 0..residual.len())]).sqrt()
     }
 
@@ -69,8 +67,8 @@ impl SlowSearch<'_> {
         if state.noise == ExtraNoise::None {
             return;
         }
-        let accepted: Vec<&Hypothesis> = state.accepted.iter().collect();
-        let without = self.fit(&accepted, ExtraNoise::None, NoiseLevels::from_logs(&self.prior.mean));
+        let base = NoiseLevels::from_logs(&self.prior.mean);
+        let without = self.fit(&state.accepted, ExtraNoise::None, base);
         let price = (self.blocks.len() as f64).ln();
         if without.deviance - state.fitted.deviance < price + self.price_of_axes() + ACCEPT {
             *state = State { noise: ExtraNoise::None, fitted: without, accepted: state.accepted.clone() };

@@ -1,11 +1,10 @@
 //! Refinement of an effect's parameter between grid values, at fixed noise levels.
 
-use super::model::SlowSearch;
-use super::result::ExtraNoise;
+use super::model::{SlowSearch, State};
 use crate::detect::hypothesis::Hypothesis;
 use crate::effects::{Detector, Effect};
 use fos_data::recording::RecordingError;
-use fos_fit::noise::Fitted;
+use fos_fit::noise::NoiseLevels;
 
 /// Number of parts of a block at which the time of a step is tried.
 const STEP_PARTS: i32 = 5;
@@ -14,22 +13,21 @@ const STEP_PARTS: i32 = 5;
 const REFINEMENTS: usize = 4;
 
 impl SlowSearch<'_> {
-    /// Finds the best value of the parameter between its neighbours on the grid at fixed noise levels, by parabolas
-    /// through the best three values.
+    /// Finds the best value of the parameter on top of `state` between its neighbours on the grid at fixed noise levels,
+    /// by parabolas through the best three values.
     pub(super) fn refine(
         &self,
-        accepted: &[&Hypothesis],
-        noise: ExtraNoise,
-        fitted: &Fitted,
+        state: &State,
+        levels: NoiseLevels,
         start: Hypothesis,
     ) -> Result<Hypothesis, RecordingError> {
         let Some(value) = start.value else { return Ok(start) };
         if start.effect.search == Detector::Step {
-            return self.refine_step(accepted, noise, fitted, start, value);
+            return self.refine_step(state, levels, start, value);
         }
         let evaluate = |log: f64| -> Result<(f64, f64, Hypothesis), RecordingError> {
             let hypothesis = self.hypotheses.make(&start.effect, Some(log.exp()))?.with_terms_of(&start);
-            Ok((log, self.deviance_with(accepted, &hypothesis, noise, fitted.levels), hypothesis))
+            Ok((log, self.deviance_with(state, &hypothesis, levels), hypothesis))
         };
         let middle = value.ln();
         let width = self.grid_width(&start.effect);
@@ -70,9 +68,8 @@ impl SlowSearch<'_> {
     /// Finds the time of a step inside the blocks on both sides of it.
     fn refine_step(
         &self,
-        accepted: &[&Hypothesis],
-        noise: ExtraNoise,
-        fitted: &Fitted,
+        state: &State,
+        levels: NoiseLevels,
         start: Hypothesis,
         time_s: f64,
     ) -> Result<Hypothesis, RecordingError> {
@@ -81,7 +78,7 @@ impl SlowSearch<'_> {
         for part in -STEP_PARTS..=STEP_PARTS {
             let at = time_s + f64::from(part) / f64::from(STEP_PARTS) * width_s;
             let hypothesis = self.hypotheses.make(&best.1.effect, Some(at))?;
-            let deviance = self.deviance_with(accepted, &hypothesis, noise, fitted.levels);
+            let deviance = self.deviance_with(state, &hypothesis, levels);
             if deviance < best.0 {
                 best = (deviance, hypothesis);
             }

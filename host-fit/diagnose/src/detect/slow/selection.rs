@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::candidates::Tried;
 use super::model::{ACCEPT, SlowSearch, State};
 use super::result::SlowResult;
-use crate::detect::hypothesis::Hypothesis;
 use crate::effects::Effect;
 use fos_data::recording::RecordingError;
 
@@ -17,10 +16,6 @@ const PASSES: usize = 2;
 
 impl SlowSearch<'_> {
     /// Runs the search.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(crate) fn run(&self) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         let (mut tried, mut beside) = (Tried::default(), Vec::new());
@@ -56,10 +51,6 @@ impl SlowSearch<'_> {
     }
 
     /// Estimates these effects together, whether or not they are missing.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(crate) fn estimate(&self, wanted: &[Arc<Effect>]) -> Result<SlowResult, RecordingError> {
         let mut state = self.null();
         for effect in wanted {
@@ -75,13 +66,11 @@ impl SlowSearch<'_> {
             let (without, current) = self.without(&state, place);
             let effect = Arc::clone(&current.effect);
             let alone = SlowSearch { effects: std::slice::from_ref(&effect), ..*self };
-            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
-            let own = self.candidate(&rest, &without, current)?;
+            let own = self.candidate(&without, current)?;
             let again = alone.candidates(&without)?.into_iter().next();
             let again = again.filter(|again| again.score > own.score).unwrap_or(own);
             state.accepted[place] = again.hypothesis;
-            let all: Vec<&Hypothesis> = state.accepted.iter().collect();
-            state.fitted = self.fit(&all, state.noise, again.fitted.levels);
+            state.fitted = self.fit(&state.accepted, state.noise, again.fitted.levels);
         }
         self.describe(state, Tried::default())
     }
@@ -94,8 +83,7 @@ impl SlowSearch<'_> {
         }
         for place in 0..state.accepted.len() {
             let (without, current) = self.without(state, place);
-            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
-            let own = self.candidate(&rest, &without, current.clone())?;
+            let own = self.candidate(&without, current.clone())?;
             let better = self.best_reported(self.candidates(&without)?);
             let winner = match better {
                 Some(better) if better.score > own.score + 0.5 => better,
@@ -114,8 +102,8 @@ impl SlowSearch<'_> {
         while place < state.accepted.len() {
             let (without, current) = self.without(state, place);
             let k = state.fitted.gls.kept.len().saturating_sub(without.fitted.gls.kept.len()).max(1);
-            let rest: Vec<&Hypothesis> = without.accepted.iter().collect();
-            if without.fitted.deviance - state.fitted.deviance - self.price(k, &current, &rest) < ACCEPT {
+            let price = self.price(k, &current, &without.accepted);
+            if without.fitted.deviance - state.fitted.deviance - price < ACCEPT {
                 *state = without;
             } else {
                 place += 1;

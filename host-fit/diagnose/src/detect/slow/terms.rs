@@ -1,10 +1,9 @@
 //! Selection of an effect's regressors by penalised likelihood.
 
-use super::model::SlowSearch;
-use super::result::ExtraNoise;
+use super::model::{SlowSearch, State};
 use crate::detect::hypothesis::Hypothesis;
 use fos_data::recording::RecordingError;
-use fos_fit::noise::Fitted;
+use fos_fit::noise::{Fitted, NoiseLevels};
 
 /// Largest number of terms for which every subset is tried.
 const MAX_TERMS: usize = 6;
@@ -16,24 +15,19 @@ const AS_GOOD: f64 = 3.0;
 const NEARLY_ALL: f64 = 0.9;
 
 impl SlowSearch<'_> {
-    /// Returns the regressors of an effect that are worth their penalty, under given noise levels, with the best
-    /// parameter value for them: coefficients that the log does not determine would be wrong in the next one. Among
+    /// Returns the regressors of an effect that are worth their penalty on top of `state`, under given noise levels,
+    /// with the best parameter value for them: coefficients that the log does not determine would be wrong in the next one. Among
     /// equally good subsets the smallest is chosen, then the first listed. If the terms share a parameter, the first
     /// one sets its scale and is in every subset.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing.
     pub(super) fn significant_terms(
         &self,
-        accepted: &[&Hypothesis],
-        noise: ExtraNoise,
-        fitted: &Fitted,
+        state: &State,
+        levels: NoiseLevels,
         hypothesis: Hypothesis,
     ) -> Result<Hypothesis, RecordingError> {
         let n = hypothesis.columns.len();
         if !hypothesis.effect.any_terms || !(2..=MAX_TERMS).contains(&n) {
-            return self.refine(accepted, noise, fitted, hypothesis);
+            return self.refine(state, levels, hypothesis);
         }
         let price = (self.blocks.len() as f64).ln();
         // part of a sum is added only on top of the sum: any axis shows vibration in one direction, but for a change of
@@ -43,8 +37,8 @@ impl SlowSearch<'_> {
         };
         let has_sums = (0..n).any(is_sum);
         let has_scale = hypothesis.value.is_some();
-        let with = |hypothesis: &Hypothesis| self.deviance_with(accepted, hypothesis, noise, fitted.levels);
-        let none = self.at(accepted, noise, fitted.levels);
+        let with = |hypothesis: &Hypothesis| self.deviance_with(state, hypothesis, levels);
+        let none = self.at(&state.accepted, state.noise, levels);
         if has_sums {
             let (all, first) = (with(&hypothesis), hypothesis.with_terms(&[0]));
             if none.deviance - with(&first) > NEARLY_ALL * (none.deviance - all) {
@@ -56,7 +50,7 @@ impl SlowSearch<'_> {
             .filter(|terms| (!has_sums || is_sum(terms[0])) && (!has_scale || terms[0] == 0))
             .map(|terms| {
                 let chosen = self.best_on_grid(&none, hypothesis.with_terms(&terms))?;
-                let chosen = self.refine(accepted, noise, fitted, chosen)?;
+                let chosen = self.refine(state, levels, chosen)?;
                 Ok((with(&chosen) + price * terms.len() as f64, chosen))
             })
             .collect::<Result<_, RecordingError>>()?;
