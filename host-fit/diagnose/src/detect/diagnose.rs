@@ -85,7 +85,7 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         telegraph.as_ref().and_then(|found| telegraph::decided(found, &prepared, question.log))
     {
         telegraph = None;
-        left = LeftOver { leads: vec![lead], anomalies: Vec::new(), instead: true };
+        left = LeftOver { leads: vec![lead], instead: true, ..LeftOver::default() };
     }
     if let Some(found) = &telegraph {
         let with_telegraph = [given.as_slice(), std::slice::from_ref(&found.course)].concat();

@@ -1,11 +1,11 @@
-//! Residual after the library: leads and anomalies.
+//! Residual after the library: leads, jumps and changes of the noise level.
 
 use fos_fit::noise::{Fitted, LevelPrior, NoiseLevels, Regression};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::open::{self, Lead};
 use super::question::Question;
-use super::shape::{self, ResidualAnomaly};
+use super::shape::{self, Level};
 use super::slow::{ExtraNoise, Found, SlowResult};
 
 /// Leads that explain less than this share of what the findings explain do not change the verdict to *unexplained*: a
@@ -16,7 +16,8 @@ const LEAD_SHARE: f64 = 0.03;
 #[derive(Default)]
 pub(super) struct LeftOver {
     pub(super) leads: Vec<Lead>,
-    pub(super) anomalies: Vec<ResidualAnomaly>,
+    pub(super) jumps: Option<Lead>,
+    pub(super) level: Option<Level>,
     /// True if the leads explain more than the findings that follow nothing logged, and than the excess noise.
     pub(super) instead: bool,
 }
@@ -55,14 +56,14 @@ pub(super) fn left_over(
     let explained: f64 = slow.found.iter().map(|found| found.gain).sum();
     let mut leads = left(&regressors(&|_| true), &slow.fitted, &slow.prior);
     leads.retain(|lead| lead.gain > LEAD_SHARE * explained);
-    let mut anomalies = Vec::new();
+    let (mut jumps, mut level) = (None, None);
     // the noise of a shaken accelerometer is the shaking
     if !shaken {
         let reference = away_from_effects(reduced, slow);
-        anomalies.extend(shape::jumps(&reference, LEAD_SHARE * explained, slow.noise != ExtraNoise::None));
+        jumps = shape::jumps(&reference, LEAD_SHARE * explained, slow.noise != ExtraNoise::None);
     }
     if sound && !shaken {
-        anomalies.extend(shape::level(question.log, &reduced.blocks, column, !slow.found.is_empty()));
+        level = shape::level(question.log, &reduced.blocks, column, !slow.found.is_empty());
     }
     // findings that follow nothing logged may be stand-ins for a logged cause
     let replaced = slow.unbacked() + slow.noise_score;
@@ -77,10 +78,10 @@ pub(super) fn left_over(
         let fitted = regression.fit(NoiseLevels::from_logs(&slow.reference_prior.mean));
         let instead = left(&backed, &fitted, &slow.reference_prior);
         if instead.first().is_some_and(|lead| lead.score > replaced + INSTEAD) {
-            return LeftOver { leads: instead, anomalies, instead: true };
+            return LeftOver { leads: instead, jumps, level, instead: true };
         }
     }
-    LeftOver { leads, anomalies, instead: false }
+    LeftOver { leads, jumps, level, instead: false }
 }
 
 /// Returns the whitened residual without the blocks that only determine a level, where it is 0, and without the tenth

@@ -93,14 +93,12 @@ pub fn with_measured_reduction(
             let growth = -100.0 * rms_reduction(reduction);
             let growth = format!("it increases the RMS on the evaluation log by {growth:.0} %");
             if least > 0.0 {
+                let follows = format!("{} in this log, but {growth}", finding.name);
+                let score = finding.score.unwrap_or(0.0);
                 diagnosis.leads.push(Lead {
-                    kind: LeadKind::Refuted,
-                    follows: format!("{} in this log, but {growth}", finding.name),
                     gain: finding.gain.unwrap_or(0.0),
-                    score: finding.score.unwrap_or(0.0),
                     share: finding.predicted_reduction,
-                    band: finding.band,
-                    decides: true,
+                    ..Lead::new(LeadKind::Refuted, follows, finding.band, score)
                 });
                 continue;
             }

@@ -75,6 +75,13 @@ pub struct Lead {
     pub decides: bool,
 }
 
+impl Lead {
+    /// Returns a lead that decides the verdict and whose gain is its score.
+    pub(super) fn new(kind: LeadKind, follows: String, band: Band, score: f64) -> Self {
+        Self { kind, follows, gain: score, score, share: 0.0, band, decides: true }
+    }
+}
+
 fn yes() -> bool {
     true
 }
@@ -143,16 +150,9 @@ impl Residual<'_> {
                 };
                 let gain = self.fitted.deviance - fitted.deviance;
                 let share = self.share(&fitted.gls, &regressors);
-                let follows = curve.follows.clone();
-                Lead {
-                    kind: LeadKind::Course,
-                    follows,
-                    gain,
-                    score: gain - price(k),
-                    share,
-                    band: Band::Slow,
-                    decides: share >= NOTICED,
-                }
+                let (follows, score) = (curve.follows.clone(), gain - price(k));
+                let decides = share >= NOTICED;
+                Lead { gain, share, decides, ..Lead::new(LeadKind::Course, follows, Band::Slow, score) }
             })
             .filter(|lead| lead.score >= ACCEPT)
             .collect();

@@ -1,5 +1,7 @@
 //! Tests of the residual against noise: its distribution in block means, and its level in the samples.
 
+use super::open::{Lead, LeadKind};
+use crate::effects::Band;
 use fos_data::column::AXES;
 use fos_data::recording::Recording;
 use fos_fit::noise::Blocks;
@@ -27,56 +29,56 @@ const LEVEL_SHARE_BESIDE: f64 = 0.03;
 /// Column of the thermometer.
 pub(super) const TEMPERATURE: &str = "temp_c";
 
-/// A deviation of the residual from noise of constant level.
+/// Least relative change of an unexplained noise level that affects the verdict.
+const NOTICED_LEVEL: f64 = 0.05;
+
+/// Least share of the variance of the residual in jumps that affects the verdict: 13 % of the RMS. Sensors at rest have
+/// block means beyond three standard deviations more often than normal noise.
+const NOTICED_JUMPS: f64 = 0.25;
+
+/// A change of the noise level of the samples.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum ResidualAnomaly {
-    /// Jumps: more extreme block means than their number explains.
-    Jumps {
-        /// Excess kurtosis of the whitened block means.
-        kurtosis: f64,
-        /// Sum of the squares of the extreme block means, in standard deviations.
-        gain: f64,
-        /// Share of the variance of the whitened block means that the extreme ones have, beyond that of normal noise.
-        share: f64,
-    },
-    /// The noise level of the samples changes.
-    Level {
-        /// Quantity that it follows best, if any.
-        follows: Option<Followed>,
-        /// Standard deviation of the explained part of the logarithm of the level.
-        spread: f64,
-        score: f64,
-    },
+pub(super) struct Level {
+    /// Quantity that it follows best, if any.
+    follows: Option<Followed>,
+    /// Standard deviation of the explained part of the logarithm of the level.
+    spread: f64,
+    pub(super) score: f64,
 }
 
-impl ResidualAnomaly {
-    /// Returns true if an effect of the library describes it: a noise level that follows the temperature.
-    pub(super) fn is_effect(&self) -> bool {
-        self.temperature_slope().is_some()
-    }
-
+impl Level {
     /// Returns the change of the logarithm of the noise level per kelvin and its standard error, if the level follows
     /// the temperature.
     pub(super) fn temperature_slope(&self) -> Option<[f64; 2]> {
-        match self {
-            Self::Level { follows: Some(Followed { column, slope }), .. } if column == TEMPERATURE => {
-                Some(*slope)
+        let follows = self.follows.as_ref().filter(|follows| follows.column == TEMPERATURE)?;
+        Some(follows.slope)
+    }
+
+    pub(super) fn lead(&self) -> Lead {
+        let change = 100.0 * self.spread;
+        let follows = match &self.follows {
+            Some(Followed { column, .. }) => {
+                format!("a noise level that changes by {change:.0} % with {column}")
             }
-            _ => None,
-        }
+            None => format!("a noise level that changes by {change:.0} % over the log"),
+        };
+        let decides = self.follows.is_some() || self.spread >= NOTICED_LEVEL;
+        let lead = Lead::new(LeadKind::Level, follows, Band::Wide, self.score);
+        Lead { share: self.spread, decides, ..lead }
     }
 }
 
 /// A quantity that a noise level follows.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Followed {
-    pub(super) column: String,
+struct Followed {
+    column: String,
     /// Change of the logarithm of the level per unit of the quantity, and its standard error.
-    pub(super) slope: [f64; 2],
+    slope: [f64; 2],
 }
 
-/// Finds jumps in the whitened residual of a fit if they contribute more than `least` to −2 ln L.
-pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<ResidualAnomaly> {
+/// Finds jumps in the whitened residual of a fit: more extreme block means than their number explains, if they
+/// contribute more than `least` to −2 ln L.
+pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Lead> {
     let errors = if is_noise { KURTOSIS_ERRORS_OF_NOISE } else { KURTOSIS_ERRORS };
     let n = whitened.len() as f64;
     let mean = whitened.iter().sum::<f64>() / n;
@@ -84,21 +86,17 @@ pub(super) fn jumps(whitened: &[f64], least: f64, is_noise: bool) -> Option<Resi
     let kurtosis = moment(4) / (moment(2) * moment(2)) - 3.0;
     let squares = whitened.iter().map(|u| (u - mean).powi(2) / moment(2));
     let gain: f64 = squares.filter(|square| *square > FAR_OUT * FAR_OUT).sum();
+    // beyond that of normal noise
     let share = (gain / n - FAR_OUT_SHARE).max(0.0);
-    (gain > least && kurtosis > errors * (24.0 / n).sqrt()).then_some(ResidualAnomaly::Jumps {
-        kurtosis,
-        gain,
-        share,
+    (gain > least && kurtosis > errors * (24.0 / n).sqrt()).then(|| {
+        let follows = format!("jumps at irregular times (excess kurtosis {kurtosis:.1} of the residual)");
+        let lead = Lead::new(LeadKind::Jumps, follows, Band::Slow, kurtosis);
+        Lead { gain, share, decides: share >= NOTICED_JUMPS, ..lead }
     })
 }
 
 /// Finds a change of the noise level of `target` that the other axes do not have; vibration shows in all of them.
-pub(super) fn level(
-    recording: &Recording,
-    blocks: &Blocks,
-    target: &str,
-    beside: bool,
-) -> Option<ResidualAnomaly> {
+pub(super) fn level(recording: &Recording, blocks: &Blocks, target: &str, beside: bool) -> Option<Level> {
     let least = if beside { LEVEL_SHARE_BESIDE } else { LEVEL_SHARE };
     let own = log_level(recording, blocks, target)?;
     let mut others: Vec<Vec<f64>> = AXES
@@ -152,7 +150,7 @@ pub(super) fn level(
         consider(&[means, square], Some(&channel.name), &basis);
     }
     let (score, spread, follows) = best?;
-    (score >= LEVEL_ACCEPT && spread > least).then_some(ResidualAnomaly::Level { follows, spread, score })
+    (score >= LEVEL_ACCEPT && spread > least).then_some(Level { follows, spread, score })
 }
 
 /// Returns the logarithm of the RMS of first differences in each block: NaN for a block with less than half the

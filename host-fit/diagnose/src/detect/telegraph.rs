@@ -82,15 +82,9 @@ pub(super) fn decided(found: &Telegraph, prepared: &Prepared, recording: &Record
     let reduced = &prepared.reduced;
     let follows = open::threshold_of(recording, &reduced.blocks, &prepared.column, &found.course)?;
     let explained = found.difference[0].powi(2) * variance(&[&found.course]);
-    Some(Lead {
-        kind: LeadKind::Course,
-        follows,
-        gain: found.gain,
-        score: found.score,
-        share: (explained / variance(&[&reduced.means])).min(1.0),
-        band: Band::Slow,
-        decides: true,
-    })
+    let share = (explained / variance(&[&reduced.means])).min(1.0);
+    let lead = Lead::new(LeadKind::Course, follows, Band::Slow, found.score);
+    Some(Lead { gain: found.gain, share, ..lead })
 }
 
 /// Residual of a log after everything that follows a logged quantity.

@@ -8,7 +8,7 @@ use crate::detect::faults::Fault;
 use crate::detect::left_over::LeftOver;
 use crate::detect::lines::Line;
 use crate::detect::question::{DiagnoseError, Question};
-use crate::detect::shape::{ResidualAnomaly, TEMPERATURE};
+use crate::detect::shape::TEMPERATURE;
 use crate::detect::slow::{ExtraNoise, SlowResult};
 use crate::detect::telegraph::Telegraph;
 use crate::effects::{Detector, Effect, SizeUnit};
@@ -139,30 +139,24 @@ impl Assembly<'_> {
     }
 
     /// Returns the finding of a noise level that follows the temperature.
-    pub(super) fn level_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let slopes = self.left.anomalies.iter().filter_map(|anomaly| {
-            let ResidualAnomaly::Level { score, .. } = anomaly else { return None };
-            Some((anomaly.temperature_slope()?, *score))
-        });
-        slopes
-            .map(|([slope, error], score)| {
-                let effect = self.found_as(Detector::NoiseLevel, 0.0)?;
-                let (value, half) = (100.0 * slope, 100.0 * TWO_SIDED_95 * error);
-                let size = Size {
-                    of: "change of the noise level".to_owned(),
-                    value,
-                    interval: [value - half, value + half],
-                    unit: "%/K".to_owned(),
-                };
-                Ok(Finding {
-                    sizes: vec![size],
-                    gain: Some(score),
-                    score: Some(score),
-                    shows_against: Some(TEMPERATURE.to_owned()),
-                    ..bare(effect)
-                })
-            })
-            .collect()
+    pub(super) fn level_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
+        let Some(level) = &self.left.level else { return Ok(None) };
+        let Some([slope, error]) = level.temperature_slope() else { return Ok(None) };
+        let effect = self.found_as(Detector::NoiseLevel, 0.0)?;
+        let (value, half) = (100.0 * slope, 100.0 * TWO_SIDED_95 * error);
+        let size = Size {
+            of: "change of the noise level".to_owned(),
+            value,
+            interval: [value - half, value + half],
+            unit: "%/K".to_owned(),
+        };
+        Ok(Some(Finding {
+            sizes: vec![size],
+            gain: Some(level.score),
+            score: Some(level.score),
+            shows_against: Some(TEMPERATURE.to_owned()),
+            ..bare(effect)
+        }))
     }
 }
 

@@ -7,19 +7,12 @@ use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
 use crate::detect::lines;
 use crate::detect::open::{Lead, LeadKind};
 use crate::detect::question::DiagnoseError;
-use crate::detect::shape::{Followed, ResidualAnomaly};
+use crate::detect::shape::Level;
 use crate::effects::{Band, Detector};
 use fos_data::column::Column;
 
 /// Largest number of steps, including those in the model, that count as shocks; more are jumps to and fro.
 const MAX_STEPS: usize = 2;
-
-/// Least relative change of an unexplained noise level that affects the verdict.
-const NOTICED_LEVEL: f64 = 0.05;
-
-/// Least share of the variance of the residual in jumps that affects the verdict: 13 % of the RMS. Sensors at rest have
-/// block means beyond three standard deviations more often than normal noise.
-const NOTICED_JUMPS: f64 = 0.25;
 
 /// Least duty cycle of interference that affects the verdict.
 const LEAST_DUTY: f64 = 0.01;
@@ -32,7 +25,7 @@ impl Assembly<'_> {
             findings.extend(self.noise_finding()?);
         }
         findings.extend(self.telegraph_finding()?);
-        findings.extend(self.level_findings()?);
+        findings.extend(self.level_finding()?);
         let score = |finding: &Finding| finding.score.unwrap_or(f64::NEG_INFINITY);
         let slow = self.slow_findings_with_doubts()?;
         // slow effects keep their order among the others: each ranks as high as the highest of those that follow it
@@ -46,7 +39,10 @@ impl Assembly<'_> {
         findings.extend(self.fault_findings()?);
 
         let mut leads = self.left.leads.clone();
-        leads.extend(self.left.anomalies.iter().filter(|anomaly| !anomaly.is_effect()).map(lead_of));
+        leads.extend(self.left.jumps.clone());
+        // an effect of the library describes a level that follows the temperature
+        let level = self.left.level.as_ref().filter(|level| level.temperature_slope().is_none());
+        leads.extend(level.map(Level::lead));
         if self.left.instead {
             let library = self.question.library;
             findings.retain(|finding| {
@@ -65,17 +61,8 @@ impl Assembly<'_> {
         let steps = gains.len();
         let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
         if steps > 0 && steps + given > MAX_STEPS {
-            let gain = gains.iter().sum();
             let follows = format!("{steps} jumps of the bias");
-            leads.push(Lead {
-                kind: LeadKind::Jumps,
-                follows,
-                gain,
-                score: gain,
-                share: 0.0,
-                band: Band::Slow,
-                decides: true,
-            });
+            leads.push(Lead::new(LeadKind::Jumps, follows, Band::Slow, gains.iter().sum()));
             findings.retain(|finding| !is_step(&finding.effect));
         }
         for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
@@ -87,17 +74,8 @@ impl Assembly<'_> {
                 "interference near {:.2} Hz that is there for {share} of the time",
                 line.frequency_hz
             );
-            let score = line.score;
-            let decides = line.duty >= LEAST_DUTY;
-            leads.push(Lead {
-                kind: LeadKind::Intermittent,
-                follows,
-                gain: score,
-                score,
-                share: 0.0,
-                band: Band::Wide,
-                decides,
-            });
+            let lead = Lead::new(LeadKind::Intermittent, follows, Band::Wide, line.score);
+            leads.push(Lead { decides: line.duty >= LEAST_DUTY, ..lead });
         }
         findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
         let all_findings = findings.clone();
@@ -156,33 +134,5 @@ impl Assembly<'_> {
         let mut findings = self.slow_findings(&order)?;
         doubt(&mut findings, self.question.library, self.column, span_s);
         Ok(findings)
-    }
-}
-
-fn lead_of(anomaly: &ResidualAnomaly) -> Lead {
-    match anomaly {
-        ResidualAnomaly::Jumps { kurtosis, gain, share } => Lead {
-            kind: LeadKind::Jumps,
-            follows: format!("jumps at irregular times (excess kurtosis {kurtosis:.1} of the residual)"),
-            gain: *gain,
-            score: *kurtosis,
-            share: *share,
-            band: Band::Slow,
-            decides: *share >= NOTICED_JUMPS,
-        },
-        ResidualAnomaly::Level { follows, spread, score } => Lead {
-            kind: LeadKind::Level,
-            follows: match follows {
-                Some(Followed { column, .. }) => {
-                    format!("a noise level that changes by {:.0} % with {column}", 100.0 * spread)
-                }
-                None => format!("a noise level that changes by {:.0} % over the log", 100.0 * spread),
-            },
-            gain: *score,
-            score: *score,
-            share: *spread,
-            band: Band::Wide,
-            decides: follows.is_some() || *spread >= NOTICED_LEVEL,
-        },
     }
 }

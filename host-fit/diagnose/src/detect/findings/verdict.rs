@@ -183,9 +183,7 @@ mod tests {
     }
 
     fn refuted(gain: f64) -> Lead {
-        let follows = "another effect".to_owned();
-        let (kind, band, decides) = (LeadKind::Refuted, Band::Slow, true);
-        Lead { kind, follows, gain, score: gain, share: 0.0, band, decides }
+        Lead::new(LeadKind::Refuted, "another effect".to_owned(), Band::Slow, gain)
     }
 
     /// A drift with temperature whose reduction the evaluation log confirmed was withheld for a weak effect that the same
