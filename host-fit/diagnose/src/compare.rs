@@ -7,7 +7,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::cautions::cautions;
-use crate::dependence::{Dependence, DependenceError, Trained, dependence};
+use crate::dependence::{Dependence, Trained, dependence};
 use crate::physical::{InFittedPose, PhysicalError, in_fitted_pose};
 use crate::rms::{RmsTwins, WithRms};
 use crate::study::{Data, SCHEMA, Study, StudyStep, Tool};
@@ -32,8 +32,6 @@ pub enum CompareError {
     Model(#[from] fos_core::ModelError),
     #[error(transparent)]
     Physical(#[from] PhysicalError),
-    #[error(transparent)]
-    Dependence(#[from] DependenceError),
     #[error(
         "no row at rest remains for the evaluation: all {trained} were fitted\nhelp: use a smaller `train`, or a longer log"
     )]

@@ -28,8 +28,9 @@ pub use lag::{Delay, LagProfile};
 pub use likelihood::Test;
 
 use crate::detect::MIN_BLOCKS;
+use crate::physical::PhysicalError;
 use channel::Noise;
-use fos_data::recording::{Channel, Recording, RecordingError};
+use fos_data::recording::{Channel, Recording};
 use fos_data::stillness::Stillness;
 use fos_fit::model::{AXES, INPUTS, SmallPredictor, UnitModel};
 use fos_fit::noise::{Blocks, LevelPrior, NoiseLevels};
@@ -108,7 +109,7 @@ pub fn dependence(
     stillness: &Stillness,
     rows: Range<usize>,
     trained: Option<&Trained<'_>>,
-) -> Result<Vec<Option<Dependence>>, DependenceError> {
+) -> Result<Vec<Option<Dependence>>, PhysicalError> {
     let left = residuals(model, recording, stillness)?;
     let is_same = |trained: &&Trained<'_>| {
         std::ptr::eq(trained.recording, recording) && std::ptr::eq(trained.stillness, stillness)
@@ -193,22 +194,13 @@ impl ChannelInBlocks {
     }
 }
 
-/// Error of the computation.
-#[derive(Debug, thiserror::Error)]
-pub enum DependenceError {
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
-    #[error("the model cannot be run: {0}")]
-    Model(#[from] fos_core::ModelError),
-}
-
 /// Returns the measured error minus offset and physical part, one value per row of the recording for each axis; NaN in
 /// motion and if the value is unknown.
 fn residuals(
     model: &UnitModel,
     recording: &Recording,
     stillness: &Stillness,
-) -> Result<Vec<Vec<f64>>, DependenceError> {
+) -> Result<Vec<Vec<f64>>, PhysicalError> {
     let mut physical = model.clone();
     for axis in &mut physical.axes {
         axis.stochastic.clear();
