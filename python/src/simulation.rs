@@ -1,7 +1,7 @@
 //! Logs with known truth.
 
 use fos_data::recording::LoadOptions;
-use fos_simulate::{Axis, CasePlan, Disturbance, Durations, Effect, Kind, Level, Plant, Setup, Simulation};
+use fos_simulate::{Axis, CasePlan, Disturbance, Durations, Effect, Plant, Setup, Simulation};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -78,20 +78,13 @@ fn plan(
     })?;
     let mut plan = CasePlan::new(seed, part, setup, target);
     plan.durations = Durations { reference_s, log_s, evaluation_s };
-    plan.disturbance =
-        Disturbance::ALL.into_iter().find(|disturbance| disturbance.name() == world).ok_or_else(|| {
-            let names = Disturbance::ALL.map(Disturbance::name).join(", ");
-            format!("there is no world {world:?}\nhelp: choose from {names}")
-        })?;
+    plan.disturbance = Disturbance::named(world).ok_or_else(|| {
+        let names = Disturbance::ALL.map(Disturbance::name).join(", ");
+        format!("there is no world {world:?}\nhelp: choose from {names}")
+    })?;
     for (effect, size, parameter) in planted {
         let effect = Effect::try_from(effect.clone())?;
-        plan.planted.push(Plant { effect, parameter: *parameter, size: *size });
+        plan.plant([Plant { effect, parameter: *parameter, size: *size }]);
     }
-    plan.kind = match plan.planted.as_slice() {
-        [] => Kind::Nothing,
-        planted if planted.iter().any(|plant| plant.effect.is_outside()) => Kind::Outside,
-        [only] => Kind::Single(Level::of(only.size)),
-        _ => Kind::Pair,
-    };
     Ok(plan)
 }

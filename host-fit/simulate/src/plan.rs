@@ -113,6 +113,17 @@ impl CasePlan {
         }
     }
 
+    /// Plants these effects in addition; their number and sizes determine the kind of the case.
+    pub fn plant(&mut self, plants: impl IntoIterator<Item = Plant>) {
+        self.planted.extend(plants);
+        self.kind = match self.planted.as_slice() {
+            [] => Kind::Nothing,
+            planted if planted.iter().any(|plant| plant.effect.is_outside()) => Kind::Outside,
+            [only] => Kind::Single(Level::of(only.size)),
+            _ => Kind::Pair,
+        };
+    }
+
     /// Nominal sampling rate of its logs, Hz.
     pub fn nominal_rate_hz(&self) -> f64 {
         match self.disturbance {

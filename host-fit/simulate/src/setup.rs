@@ -222,6 +222,11 @@ impl Setup {
     /// All set-ups: on a bench, on a desk, in a pose rig, on a shaker, on a rate table.
     pub const ALL: [Self; 5] = [Self::Bench, Self::Desk, Self::PoseRig, Self::Shaker, Self::RateTable];
 
+    /// Set-up with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|setup| setup.name() == name)
+    }
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {

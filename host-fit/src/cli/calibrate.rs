@@ -8,7 +8,7 @@ use clap::Args;
 use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
-use super::world::Worlds;
+use super::world::{Worlds, worlds};
 use crate::calibration::{Calibration, Cases, Goal, Statistic, StoredOutcomes, calibrate, in_world};
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
@@ -25,7 +25,7 @@ pub(super) struct Calibrate {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Disturbance of the logs; "all" for a table of all
-    #[arg(long, value_enum, default_value = "clean")]
+    #[arg(long, value_parser = worlds(), default_value = "clean")]
     world: Worlds,
     /// Diagnose every axis of the logs without a missing effect, not only one
     #[arg(long)]

@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use clap::builder::PossibleValue;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::arguments::OutputFolder;
 use super::numbers::{count, within};
 use super::output::{Failure, Written, print_written, progress};
-use super::world::World;
-use fos_simulate::{Axis, CasePlan, Disturbance, Effect, Kind, Level, Plant, Setup, simulate_case, suite_in};
+use super::world::{setup, world};
+use fos_simulate::{Axis, CasePlan, Disturbance, Effect, Plant, Setup, simulate_case, suite_in};
 
 /// Content of a case.
 #[derive(Debug, Args)]
@@ -21,8 +20,8 @@ pub(super) struct CaseArguments {
     #[arg(long, value_name = "N", conflicts_with_all = ["case", "minutes", "rate", "temperature", "at_rest", "band_limited", "truth"], value_parser = count(0..=100_000))]
     suite: Option<usize>,
     /// How the device of a case is used
-    #[arg(long, value_enum, default_value = "bench", requires = "case", conflicts_with = "log")]
-    setup: SetupArgument,
+    #[arg(long, value_parser = setup(), default_value = "bench", requires = "case", conflicts_with = "log")]
+    setup: Setup,
     /// Part of the sensor: bmi160, bmi270, lsm6dso, icm42688, mpu6050
     #[arg(long, default_value = "bmi270", requires = "case", conflicts_with = "log")]
     part: String,
@@ -36,37 +35,8 @@ pub(super) struct CaseArguments {
     #[arg(long, default_value_t = 30.0, requires = "case", conflicts_with = "log", value_parser = within(1e-6..=1e6))]
     size: f64,
     /// Disturbance of the log to explain and the evaluation log of a case, or of the cases of a suite that it suits
-    #[arg(long, value_enum, default_value = "clean", conflicts_with_all = ["minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
-    world: World,
-}
-
-/// Use of the device, as an argument.
-#[derive(Debug, Clone, Copy)]
-struct SetupArgument(Setup);
-
-impl ValueEnum for SetupArgument {
-    fn value_variants<'a>() -> &'a [Self] {
-        &const {
-            [
-                SetupArgument(Setup::ALL[0]),
-                SetupArgument(Setup::ALL[1]),
-                SetupArgument(Setup::ALL[2]),
-                SetupArgument(Setup::ALL[3]),
-                SetupArgument(Setup::ALL[4]),
-            ]
-        }
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let name = match self.0 {
-            Setup::Bench => "bench",
-            Setup::Desk => "desk",
-            Setup::PoseRig => "pose-rig",
-            Setup::Shaker => "shaker",
-            Setup::RateTable => "rate-table",
-        };
-        Some(PossibleValue::new(name).help(self.0.words()))
-    }
+    #[arg(long, value_parser = world(), default_value = "clean", conflicts_with_all = ["minutes", "rate", "temperature", "at_rest", "band_limited", "truth"])]
+    world: Disturbance,
 }
 
 impl CaseArguments {
@@ -92,7 +62,7 @@ impl CaseArguments {
                 let what = format!("{planted} in {}", case.meta.target);
                 print_written(&[Written { path: folder.display().to_string(), what }], json)
             }
-            (None, Some(count), Some(folder)) => write_suite(folder, (seed, self.world.0), count, json),
+            (None, Some(count), Some(folder)) => write_suite(folder, (seed, self.world), count, json),
             // clap requires the folder.
             _ => Err("name the folder to write into: fos simulate --suite 45 FOLDER".into()),
         }
@@ -102,17 +72,10 @@ impl CaseArguments {
         let target = Axis::named(&self.target).ok_or_else(|| {
             format!("there is no axis {:?}; choose from ax, ay, az, gx, gy, gz", self.target)
         })?;
-        let mut plan = CasePlan::new(seed, &self.part, self.setup.0, target);
-        plan.disturbance = self.world.0;
-        for text in &self.effects {
-            plan.planted.push(parse(text, self.size)?);
-        }
-        plan.kind = match plan.planted.as_slice() {
-            [] => Kind::Nothing,
-            planted if planted.iter().any(|plant| plant.effect.is_outside()) => Kind::Outside,
-            [_] => Kind::Single(Level::of(self.size)),
-            _ => Kind::Pair,
-        };
+        let mut plan = CasePlan::new(seed, &self.part, self.setup, target);
+        plan.disturbance = self.world;
+        let plants = self.effects.iter().map(|text| parse(text, self.size));
+        plan.plant(plants.collect::<Result<Vec<Plant>, Failure>>()?);
         Ok(plan)
     }
 }

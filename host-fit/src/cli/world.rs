@@ -1,56 +1,28 @@
-//! Disturbances of simulated logs, as arguments.
+//! Disturbances and set-ups of simulated logs, as arguments.
 
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
-use fos_simulate::Disturbance;
-
-/// A disturbance.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct World(pub(super) Disturbance);
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use fos_simulate::{Disturbance, Setup};
 
 /// A disturbance, or all.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Worlds(pub(super) Option<Disturbance>);
 
-const COUNT: usize = Disturbance::ALL.len();
-
-impl ValueEnum for World {
-    fn value_variants<'a>() -> &'a [Self] {
-        const ALL: [World; COUNT] = {
-            let mut all = [World(Disturbance::Clean); COUNT];
-            let mut i = 0;
-            while i < COUNT {
-                all[i] = World(Disturbance::ALL[i]);
-                i += 1;
-            }
-            all
-        };
-        &ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.0.name()).help(self.0.words()))
-    }
+fn possible_worlds() -> impl Iterator<Item = PossibleValue> {
+    Disturbance::ALL.into_iter().map(|world| PossibleValue::new(world.name()).help(world.words()))
 }
 
-impl ValueEnum for Worlds {
-    fn value_variants<'a>() -> &'a [Self] {
-        const ALL: [Worlds; COUNT + 1] = {
-            let mut all = [Worlds(None); COUNT + 1];
-            let mut i = 0;
-            while i < COUNT {
-                all[i] = Worlds(Some(Disturbance::ALL[i]));
-                i += 1;
-            }
-            all
-        };
-        &ALL
-    }
+pub(super) fn world() -> impl TypedValueParser<Value = Disturbance> {
+    let world = |name: String| Disturbance::named(&name).expect("one of the possible values");
+    PossibleValuesParser::new(possible_worlds()).map(world)
+}
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        match self.0 {
-            Some(world) => World(world).to_possible_value(),
-            None => Some(PossibleValue::new("all").help("each of them, the same cases in all")),
-        }
-    }
+pub(super) fn worlds() -> impl TypedValueParser<Value = Worlds> {
+    let all = PossibleValue::new("all").help("each of them, the same cases in all");
+    PossibleValuesParser::new(possible_worlds().chain([all])).map(|name| Worlds(Disturbance::named(&name)))
+}
+
+pub(super) fn setup() -> impl TypedValueParser<Value = Setup> {
+    let possible = Setup::ALL.map(|setup| PossibleValue::new(setup.name()).help(setup.words()));
+    let setup = |name: String| Setup::named(&name).expect("one of the possible values");
+    PossibleValuesParser::new(possible).map(setup)
 }

@@ -56,22 +56,39 @@ pub enum Disturbance {
 }
 
 impl Disturbance {
-    /// All disturbances, the clean log first.
-    pub const ALL: [Self; 13] = [
-        Self::Clean,
-        Self::Knocks,
-        Self::Footsteps,
-        Self::Doors,
-        Self::Sway,
-        Self::Motor,
-        Self::Fan,
-        Self::Handling,
-        Self::Spikes,
-        Self::Stuck,
-        Self::Filter,
-        Self::Noise,
-        Self::Streams,
+    /// Every disturbance in the order of the variants, with its name and its description.
+    const DESCRIBED: [(Self, &str, &str); 13] = [
+        (Self::Clean, "clean", "nothing but noise and effects"),
+        (Self::Knocks, "knocks", "the table is knocked 2 to 8 times"),
+        (Self::Footsteps, "footsteps", "somebody walks by"),
+        (Self::Doors, "doors", "doors slam"),
+        (Self::Sway, "sway", "the building sways"),
+        (Self::Motor, "motor", "a vibration motor in bursts"),
+        (Self::Fan, "fan", "a fan starts and stops"),
+        (Self::Handling, "handling", "picked up and put down again"),
+        (Self::Spikes, "spikes", "1 to 50 samples far off"),
+        (Self::Stuck, "stuck", "stuck for 0.1 to 2 s"),
+        (Self::Filter, "filter", "noise through the part's digital filter"),
+        (Self::Noise, "noise", "noise that is not normal: tails, bounds, coarse steps"),
+        (Self::Streams, "streams", "accelerometer at half of the gyro's rate, on a clock of its own"),
     ];
+
+    /// All disturbances, the clean log first.
+    pub const ALL: [Self; Self::DESCRIBED.len()] = {
+        let mut all = [Self::Clean; Self::DESCRIBED.len()];
+        let mut at = 0;
+        // terminates: `at` grows in each iteration
+        while at < all.len() {
+            all[at] = Self::DESCRIBED[at].0;
+            at += 1;
+        }
+        all
+    };
+
+    /// Disturbance with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|disturbance| disturbance.name() == name)
+    }
 
     /// Returns true if a set-up can be disturbed in this way: nobody picks up a device in a rig whose motion is logged.
     pub fn suits(self, setup: Setup) -> bool {
@@ -80,40 +97,12 @@ impl Disturbance {
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Clean => "clean",
-            Self::Knocks => "knocks",
-            Self::Footsteps => "footsteps",
-            Self::Doors => "doors",
-            Self::Sway => "sway",
-            Self::Motor => "motor",
-            Self::Fan => "fan",
-            Self::Handling => "handling",
-            Self::Spikes => "spikes",
-            Self::Stuck => "stuck",
-            Self::Filter => "filter",
-            Self::Noise => "noise",
-            Self::Streams => "streams",
-        }
+        Self::DESCRIBED[self as usize].1
     }
 
     /// Description for a table.
     pub fn words(self) -> &'static str {
-        match self {
-            Self::Clean => "nothing but noise and effects",
-            Self::Knocks => "the table is knocked 2 to 8 times",
-            Self::Footsteps => "somebody walks by",
-            Self::Doors => "doors slam",
-            Self::Sway => "the building sways",
-            Self::Motor => "a vibration motor in bursts",
-            Self::Fan => "a fan starts and stops",
-            Self::Handling => "picked up and put down again",
-            Self::Spikes => "1 to 50 samples far off",
-            Self::Stuck => "stuck for 0.1 to 2 s",
-            Self::Filter => "noise through the part's digital filter",
-            Self::Noise => "noise that is not normal: tails, bounds, coarse steps",
-            Self::Streams => "accelerometer at half of the gyro's rate, on a clock of its own",
-        }
+        Self::DESCRIBED[self as usize].2
     }
 }
 
