@@ -22,6 +22,20 @@ pub enum CaseFolderError {
 }
 
 impl SimulatedCase {
+    /// Writes `reference.parquet`, `log.parquet` and `evaluation.parquet`.
+    pub(super) fn write_logs(&self, folder: &Path) -> Result<(), RecordingError> {
+        if self.truth.plan.disturbance == Disturbance::Streams {
+            // a table cannot hold streams: they are written resampled
+            for (name, joined) in ["reference", "log", "evaluation"].into_iter().zip(self.recordings()?) {
+                write(folder, name, columns_of(&joined).iter())?;
+            }
+            return Ok(());
+        }
+        write(folder, "reference", self.reference.iter())?;
+        write(folder, "log", self.log.iter())?;
+        write(folder, "evaluation", self.evaluation.iter())
+    }
+
     /// Writes `meta.json`, `reference.parquet`, `log.parquet`, `evaluation.parquet`; and the truth, which a real device
     /// does not have: `truth.json`, and by rows `truth_log.parquet`, `truth_evaluation.parquet` (columns `error` and
     /// the regressors). The case is named after the folder.
@@ -32,18 +46,7 @@ impl SimulatedCase {
         if let Some(name) = folder.file_name() {
             meta.case = name.to_string_lossy().into_owned();
         }
-        if self.truth.plan.disturbance == Disturbance::Streams {
-            // a table cannot hold streams: they are written resampled
-            for (name, joined) in ["reference", "log", "evaluation"].into_iter().zip(self.recordings()?) {
-                write(folder, name, columns_of(&joined).iter())?;
-            }
-        } else {
-            for (name, columns) in
-                [("reference", &self.reference), ("log", &self.log), ("evaluation", &self.evaluation)]
-            {
-                write(folder, name, columns.iter())?;
-            }
-        }
+        self.write_logs(folder)?;
         for (name, truth) in [("truth_log", &self.truth.log), ("truth_evaluation", &self.truth.evaluation)] {
             let LogTruth { error, motion, regressors } = truth;
             let mut columns: Vec<NamedSeries> = vec![("error".to_owned(), error.clone())];
@@ -70,10 +73,10 @@ fn write<'a>(
     folder: &Path,
     name: &str,
     columns: impl Iterator<Item = &'a NamedSeries>,
-) -> Result<(), CaseFolderError> {
+) -> Result<(), RecordingError> {
     let columns: Vec<(&str, &[f64])> =
         columns.map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-    Ok(write_columns(folder.join(format!("{name}.parquet")), &columns)?)
+    write_columns(folder.join(format!("{name}.parquet")), &columns)
 }
 
 fn json(path: PathBuf, value: &impl serde::Serialize) -> Result<(), CaseFolderError> {

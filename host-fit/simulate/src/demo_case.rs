@@ -8,7 +8,7 @@ use super::effect::Effect;
 use super::plan::{CasePlan, PlanError};
 use super::plant::Plant;
 use super::setup::Setup;
-use fos_data::recording::{LoadOptions, Recording, RecordingError, load, write_columns};
+use fos_data::recording::{LoadOptions, Recording, RecordingError, load};
 
 /// Axis with the hidden effects.
 pub const HIDDEN_IN: &str = "gx_rads";
@@ -30,16 +30,7 @@ pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], DemoCa
     let mut plan = CasePlan::new(seed, "bmi270", Setup::Desk, Axis::Gx);
     plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
     let case = simulate_case(&plan)?;
-    let read = |name: &str, columns: &[(String, Vec<f64>)]| -> Result<Recording, DemoCaseError> {
-        let path = folder.join(name);
-        let columns: Vec<(&str, &[f64])> =
-            columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-        write_columns(&path, &columns)?;
-        Ok(load(&path, &LoadOptions::default())?)
-    };
-    Ok([
-        read("reference.parquet", &case.reference)?,
-        read("log.parquet", &case.log)?,
-        read("evaluation.parquet", &case.evaluation)?,
-    ])
+    case.write_logs(folder)?;
+    let read = |name: &str| load(&folder.join(name), &LoadOptions::default());
+    Ok([read("reference.parquet")?, read("log.parquet")?, read("evaluation.parquet")?])
 }

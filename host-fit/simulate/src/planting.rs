@@ -1,6 +1,7 @@
 //! Scales planted effects to their sizes, and counts faults.
 
 use std::collections::BTreeMap;
+use std::slice;
 
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
@@ -67,9 +68,9 @@ pub(super) fn size(
     let mut planted = Vec::new();
     let mut whitened: Vec<Option<DVector<f64>>> = Vec::new();
     for ((plant, shape), columns) in plan.planted.iter().zip(shapes).zip(columns) {
-        let unit = shape.sum(columns, field.len());
+        let unit = sum(slice::from_ref(&shape.weights), slice::from_ref(columns), field.len());
         let white = whitener.whiten(&blocks.means(&unit));
-        let is_slow = matched(shape.effect);
+        let is_slow = measure(shape.effect) == Measure::Matched;
         let amplitude = match measure(shape.effect) {
             Measure::Matched => plant.size / white.norm(),
             Measure::Telegraph => {
@@ -175,11 +176,6 @@ fn measure(effect: Effect) -> Measure {
         }
         _ => Measure::Matched,
     }
-}
-
-/// Returns true if the size is that of a matched filter for the course.
-fn matched(effect: Effect) -> bool {
-    measure(effect) == Measure::Matched
 }
 
 /// −2 ln P of the transitions of a course of two levels, in blocks: their unpredictable part.

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::effect::{Effect, Outside};
 use super::plant::Plant;
 use super::random::{Random, Stream, between, chance, direction, log_between, random, sign};
-use super::regressors::{Anchor, NamedSeries};
+use super::regressors::Anchor;
 use super::setup::Setup;
 use super::world::World;
 
@@ -58,17 +58,6 @@ impl Shape {
         let parameter = plant.parameter.unwrap_or(drawn);
         let weights = weights(plant.effect, phase, random);
         Self { effect: plant.effect, parameter, weights, anchor, phase, covariate, target, number }
-    }
-
-    /// Weighted sum of the columns.
-    pub(super) fn sum(&self, columns: &[NamedSeries], n: usize) -> Vec<f64> {
-        let mut error = vec![0.0; n];
-        for (weight, (_, column)) in self.weights.iter().zip(columns) {
-            for (error, x) in error.iter_mut().zip(column) {
-                *error += weight * x;
-            }
-        }
-        error
     }
 
     /// Temperature relative to the middle of its range in the log to explain, in halves of that range.

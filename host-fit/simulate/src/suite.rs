@@ -1,5 +1,6 @@
 //! A seeded mix of cases, to measure how often a diagnosis is right.
 
+use fos_data::interrupt::in_parallel;
 use rand::RngExt;
 
 use super::axis::Axis;
@@ -40,16 +41,7 @@ pub fn suite(seed: u64, count: usize) -> Vec<CasePlan> {
         outside(of, random)
     };
     // each plan has its own random stream, so the order of their computation does not matter
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).clamp(1, 8);
-    let mut plans: Vec<(usize, CasePlan)> = std::thread::scope(|scope| {
-        let build = &build;
-        let part =
-            |first: usize| move || (first..count).step_by(threads).map(|k| (k, build(k))).collect::<Vec<_>>();
-        let parts: Vec<_> = (0..threads).map(|first| scope.spawn(part(first))).collect();
-        parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect()
-    });
-    plans.sort_by_key(|(index, _)| *index);
-    plans.into_iter().map(|(_, plan)| plan).collect()
+    in_parallel(0..count, build)
 }
 
 /// Plans of a suite that suit a disturbance, with it added, for comparison of the same cases with and without it.
