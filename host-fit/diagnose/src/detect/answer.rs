@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::open::Lead;
-use crate::effects::Band;
+use crate::effects::{Band, Effect};
 use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_fit::noise::NoiseLevels;
 
@@ -143,6 +143,14 @@ pub struct Size {
     pub unit: String,
 }
 
+impl Size {
+    /// Returns a size with its 95 % interval, `half` to either side; `si` is the size of one `unit` in that of `value`.
+    pub(crate) fn around(of: impl Into<String>, value: f64, half: f64, si: f64, unit: impl ToString) -> Self {
+        let interval = [(value - half) / si, (value + half) / si];
+        Self { of: of.into(), value: value / si, interval, unit: unit.to_string() }
+    }
+}
+
 /// Experiment that separates a finding from a rival.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
@@ -188,6 +196,10 @@ pub struct Untested {
 }
 
 impl Untested {
+    pub(crate) fn of(effect: &Effect, needs: Vec<String>) -> Self {
+        Self { effect: effect.id.clone(), needs }
+    }
+
     /// Returns the data that are needed, in words.
     pub(crate) fn needs(&self) -> impl Iterator<Item = &str> {
         self.needs.iter().map(String::as_str)

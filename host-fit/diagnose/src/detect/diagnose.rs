@@ -106,7 +106,7 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
         lacks = Some(needs.clone());
         let needs = vec![needs];
         let effects = prepared.testable.effects.iter();
-        untested.extend(effects.map(|effect| Untested { effect: effect.id.clone(), needs: needs.clone() }));
+        untested.extend(effects.map(|effect| Untested::of(effect, needs.clone())));
     }
     let was_tried = |effect: &&Arc<Effect>| slow.tried.iter().any(|(id, _)| *id == effect.id);
     let mut tested: Vec<&Arc<Effect>> = effects.iter().filter(was_tried).collect();
@@ -120,10 +120,8 @@ fn diagnose_cleaned(question: &Question<'_>, zone: Searched) -> Result<Diagnosis
     if zone == Searched::NotShown {
         let effects = question.library.effects().iter();
         let zones = effects.filter(|effect| effect.search == Detector::DeadZone && effect.strikes(column));
-        untested.extend(zones.map(|effect| Untested {
-            effect: effect.id.clone(),
-            needs: vec!["slow turns about the axis to both sides".to_owned()],
-        }));
+        let needs = || vec!["slow turns about the axis to both sides".to_owned()];
+        untested.extend(zones.map(|effect| Untested::of(effect, needs())));
     }
     let tested = tested.iter().map(|effect| effect.id.clone()).collect();
     let log_results = LogResults { left, telegraph: telegraph.as_ref(), tested, untested, lacks };

@@ -65,10 +65,7 @@ impl<'a> Power<'a> {
 
     fn untested(&self, effect: &Arc<Effect>) -> Result<Untested, DiagnoseError> {
         Ok(match self.is_hidden_by_levels(effect)? {
-            true => Untested {
-                effect: effect.id.clone(),
-                needs: vec!["longer rests in one orientation".to_owned()],
-            },
+            true => Untested::of(effect, vec!["longer rests in one orientation".to_owned()]),
             false => Testable::needs_variation(effect, self.inputs, &self.prepared.column),
         })
     }

@@ -39,7 +39,7 @@ impl Testable {
             let is_given = question.given.iter().any(|given| given.effect == effect.id);
             match lacking(effect, inputs, target) {
                 Some(needs) if !needs.is_empty() && !is_given => {
-                    untested.push(Untested { effect: effect.id.clone(), needs });
+                    untested.push(Untested::of(effect, needs));
                 }
                 Some(needs) if needs.is_empty() && is_slow => {
                     columns.extend(followed(effect, inputs, target));
@@ -88,7 +88,7 @@ impl Testable {
             true => "a longer log at rest".to_owned(),
             false => format!("more variation of {}", listed(columns.into_iter())),
         };
-        Untested { effect: effect.id.clone(), needs: vec![needs] }
+        Untested::of(effect, vec![needs])
     }
 
     /// Returns the entry of an effect whose columns are logged but whose regressors add nothing to the model.
@@ -108,7 +108,7 @@ impl Testable {
             true => vec!["a log in which it differs from the effects in the model".to_owned()],
             false => constant,
         };
-        Untested { effect: effect.id.clone(), needs }
+        Untested::of(effect, needs)
     }
 }
 

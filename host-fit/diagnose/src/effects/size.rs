@@ -193,27 +193,4 @@ mod tests {
             assert!(text.parse::<SizeUnit>().is_err(), "{text}");
         }
     }
-
-    #[test]
-    fn units_of_built_in_effects_keep_their_sizes() {
-        // before brackets were parsed, the last part of a/(b/c) was put into the numerator
-        let former = |text: &str| -> f64 {
-            let plain = text.replace(['(', ')'], "");
-            let part = |(place, part): (usize, &str)| {
-                let name = part.trim_end_matches(['²', '³']);
-                let power = if part.ends_with('²') { 2 } else { 1 + 2 * i32::from(part.ends_with('³')) };
-                let one = si(name).expect("a unit").powi(power);
-                if place == 1 { 1.0 / one } else { one }
-            };
-            plain.split('/').enumerate().map(part).product()
-        };
-        let library = crate::effects::Library::built_in();
-        let terms = library.effects().iter().flat_map(|effect| &effect.terms);
-        let units: Vec<&String> =
-            terms.flat_map(|term| [&term.gyro, &term.accelerometer]).flatten().collect();
-        assert!(units.len() > 40, "{}", units.len());
-        for text in units {
-            assert_eq!(text.parse::<SizeUnit>().expect("a unit").si, former(text), "{text}");
-        }
-    }
 }

@@ -54,9 +54,7 @@ impl Assembly<'_> {
                 Fault::Coarse { multiple, step } if multiple.is_nan() => {
                     let effect = self.found_as(Detector::CoarseSteps, 1.0)?;
                     let unit = SizeUnit::of_axis(Column::named(self.column));
-                    let value = step / unit.si;
-                    let (of, interval) = ("step".to_owned(), [f64::NAN; 2]);
-                    let sizes = vec![Size { of, value, interval, unit: unit.to_string() }];
+                    let sizes = vec![Size::around("step", *step, f64::NAN, unit.si, &unit)];
                     Ok(Finding { sizes, ..bare(effect) })
                 }
                 Fault::Coarse { multiple, .. } => of(Detector::CoarseSteps, *multiple),
@@ -77,21 +75,15 @@ impl Assembly<'_> {
             }
             ExtraNoise::GaussMarkov(process) => {
                 let effect = self.found_as(Detector::GaussMarkov, process.tau_s)?;
-                let mut finding = Finding {
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let size = Size::around("standard deviation", process.deviation, f64::NAN, unit.si, &unit);
+                Some(Finding {
                     params: param(effect, process.tau_s),
+                    sizes: vec![size],
                     gain: Some(slow.noise_gain),
                     score: Some(slow.noise_score),
                     ..bare(effect)
-                };
-                let unit = SizeUnit::of_axis(Column::named(self.column));
-                let value = process.deviation / unit.si;
-                finding.sizes = vec![Size {
-                    of: "standard deviation".to_owned(),
-                    value,
-                    interval: [f64::NAN; 2],
-                    unit: unit.to_string(),
-                }];
-                Some(finding)
+                })
             }
         })
     }
@@ -105,7 +97,8 @@ impl Assembly<'_> {
         let effect = self.found_as(Detector::Telegraph, 0.5 * (lower_s + upper_s))?;
         let unit = SizeUnit::of_axis(Column::named(self.column));
         let [difference, error] = telegraph.difference.map(|value| value / unit.si);
-        let half = TWO_SIDED_95 * error;
+        let difference =
+            Size::around("difference of the two levels", difference, TWO_SIDED_95 * error, 1.0, &unit);
         // relative error of the mean of n exponential dwells: 1/√n
         let dwells = 0.5 * telegraph.transitions as f64;
         let dwell = |of: &str, value: f64| {
@@ -113,24 +106,13 @@ impl Assembly<'_> {
             let interval = [value / factor, value * factor];
             Size { of: of.to_owned(), value, interval, unit: "s".to_owned() }
         };
-        let count = telegraph.transitions as f64;
         Ok(Some(Finding {
             params: param(effect, 0.5 * (lower_s + upper_s)),
             sizes: vec![
-                Size {
-                    of: "difference of the two levels".to_owned(),
-                    value: difference,
-                    interval: [difference - half, difference + half],
-                    unit: unit.to_string(),
-                },
+                difference,
                 dwell("mean dwell in the lower level", lower_s),
                 dwell("mean dwell in the upper level", upper_s),
-                Size {
-                    of: "transitions".to_owned(),
-                    value: count,
-                    interval: [f64::NAN; 2],
-                    unit: "1".to_owned(),
-                },
+                Size::around("transitions", telegraph.transitions as f64, f64::NAN, 1.0, "1"),
             ],
             gain: Some(telegraph.gain),
             score: Some(telegraph.score),
@@ -143,13 +125,8 @@ impl Assembly<'_> {
         let Some(level) = &self.left.level else { return Ok(None) };
         let Some([slope, error]) = level.temperature_slope() else { return Ok(None) };
         let effect = self.found_as(Detector::NoiseLevel, 0.0)?;
-        let (value, half) = (100.0 * slope, 100.0 * TWO_SIDED_95 * error);
-        let size = Size {
-            of: "change of the noise level".to_owned(),
-            value,
-            interval: [value - half, value + half],
-            unit: "%/K".to_owned(),
-        };
+        let half = 100.0 * TWO_SIDED_95 * error;
+        let size = Size::around("change of the noise level", 100.0 * slope, half, 1.0, "%/K");
         Ok(Some(Finding {
             sizes: vec![size],
             gain: Some(level.score),

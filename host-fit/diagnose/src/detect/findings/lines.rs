@@ -24,20 +24,15 @@ impl Assembly<'_> {
             .map(|line| {
                 let search = if line.coherent { Detector::Line } else { Detector::WanderingLine };
                 let effect = self.found_as(search, line.frequency_hz)?;
+                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let half = TWO_SIDED_95 * line.amplitude_error;
                 let mut finding = Finding {
                     params: param(effect, line.frequency_hz),
+                    sizes: vec![Size::around("amplitude", line.amplitude, half, unit.si, &unit)],
                     score: Some(line.score),
                     gain: Some(line.score),
                     ..bare(effect)
                 };
-                let unit = SizeUnit::of_axis(Column::named(self.column));
-                let error = TWO_SIDED_95 * line.amplitude_error;
-                finding.sizes = vec![Size {
-                    of: "amplitude".to_owned(),
-                    value: line.amplitude / unit.si,
-                    interval: [(line.amplitude - error) / unit.si, (line.amplitude + error) / unit.si],
-                    unit: unit.to_string(),
-                }];
                 finding.params_interval = finding
                     .params
                     .keys()

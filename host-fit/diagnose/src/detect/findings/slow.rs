@@ -119,13 +119,7 @@ impl Assembly<'_> {
                 if let Some(unit) = effect.unit(term, self.column) {
                     let own = || (product.clone(), coefficient, error);
                     let (of, value, error) = centred.get(column).cloned().unwrap_or_else(own);
-                    let half = TWO_SIDED_95 * error;
-                    sizes.push(Size {
-                        of,
-                        value: value / unit.si,
-                        interval: [(value - half) / unit.si, (value + half) / unit.si],
-                        unit: unit.to_string(),
-                    });
+                    sizes.push(Size::around(of, value, TWO_SIDED_95 * error, unit.si, unit));
                 }
                 correction.push(CorrectionTerm { regressor: product, coefficient, standard_error: error });
             }
