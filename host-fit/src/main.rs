@@ -21,8 +21,6 @@ fn main() -> ExitCode {
 /// A workbench returns columns to the system as soon as they are freed. glibc raises its mapping threshold with every mapping that is
 /// freed, up to 32 MB, and smaller blocks stay with the thread that allocated them; a workbench on an hour of six axes held half as much
 /// again.
-/// every mapping that is freed, up to 32 MB, and what is smaller stays with the thread that allocated it; one over an hour of six
-/// axes held half as much again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn set_allocator(lifetime: Lifetime) {
     const LARGE: libc::c_int = 1 << 20;

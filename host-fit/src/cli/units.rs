@@ -84,5 +84,8 @@ mod tests {
     }
 
     #[test]
-    fn count_of_one_is_singular() {}
+    fn count_of_one_is_singular() {
+        let counted = |count| fos_data::text::counted(count, "rest");
+        assert_eq!([0, 1, 2].map(counted), ["0 rests", "1 rest", "2 rests"]);
+    }
 }

@@ -1,5 +1,5 @@
 // What the server answers with, from its Rust types. Written by
-// FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types
+// FOS_WRITE_PAGE_TYPES=1 cargo test --workspace --lib page_types
 
 /** Effect that was added. */
 export type Added = {

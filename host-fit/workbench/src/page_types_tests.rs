@@ -15,7 +15,7 @@ use fos_data::recording::Preview;
 use fos_report::Card;
 
 const HEAD: &str = "// What the server answers with, from its Rust types. Written by
-// FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types
+// FOS_WRITE_PAGE_TYPES=1 cargo test --workspace --lib page_types
 ";
 
 /// Declarations by name, of types and of all that they consist of.
@@ -75,7 +75,7 @@ fn page_types_match_the_server() {
     let written = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         written == declared,
-        "{} is not what the types of the server say\nhelp: FOS_WRITE_PAGE_TYPES=1 cargo test -p host-fit --lib page_types, then .ci/browser types",
+        "{} is not what the types of the server say\nhelp: FOS_WRITE_PAGE_TYPES=1 cargo test --workspace --lib page_types, then .ci/browser types",
         path.display()
     );
 }
