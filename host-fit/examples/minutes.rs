@@ -96,17 +96,13 @@ fn main() {
 type Left = Vec<(f64, f64, f64, f64)>;
 
 fn panel(title: &str, [alone, with]: [Left; 2]) -> Panel {
-    let series = |label: &str, ink, left| Series { label: label.to_owned(), ink, shape: Shape::Bars(left) };
-    Panel {
-        title: title.to_owned(),
-        x: Axis::log("Minutes of calibration (min)"),
-        y: Axis::log("Root mean square over units, with its 90 % interval (mdps)"),
-        series: vec![
-            series("a unit's own log", Ink::Measured, alone),
-            series("with the population", Ink::Predicted, with),
-        ],
-        ..Panel::default()
-    }
+    let series = |label: &str, ink, left| Series::new(label, ink, Shape::Bars(left));
+    let series = [
+        series("a unit's own log", Ink::Measured, alone),
+        series("with the population", Ink::Predicted, with),
+    ];
+    let y = Axis::log("Root mean square over units, with its 90 % interval (mdps)");
+    Panel::new(Axis::log("Minutes of calibration (min)"), y, series).titled(title)
 }
 
 /// Prints a line for each length of calibration. Returns the remaining errors alone, and with the population.

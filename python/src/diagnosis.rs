@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use fos_data::recording::{Recording as Log, RecordingError};
 use fos_diagnose::detect::{self, Finding, Question};
-use fos_diagnose::effects::{Effect, Library};
+use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Evidence, evidence_without_model, line_evidence};
 use fos_figures::evidence::evidence;
 use fos_fit::cost::Cost;
@@ -91,20 +91,5 @@ pub(crate) fn diagnose(
 /// Known effects, as JSON.
 #[pyfunction]
 pub(crate) fn effects(py: Python<'_>, files: Vec<PathBuf>) -> PyResult<String> {
-    let library = library(py, &files)?;
-    let entry = |effect: &Effect| {
-        json!({
-            "id": effect.id,
-            "name": effect.name,
-            "band": effect.band,
-            "mechanism": effect.mechanism,
-            "equation": effect.equation,
-            "experiment": effect.experiment,
-            "typical_size": effect.typical_size,
-            "source": effect.source,
-            "gives_away": effect.gives_away,
-            "device": effect.device,
-        })
-    };
-    Ok(Value::Array(library.effects().iter().map(entry).collect()).to_string())
+    Ok(json!(library(py, &files)?.effects()).to_string())
 }

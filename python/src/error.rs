@@ -11,6 +11,7 @@ use fos_diagnose::compare::CompareError;
 use fos_diagnose::detect::DiagnoseError;
 use fos_diagnose::effects::EffectError;
 use fos_diagnose::refine::RefineError;
+use fos_diagnose::session::NoLog;
 use fos_diagnose::study::{LogAgainError, StudyAxisError, StudyError};
 use fos_fit::fit::AxisError;
 use fos_fit::noise::AxisNoiseError;
@@ -54,9 +55,36 @@ pub(crate) trait EngineError: Display {
 
 /// Conversion for `map_err` on a call of the engine.
 pub(crate) fn raised<E: EngineError>(py: Python<'_>) -> impl FnOnce(E) -> PyErr {
-    move |error| {
+    move |error| Raised::from(error).exception(py)
+}
+
+/// An exception to be raised, made without Python.
+pub(crate) struct Raised {
+    class: &'static str,
+    text: String,
+    location: Location,
+}
+
+impl<E: EngineError> From<E> for Raised {
+    fn from(error: E) -> Self {
         let (class, location) = error.class_and_location();
-        exception(py, class, &error.to_string(), location)
+        Self { class, text: error.to_string(), location }
+    }
+}
+
+impl From<NoLog> for Raised {
+    fn from(none: NoLog) -> Self {
+        Self::of_study(format!("{none}\nhelp: give it in the call"))
+    }
+}
+
+impl Raised {
+    pub(crate) fn of_study(text: impl Display) -> Self {
+        Self { class: "StudyError", text: text.to_string(), location: Location::default() }
+    }
+
+    pub(crate) fn exception(self, py: Python<'_>) -> PyErr {
+        exception(py, self.class, &self.text, self.location)
     }
 }
 
@@ -223,12 +251,20 @@ impl EngineError for RefineError {
             Self::Recording(error) => error.class_and_location(),
             Self::Diagnose(error) => error.class_and_location(),
             Self::Effect(error) => error.class_and_location(),
-            Self::Study(StudyAxisError::NoAxis { .. } | StudyAxisError::SeveralAxes(_)) => {
-                ("StudyError", Location::default())
-            }
+            Self::Study(error) => error.class_and_location(),
             Self::OtherLogs { column, .. } => ("RefineError", Location::column(column)),
             _ => ("RefineError", Location::default()),
         }
+    }
+}
+
+impl EngineError for StudyAxisError {
+    fn class_and_location(&self) -> (&'static str, Location) {
+        let class = match self {
+            Self::NoAxis { .. } | Self::SeveralAxes(_) => "StudyError",
+            _ => "RefineError",
+        };
+        (class, Location::default())
     }
 }
 

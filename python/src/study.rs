@@ -8,12 +8,14 @@ use fos_data::file::compare_and_swap::FileVersion;
 use fos_data::recording::{self as data, LoadOptions};
 use fos_diagnose::compare::{Evaluation, compare_study, lags_off, study_of};
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Logs, RefineError, Refiner};
-use fos_diagnose::session::{Addition, NamedLogs, NoLog, Wanted, add};
-use fos_diagnose::study::{Refinement, Study as StudyFile, StudyAxisError, load_again};
+use fos_diagnose::refine::{Logs, Refiner};
+use fos_diagnose::session::{Addition, NamedLogs, Wanted, add};
+use fos_diagnose::study::{Refinement, Study as StudyFile, load_again};
+use fos_figures::compare::View;
 use fos_figures::curves::AxisCurves;
 use fos_figures::moved;
-use fos_figures::plots::{View, figures, staircase_of};
+use fos_figures::plots::figures;
+use fos_figures::staircase::staircase;
 use fos_fit::cost::Cost;
 use fos_fit::export::image;
 use fos_fit::fit::{fit_axes, rest};
@@ -23,7 +25,7 @@ use pyo3::types::PyBytes;
 use serde_json::json;
 
 use crate::diagnosis::{evidence_and_cost, library};
-use crate::error::{py_error, raised};
+use crate::error::{Raised, py_error, raised};
 use crate::options::Given;
 use crate::recording::Recording;
 use crate::work;
@@ -64,53 +66,6 @@ impl GivenLogs {
                 evaluation: recording(evaluation),
             },
             read: log.map(|log| log.read.clone()),
-        }
-    }
-}
-
-/// Reason why a request on a study fails.
-enum Refused {
-    Log(fos_diagnose::study::LogAgainError),
-    Refine(RefineError),
-    Said(String),
-}
-
-impl From<RefineError> for Refused {
-    fn from(error: RefineError) -> Self {
-        Self::Refine(error)
-    }
-}
-
-impl From<NoLog> for Refused {
-    fn from(none: NoLog) -> Self {
-        Self::Said(format!("{none}\nhelp: give it in the call"))
-    }
-}
-
-impl From<StudyAxisError> for Refused {
-    fn from(error: StudyAxisError) -> Self {
-        Self::Refine(error.into())
-    }
-}
-
-impl From<fos_diagnose::study::LogAgainError> for Refused {
-    fn from(error: fos_diagnose::study::LogAgainError) -> Self {
-        Self::Log(error)
-    }
-}
-
-impl From<data::RecordingError> for Refused {
-    fn from(error: data::RecordingError) -> Self {
-        Self::Refine(error.into())
-    }
-}
-
-impl Refused {
-    fn raised(self, py: Python<'_>) -> PyErr {
-        match self {
-            Self::Log(error) => raised(py)(error),
-            Self::Refine(error) => raised(py)(error),
-            Self::Said(text) => py_error(py, "StudyError", &text),
         }
     }
 }
@@ -178,7 +133,7 @@ impl Study {
     fn change<T: Send>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut State) -> Result<T, Refused> + Send,
+        work: impl FnOnce(&mut State) -> Result<T, Raised> + Send,
     ) -> PyResult<T> {
         work::run(py, || {
             let _turn = self.changing.lock().unwrap_or_else(PoisonError::into_inner);
@@ -187,13 +142,13 @@ impl Study {
             *self.lock() = state;
             Ok(result)
         })?
-        .map_err(|refused: Refused| refused.raised(py))
+        .map_err(|raised: Raised| raised.exception(py))
     }
 }
 
 impl State {
     /// A log of the study: from memory, or read again from its path in the study.
-    fn load(&self, source: &data::Source, read: &LoadOptions) -> Result<data::Recording, Refused> {
+    fn load(&self, source: &data::Source, read: &LoadOptions) -> Result<data::Recording, Raised> {
         let refined = self.logs.iter().flat_map(|(_, logs)| {
             [Some(&logs.log), logs.reference.as_ref(), logs.evaluation.as_ref()].into_iter().flatten()
         });
@@ -201,7 +156,7 @@ impl State {
         match (self.own.as_deref().into_iter().chain(refined).find(is_it), &self.file) {
             (Some(log), _) => Ok(log.clone()),
             (None, Some(file)) => Ok(load_again(source, file.path(), read)?),
-            (None, None) => Err(Refused::Said(format!(
+            (None, None) => Err(Raised::of_study(format!(
                 "{}: the log is not at hand\nhelp: give it in the call",
                 source.path
             ))),
@@ -209,7 +164,7 @@ impl State {
     }
 
     /// Log of the fit.
-    fn own(&self) -> Result<Arc<data::Recording>, Refused> {
+    fn own(&self) -> Result<Arc<data::Recording>, Raised> {
         match &self.own {
             Some(own) => Ok(Arc::clone(own)),
             None => self.study.fitted_log(|source| self.load(source, &self.study.data.read)).map(Arc::new),
@@ -217,7 +172,7 @@ impl State {
     }
 
     /// Logs of a call: those given, otherwise those on which the axis was refined.
-    fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Refused> {
+    fn logs(&self, column: &str, given: GivenLogs) -> Result<Arc<Logs>, Raised> {
         let GivenLogs { named, read } = given;
         let known = self.logs.iter().find(|(of, _)| of == column).map(|(_, logs)| Arc::clone(logs));
         if let (Some(known), NamedLogs { log: None, reference: None, evaluation: None }) = (known, &named) {
@@ -231,7 +186,7 @@ impl State {
         Ok(Arc::new(logs))
     }
 
-    fn refinement(&self, refiner: &Refiner<'_>, logs: &Logs, column: &str) -> Result<Refinement, Refused> {
+    fn refinement(&self, refiner: &Refiner<'_>, logs: &Logs, column: &str) -> Result<Refinement, Raised> {
         Ok(match self.study.refinement_of(column) {
             Some(refinement) => refinement.clone(),
             None => refiner.begin(&self.study, column, logs.named(refiner.fitted_rows()))?,
@@ -306,7 +261,7 @@ impl Study {
     /// Refined axes with the figure of their steps, as JSON.
     fn history(&self) -> String {
         let study = self.snapshot().study;
-        let entry = |refinement| json!({ "refinement": refinement, "figure": staircase_of(refinement) });
+        let entry = |refinement| json!({ "refinement": refinement, "figure": staircase(refinement) });
         json!(study.refinements.iter().map(entry).collect::<Vec<_>>()).to_string()
     }
 
@@ -329,7 +284,7 @@ impl Study {
     fn compare(&self, py: Python<'_>, log: Option<&Recording>) -> PyResult<Evaluated> {
         let state = self.snapshot();
         let given = log.map(|log| Arc::clone(&log.log));
-        let evaluation = work::run(py, || -> Result<_, Refused> {
+        let evaluation = work::run(py, || -> Result<_, Raised> {
             let (log, own) = match given {
                 // The fitted log improves the noise estimate but is not required.
                 Some(log) => (log, state.own().ok()),
@@ -338,7 +293,7 @@ impl Study {
             let columns = state.study.columns();
             Ok((compare_study(&state.study, &columns, &log, own.as_deref(), &mut |_| {}), log))
         })?;
-        let (found, log) = evaluation.map_err(|refused| refused.raised(py))?;
+        let (found, log) = evaluation.map_err(|raised| raised.exception(py))?;
         let found = found.map_err(raised(py))?;
         Ok(Evaluated { found, lags_off: lags_off(&state.study.model, &log), log })
     }
@@ -357,7 +312,7 @@ impl Study {
         let library = library(py, &effects)?;
         let given = GivenLogs::of(log, reference, evaluation);
         let state = self.snapshot();
-        work::run(py, || -> Result<_, Refused> {
+        work::run(py, || -> Result<_, Raised> {
             let column = state.study.column(axis)?;
             let logs = state.logs(&column, given)?;
             let refiner = logs.refiner(&library);
@@ -372,7 +327,7 @@ impl Study {
             }
             Ok((json!(diagnosis).to_string(), json!(speaks).to_string()))
         })?
-        .map_err(|refused| refused.raised(py))
+        .map_err(|raised| raised.exception(py))
     }
 
     /// Adds an effect, or the findings of the diagnosis until nothing is worth adding. Returns the column of the
@@ -404,7 +359,7 @@ impl Study {
     fn undo(&self, py: Python<'_>, axis: Option<String>) -> PyResult<String> {
         self.change(py, |state| {
             let column = state.study.column_to_undo(axis.as_deref())?;
-            Ok(state.study.undo(&column).map_err(RefineError::Study)?)
+            Ok(state.study.undo(&column)?)
         })
     }
 
@@ -414,16 +369,16 @@ impl Study {
         self.change(py, |state| {
             let file = match &state.file {
                 Some(file) if file.path() == path => file.clone(),
-                _ => FileVersion::now(&path).map_err(|error| Refused::Said(error.to_string()))?,
+                _ => FileVersion::now(&path).map_err(Raised::of_study)?,
             };
             let is_own = state.file.as_ref().is_some_and(|known| known.path() == path);
             if !is_own && !replace && path.exists() {
-                return Err(Refused::Said(format!(
+                return Err(Raised::of_study(format!(
                     "{}: there is a file already\nhelp: save it with replace=True, or under another name",
                     path.display()
                 )));
             }
-            state.study.write(&file).map_err(|error| Refused::Said(error.to_string()))?;
+            state.study.write(&file).map_err(Raised::of_study)?;
             state.file = Some(FileVersion::of(&path, &state.study.to_bytes()));
             Ok(())
         })

@@ -75,16 +75,8 @@ mod tests {
     #[test]
     fn converts_values_and_densities_of_the_unit_and_nothing_else() {
         let degree = std::f64::consts::PI / 180.0;
-        let panel = |y: &str| Panel {
-            x: Axis::linear("Time (s)"),
-            y: Axis::linear(y),
-            series: vec![Series {
-                label: String::new(),
-                ink: Ink::Residual,
-                shape: Shape::Line(vec![(2.0, degree)]),
-            }],
-            ..Panel::default()
-        };
+        let series = Series::new("", Ink::Residual, Shape::Line(vec![(2.0, degree)]));
+        let panel = |y: &str| Panel::new(Axis::linear("Time (s)"), Axis::linear(y), [series.clone()]);
         let figure = Figure {
             title: String::new(),
             panels: vec![panel("Residual (rad/s)"), panel("Density ((rad/s)²/Hz)"), panel("Score")],

@@ -1,7 +1,7 @@
 //! Data of the figures of a comparison: envelopes over time, spectra, autocorrelation, Allan deviations, block means against channels. All
-//! of it is computed here; [`plots`] only draws.
+//! of it is computed here; [`compare`] only draws.
 //!
-//! [`plots`]: crate::plots
+//! [`compare`]: crate::compare
 
 use std::ops::Range;
 
@@ -32,44 +32,18 @@ const BANDS_PER_DECADE: usize = 40;
 /// Curves of one axis over a log, or over a part of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurves {
-    /// Measured values minus their mean, one envelope for each stretch without gaps, in the axis' unit.
-    pub measured: Vec<Envelope>,
-    /// Prediction while coasting, minus the same mean.
-    pub predicted: Vec<Envelope>,
-    /// Residual while coasting.
-    pub left: Vec<Envelope>,
+    /// Measured values minus their mean, their prediction while coasting minus the same mean, and the residual while coasting; one envelope
+    /// for each stretch without gaps, in the axis' unit.
+    pub over_time: [Vec<Envelope>; 3],
     /// Autocorrelation of the innovations at lags 0 … 200; none if there are too few.
     pub autocorrelation: Option<Autocorrelation>,
-    /// Power spectral densities; none if the log is too short.
-    pub spectra: Option<Spectra>,
-    /// Allan deviations with 95 % intervals.
-    pub deviations: Deviations,
+    /// Power spectral densities of the samples, the one-step predictions and the innovations, smoothed, in unit²/Hz; then that of white
+    /// noise with the variance of the noise floor, if it is known. None if the log is too short.
+    pub spectra: Option<([Spectrum; 3], Option<f64>)>,
+    /// Allan deviations with 95 % intervals of the samples, and of prediction and residual while coasting, in the axis' unit.
+    pub deviations: [Vec<AllanPoint>; 3],
     /// Sample period, s.
     pub period_s: f64,
-}
-
-/// Power spectral densities, smoothed, in unit²/Hz. Prediction and residual are one step ahead.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Spectra {
-    /// Spectrum of the samples.
-    pub measured: Spectrum,
-    /// Spectrum of the one-step predictions.
-    pub predicted: Spectrum,
-    /// Spectrum of the innovations.
-    pub left: Spectrum,
-    /// White noise with the variance of the noise floor; none if the floor is unknown.
-    pub floor: Option<f64>,
-}
-
-/// Allan deviations, in the axis' unit. Prediction and residual are those while coasting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Deviations {
-    /// Deviations of the samples.
-    pub measured: Vec<AllanPoint>,
-    /// Deviations of the predictions.
-    pub predicted: Vec<AllanPoint>,
-    /// Deviations of the residual.
-    pub left: Vec<AllanPoint>,
 }
 
 /// Block means of the residual against those of one channel: pairs (channel, axis).
@@ -96,51 +70,38 @@ impl AxisCurves {
     /// Curves of axis `index` of a trace, over the rows of the trace.
     pub fn of(axis: &AxisComparison, trace: &Trace, index: usize, recording: &Recording) -> Self {
         let series = &trace.axes[index];
-        let envelopes = |series: &[f64]| envelopes(trace, series, recording);
         let centre = mean_of(&series.measured);
         let measured: Vec<f64> = series.measured.iter().map(|value| value - centre).collect();
+        let over_time = [&measured, &difference(&measured, &series.coast), &series.coast];
         Self {
-            predicted: envelopes(&difference(&measured, &series.coast)),
-            measured: envelopes(&measured),
-            left: envelopes(&series.coast),
+            over_time: over_time.map(|series| envelopes(trace, series, recording)),
             autocorrelation: autocorrelation(&trace.stretches_of(&series.one_step), MAX_LAG),
-            spectra: Spectra::of(axis, trace, series),
-            deviations: Deviations::of(trace, series),
+            spectra: spectra(trace, series).map(|spectra| {
+                // Two-sided variance over half the sampling rate.
+                (spectra, axis.noise_floor.map(|(variance, _)| 2.0 * variance * trace.period_s))
+            }),
+            deviations: deviations(trace, series),
             period_s: trace.period_s,
         }
     }
 }
 
-impl Spectra {
-    fn of(axis: &AxisComparison, trace: &Trace, series: &AxisTrace) -> Option<Self> {
-        let density = |series: &[f64]| -> Option<Spectrum> {
-            let stretches = trace.stretches_of(series);
-            let length = segment_length_for(&stretches);
-            Some(welch(&stretches, 1.0 / trace.period_s, length)?.smoothed(BANDS_PER_DECADE))
-        };
-        Some(Self {
-            measured: density(&series.measured)?,
-            predicted: density(&difference(&series.measured, &series.one_step))?,
-            left: density(&series.one_step)?,
-            // Two-sided variance over half the sampling rate.
-            floor: axis.noise_floor.map(|(variance, _)| 2.0 * variance * trace.period_s),
-        })
-    }
+fn spectra(trace: &Trace, series: &AxisTrace) -> Option<[Spectrum; 3]> {
+    let density = |series: &[f64]| -> Option<Spectrum> {
+        let stretches = trace.stretches_of(series);
+        let length = segment_length_for(&stretches);
+        Some(welch(&stretches, 1.0 / trace.period_s, length)?.smoothed(BANDS_PER_DECADE))
+    };
+    let predicted = difference(&series.measured, &series.one_step);
+    Some([density(&series.measured)?, density(&predicted)?, density(&series.one_step)?])
 }
 
-impl Deviations {
-    fn of(trace: &Trace, series: &AxisTrace) -> Self {
-        let deviations = |series: &[f64]| {
-            let stretches = trace.stretches_of(series);
-            let taus = averaging_times(&stretches, trace.period_s, TAUS_PER_DECADE);
-            allan_deviation(&stretches, trace.period_s, &taus)
-        };
-        Self {
-            measured: deviations(&series.measured),
-            predicted: deviations(&difference(&series.measured, &series.coast)),
-            left: deviations(&series.coast),
-        }
-    }
+fn deviations(trace: &Trace, series: &AxisTrace) -> [Vec<AllanPoint>; 3] {
+    [&series.measured, &difference(&series.measured, &series.coast), &series.coast].map(|series| {
+        let stretches = trace.stretches_of(series);
+        let taus = averaging_times(&stretches, trace.period_s, TAUS_PER_DECADE);
+        allan_deviation(&stretches, trace.period_s, &taus)
+    })
 }
 
 impl AgainstChannel {

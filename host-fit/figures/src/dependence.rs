@@ -47,7 +47,7 @@ fn against(subject: Subject, channel: &ChannelDependence) -> Panel {
     let bars = |label: &str, ink, bins: &[Bin]| {
         let bar =
             |bin: &Bin| (bin.channel, bin.level, bin.level - bin.half_width, bin.level + bin.half_width);
-        Series { label: label.into(), ink, shape: Shape::Bars(bins.iter().map(bar).collect()) }
+        Series::new(label, ink, Shape::Bars(bins.iter().map(bar).collect()))
     };
     let bins = &channel.bins;
     let series = match bins.rising.is_empty() && bins.falling.is_empty() {
@@ -59,18 +59,10 @@ fn against(subject: Subject, channel: &ChannelDependence) -> Panel {
         ],
     };
     let verdict = if channel.is_clear() { "depends" } else { "no more than chance" };
-    Panel {
-        title: format!(
-            "{}: {verdict}, {}, score {:.1}",
-            channel.channel,
-            probability(channel.p_of_all),
-            channel.curve.score
-        ),
-        x: Axis::linear(with_unit(&channel.channel, &channel.unit)),
-        y: Axis::linear(format!("Slow residual less its mean ({})", subject.unit)),
-        series,
-        ..Panel::default()
-    }
+    let (name, p, score) = (&channel.channel, probability(channel.p_of_all), channel.curve.score);
+    let y = Axis::linear(format!("Slow residual less its mean ({})", subject.unit));
+    Panel::new(Axis::linear(with_unit(name, &channel.unit)), y, series)
+        .titled(format!("{name}: {verdict}, {p}, score {score:.1}"))
 }
 
 fn delays(channels: &[&ChannelDependence]) -> Panel {
@@ -79,18 +71,15 @@ fn delays(channels: &[&ChannelDependence]) -> Panel {
         let points: Vec<(f64, f64)> = points.collect();
         let ink = Ink::Method(number);
         [
-            Series { label: channel.channel.clone(), ink, shape: Shape::Line(points.clone()) },
-            Series { label: channel.channel.clone(), ink, shape: Shape::Points(points) },
+            Series::new(&channel.channel, ink, Shape::Line(points.clone())),
+            Series::new(&channel.channel, ink, Shape::Points(points)),
         ]
     };
-    let chance = Series { label: "chance, 95 %".into(), ink: Ink::Bound, shape: Shape::Level(CHANCE) };
-    Panel {
-        title: "Which delay explains most; leftmost: none".into(),
-        x: Axis::log("Delay of the channel (s)"),
-        y: Axis::linear("Gain of a linear term, 2 Δln L (1)"),
-        series: std::iter::once(chance).chain(channels.iter().enumerate().flat_map(profile)).collect(),
-        ..Panel::default()
-    }
+    let chance = Series::new("chance, 95 %", Ink::Bound, Shape::Level(CHANCE));
+    let series = [chance].into_iter().chain(channels.iter().enumerate().flat_map(profile));
+    let y = Axis::linear("Gain of a linear term, 2 Δln L (1)");
+    Panel::new(Axis::log("Delay of the channel (s)"), y, series)
+        .titled("Which delay explains most; leftmost: none")
 }
 
 fn map(power: &PowerMap) -> Panel {
@@ -101,21 +90,15 @@ fn map(power: &PowerMap) -> Panel {
         .enumerate()
         .map(|(number, (_, label))| {
             let cells = power.cells.iter().filter(|cell| step(cell) == number).map(corners).collect();
-            Series { label: (*label).into(), ink: Ink::Step(number), shape: Shape::Cells(cells) }
+            Series::new(*label, Ink::Step(number), Shape::Cells(cells))
         })
         .collect();
     let worst: Vec<_> = power.worst().into_iter().map(corners).collect();
     if !worst.is_empty() {
-        let shape = Shape::Frames(worst);
-        series.push(Series { label: "beyond chance".into(), ink: Ink::Floor, shape });
+        series.push(Series::new("beyond chance", Ink::Floor, Shape::Frames(worst)));
     }
-    Panel {
-        title: "Power over that of the median stretch".into(),
-        x: Axis::linear("Time (s)"),
-        y: Axis::log("Frequency (Hz)"),
-        series,
-        ..Panel::default()
-    }
+    Panel::new(Axis::linear("Time (s)"), Axis::log("Frequency (Hz)"), series)
+        .titled("Power over that of the median stretch")
 }
 
 fn probability(p: f64) -> String {

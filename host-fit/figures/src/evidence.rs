@@ -26,37 +26,22 @@ pub fn evidence(
 
 /// The slow error without all other findings, with the contribution of `effect`; shaded where it is largest.
 fn slow_evidence(subject: Subject, effect: &str, found: &Evidence, largest_s: Option<[f64; 2]>) -> Figure {
-    let error = |x: &[f64]| Series {
-        label: "error".into(),
-        ink: Ink::Residual,
-        shape: Shape::Points(pairs(x, &found.error)),
-    };
-    let explained = |shape| Series { label: effect.to_owned(), ink: Ink::Predicted, shape };
+    let error = |x: &[f64]| Series::new("error", Ink::Residual, Shape::Points(pairs(x, &found.error)));
+    let explained = |shape| Series::new(effect, Ink::Predicted, shape);
     let y = || Axis::linear(format!("{} ({})", capitalised(subject.channel), subject.unit));
     let ranges = largest_s.map(|[from, to]| ShadedRange { from, to, ..ShadedRange::default() });
-    let mut panels = vec![Panel {
-        title: format!("means over {:.1} s, other findings subtracted", found.block_s),
-        x: Axis::linear("Time (s)"),
-        y: y(),
-        series: vec![error(&found.time_s), explained(Shape::Line(pairs(&found.time_s, &found.effect)))],
-        shading: vec![Shading {
-            label: "largest here".into(),
-            tone: Tone::Apart,
-            ranges: ranges.into_iter().collect(),
-        }],
-    }];
-    if let Some(against) = &found.against {
-        panels.push(Panel {
-            title: format!("the same against {}", against.column),
-            x: Axis::linear(named_with_unit(&against.column)),
-            y: y(),
-            series: vec![
-                error(&against.values),
-                explained(Shape::Points(pairs(&against.values, &found.effect))),
-            ],
-            ..Panel::default()
-        });
-    }
+    let ranges = ranges.into_iter().collect();
+    let series = [error(&found.time_s), explained(Shape::Line(pairs(&found.time_s, &found.effect)))];
+    let over_time = Panel::new(Axis::linear("Time (s)"), y(), series)
+        .titled(format!("means over {:.1} s, other findings subtracted", found.block_s))
+        .shaded([Shading { label: "largest here".into(), tone: Tone::Apart, ranges }]);
+    let against = found.against.as_ref().map(|against| {
+        let effect = explained(Shape::Points(pairs(&against.values, &found.effect)));
+        let x = Axis::linear(named_with_unit(&against.column));
+        Panel::new(x, y(), [error(&against.values), effect])
+            .titled(format!("the same against {}", against.column))
+    });
+    let panels = [over_time].into_iter().chain(against).collect();
     Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels }
 }
 
@@ -67,24 +52,11 @@ fn pairs(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
 /// The spectrum about a line.
 fn line_figure(subject: Subject, effect: &str, line: &LineEvidence) -> Figure {
     let &LineEvidence { line_hz, ref frequency_hz, ref density } = line;
-    let panel = Panel {
-        title: format!("the line at {line_hz:.3} Hz"),
-        x: Axis::linear("Frequency (Hz)"),
-        y: Axis::log(format!("Power spectral density ({})", super::compare::per_hertz(subject.unit))),
-        series: vec![Series {
-            label: "measured".into(),
-            ink: Ink::Measured,
-            shape: Shape::Line(pairs(frequency_hz, density)),
-        }],
-        shading: vec![Shading {
-            label: "the line".into(),
-            tone: Tone::Apart,
-            ranges: vec![ShadedRange {
-                from: line_hz * 0.995,
-                to: line_hz * 1.005,
-                ..ShadedRange::default()
-            }],
-        }],
-    };
+    let y = Axis::log(format!("Power spectral density ({})", super::compare::per_hertz(subject.unit)));
+    let measured = Series::new("measured", Ink::Measured, Shape::Line(pairs(frequency_hz, density)));
+    let range = ShadedRange { from: line_hz * 0.995, to: line_hz * 1.005, ..ShadedRange::default() };
+    let panel = Panel::new(Axis::linear("Frequency (Hz)"), y, [measured])
+        .titled(format!("the line at {line_hz:.3} Hz"))
+        .shaded([Shading { label: "the line".into(), tone: Tone::Apart, ranges: vec![range] }]);
     Figure { title: format!("{}: {effect}", capitalised(subject.channel)), panels: vec![panel] }
 }

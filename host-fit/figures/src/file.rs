@@ -115,12 +115,11 @@ mod tests {
             ("frames", Shape::Frames(values.iter().map(|(x, y)| (*x, 2.0 * x, *y, 2.0 * y)).collect())),
             ("level", Shape::Level(values.first().map_or(0.0, |(_, y)| *y))),
         ];
-        let series =
-            shapes.map(|(label, shape)| Series { label: label.into(), ink: Ink::Measured, shape }).to_vec();
+        let series = shapes.map(|(label, shape)| Series::new(label, Ink::Measured, shape));
         let range = ShadedRange { from: 2.0, to: 3.0, mark: "17".into(), says: String::new() };
         let shading = vec![Shading { label: "shaded <&>".into(), tone: Tone::Apart, ranges: vec![range] }];
         let panel =
-            Panel { title: "a panel".into(), x: axis("Time (s)"), y: axis("Rate (rad/s)"), series, shading };
+            Panel::new(axis("Time (s)"), axis("Rate (rad/s)"), series).titled("a panel").shaded(shading);
         Figure { title: "a figure".into(), panels: vec![panel.clone(), panel] }
     }
 

@@ -52,6 +52,23 @@ pub struct Panel {
     pub shading: Vec<Shading>,
 }
 
+impl Panel {
+    /// A panel without a title and without shading.
+    pub fn new(x: Axis, y: Axis, series: impl IntoIterator<Item = Series>) -> Self {
+        Panel { x, y, series: series.into_iter().collect(), ..Panel::default() }
+    }
+
+    /// The panel with a title.
+    pub fn titled(self, title: impl Into<String>) -> Self {
+        Panel { title: title.into(), ..self }
+    }
+
+    /// The panel with shaded ranges.
+    pub fn shaded(self, shading: impl Into<Vec<Shading>>) -> Self {
+        Panel { shading: shading.into(), ..self }
+    }
+}
+
 /// An axis. Its range is that of the finite values (on a logarithmic axis, of the positive ones).
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
@@ -97,6 +114,13 @@ pub struct Series {
     pub ink: Ink,
     /// Numbers and their shape.
     pub shape: Shape,
+}
+
+impl Series {
+    /// A series with its label in the legend.
+    pub fn new(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
+        Series { label: label.into(), ink, shape }
+    }
 }
 
 /// Shape of a series. A value that is not finite (in JSON null) interrupts a line or band and is otherwise skipped.

@@ -45,35 +45,22 @@ fn panel(axis: &AxisNoise, units: &[ShownUnit; 3]) -> Panel {
         let points = level.value.map_or_else(Vec::new, |value| line(&|tau| of(value, tau)));
         let drawn = if name == "B" && level.value.is_some() { ", drawn at 0.664 B" } else { "" };
         let label = with_interval(name, level, unit) + drawn;
-        series.push(Series { label, ink, shape: Shape::Line(points) });
+        series.push(Series::new(label, ink, Shape::Line(points)));
     }
-    series.push(Series {
-        label: "N, B and K together".into(),
-        ink: Ink::Floor,
-        shape: Shape::Line(taus.iter().map(|tau| (*tau, levels.allan_deviation(*tau))).collect()),
-    });
+    let together = taus.iter().map(|tau| (*tau, levels.allan_deviation(*tau))).collect();
+    series.push(Series::new("N, B and K together", Ink::Floor, Shape::Line(together)));
     if let Some(process) = levels.gauss_markov {
         let seconds = ShownUnit { label: "s".into(), divisor: 1.0 };
         let sigma = with_interval("σ", &process.deviation, flicker);
         let tau = with_interval("τ", &process.tau_s, &seconds);
-        series.push(Series {
-            label: format!("N and a Gauss–Markov process: {sigma}, {tau}"),
-            ink: Ink::Method(4),
-            shape: Shape::Line(taus.iter().map(|tau| (*tau, process.allan_deviation(*tau))).collect()),
-        });
+        let label = format!("N and a Gauss–Markov process: {sigma}, {tau}");
+        let together = taus.iter().map(|tau| (*tau, process.allan_deviation(*tau))).collect();
+        series.push(Series::new(label, Ink::Method(4), Shape::Line(together)));
     }
-    series.push(Series {
-        label: "measured (90 %)".into(),
-        ink: Ink::Measured,
-        shape: Shape::Bars(bars.collect()),
-    });
-    Panel {
-        title: fos_data::text::capitalised(Column::named(&axis.column).label()),
-        x: Axis::log("Averaging time (s)"),
-        y: Axis::log(format!("Allan deviation ({})", axis.unit)),
-        series,
-        shading: Vec::new(),
-    }
+    series.push(Series::new("measured (90 %)", Ink::Measured, Shape::Bars(bars.collect())));
+    let y = Axis::log(format!("Allan deviation ({})", axis.unit));
+    Panel::new(Axis::log("Averaging time (s)"), y, series)
+        .titled(fos_data::text::capitalised(Column::named(&axis.column).label()))
 }
 
 fn with_interval(name: &str, level: &Level, unit: &ShownUnit) -> String {

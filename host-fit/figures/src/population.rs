@@ -103,7 +103,7 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
         });
         let cells: Vec<_> = cells.collect();
         if !cells.is_empty() {
-            series.push(Series { label: label.into(), ink, shape: Shape::Cells(cells) });
+            series.push(Series::new(label, ink, Shape::Cells(cells)));
         }
     }
     let belonging = near.iter().filter(|unit| !unit.is_odd).count() as f64;
@@ -116,16 +116,11 @@ fn distribution(of: &OfCoefficient, near: &[UnitDot], seen: f64, beyond: &str) -
         {
             let at = |place: i32| of.mean + 3.3 * deviation * f64::from(place) / 100.0;
             let curve = (-100..=100).map(|place| (at(place), belonging * width * normal.pdf(at(place))));
-            series.push(Series { label: label.into(), ink, shape: Shape::Line(curve.collect()) });
+            series.push(Series::new(label, ink, Shape::Line(curve.collect())));
         }
     }
-    Panel {
-        title: format!("How {} devices lie{beyond}", of.units.len()),
-        x: Axis::linear(of.quantity.clone()),
-        y: Axis::linear("Devices in a bin (1)"),
-        series,
-        ..Panel::default()
-    }
+    Panel::new(Axis::linear(&of.quantity), Axis::linear("Devices in a bin (1)"), series)
+        .titled(format!("How {} devices lie{beyond}", of.units.len()))
 }
 
 /// Units around the means of their lots.
@@ -139,20 +134,14 @@ fn by_lot(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
     }
     let mut series = dots_of(&dots);
     // A series for each lot, without a line between them.
-    series.extend(of.lots.iter().enumerate().map(|(place, lot)| Series {
-        label: "mean of the lot, 90 %".into(),
-        ink: Ink::Floor,
-        shape: Shape::Bars(vec![(place as f64, lot.mean, lot.interval[0], lot.interval[1])]),
+    series.extend(of.lots.iter().enumerate().map(|(place, lot)| {
+        let bar = (place as f64, lot.mean, lot.interval[0], lot.interval[1]);
+        Series::new("mean of the lot, 90 %", Ink::Floor, Shape::Bars(vec![bar]))
     }));
     series.push(mean_of(of));
     let names = of.lots.iter().map(|lot| lot.name.clone()).collect();
-    Panel {
-        title: "Lot by lot".into(),
-        x: Axis { names, ..Axis::linear("Lots, in the order of their names") },
-        y: Axis::linear(of.quantity.clone()),
-        series,
-        ..Panel::default()
-    }
+    let x = Axis { names, ..Axis::linear("Lots, in the order of their names") };
+    Panel::new(x, Axis::linear(&of.quantity), series).titled("Lot by lot")
 }
 
 /// Units in sequence, if lots are unknown.
@@ -161,13 +150,8 @@ fn in_order(of: &OfCoefficient, near: &[UnitDot]) -> Panel {
         near.iter().enumerate().map(|(place, unit)| (place as f64 + 1.0, *unit)).collect();
     let mut series = dots_of(&dots);
     series.push(mean_of(of));
-    Panel {
-        title: "Device by device".into(),
-        x: Axis::linear("Devices, in the order of their names (1)"),
-        y: Axis::linear(of.quantity.clone()),
-        series,
-        ..Panel::default()
-    }
+    let x = Axis::linear("Devices, in the order of their names (1)");
+    Panel::new(x, Axis::linear(&of.quantity), series).titled("Device by device")
 }
 
 fn dots_of(dots: &[(f64, UnitDot)]) -> Vec<Series> {
@@ -175,17 +159,17 @@ fn dots_of(dots: &[(f64, UnitDot)]) -> Vec<Series> {
     let belong = dots.iter().filter(|(_, unit)| !unit.is_odd).step_by(every);
     let belong = belong.map(|(x, unit)| (*x, unit.value)).collect();
     let label = if every == 1 { "estimates".to_owned() } else { format!("estimates, one of {every}") };
-    let mut series = vec![Series { label, ink: Ink::Measured, shape: Shape::Points(belong) }];
+    let mut series = vec![Series::new(label, Ink::Measured, Shape::Points(belong))];
     let odd: Vec<(f64, f64)> =
         dots.iter().filter(|(_, unit)| unit.is_odd).map(|(x, unit)| (*x, unit.value)).collect();
     if !odd.is_empty() {
-        series.push(Series { label: "odd".into(), ink: Ink::Other, shape: Shape::Points(odd) });
+        series.push(Series::new("odd", Ink::Other, Shape::Points(odd)));
     }
     series
 }
 
 fn mean_of(of: &OfCoefficient) -> Series {
-    Series { label: "mean of the part".into(), ink: Ink::Predicted, shape: Shape::Level(of.mean) }
+    Series::new("mean of the part", Ink::Predicted, Shape::Level(of.mean))
 }
 
 /// Parts of the variance of the estimates, with a panel for each of `coefficients`.
@@ -198,16 +182,11 @@ pub fn of_variance(title: &str, coefficients: &[(String, Vec<OfVariance>)]) -> F
                 let x = place as f64;
                 (x - 0.35, x + 0.35, 100.0 * below, 100.0 * (below + axis.shares[kind]))
             });
-            Series { label: (*label).into(), ink: *ink, shape: Shape::Cells(cells.collect()) }
+            Series::new(*label, *ink, Shape::Cells(cells.collect()))
         });
         let names = axes.iter().map(|axis| axis.name.clone()).collect();
-        Panel {
-            title: name.clone(),
-            x: Axis { names, ..Axis::linear("") },
-            y: Axis::linear("Share of the variance of estimates (%)"),
-            series: series.collect(),
-            ..Panel::default()
-        }
+        let y = Axis::linear("Share of the variance of estimates (%)");
+        Panel::new(Axis { names, ..Axis::linear("") }, y, series).titled(name)
     };
     Figure { title: title.into(), panels: coefficients.iter().map(panel).collect() }
 }

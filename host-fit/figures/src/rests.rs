@@ -16,21 +16,13 @@ pub fn residual_of_each_rest(rests: &[RestResidual]) -> Option<Figure> {
     let expected = used().map(|one| {
         let half = NORMAL_95 * one.deviation_mps2 / MG_MPS2;
         let ends = [one.rest.start_s, one.rest.start_s + one.rest.duration_s];
-        Series {
-            label: "expected (95 %)".into(),
-            ink: Ink::Bound,
-            shape: Shape::Band(ends.map(|time_s| (time_s, -half, half)).to_vec()),
-        }
+        let band = ends.map(|time_s| (time_s, -half, half)).to_vec();
+        Series::new("expected (95 %)", Ink::Bound, Shape::Band(band))
     });
     let residual =
         used().map(|one| (one.rest.start_s + 0.5 * one.rest.duration_s, one.residual_mps2 / MG_MPS2));
-    let residual =
-        Series { label: "residual".into(), ink: Ink::Residual, shape: Shape::Points(residual.collect()) };
-    let panel = Panel {
-        x: Axis::linear("Time (s)"),
-        y: Axis::linear("Corrected |a| − g (mg)"),
-        series: expected.chain([residual]).collect(),
-        ..Panel::default()
-    };
+    let residual = Series::new("residual", Ink::Residual, Shape::Points(residual.collect()));
+    let y = Axis::linear("Corrected |a| − g (mg)");
+    let panel = Panel::new(Axis::linear("Time (s)"), y, expected.chain([residual]));
     Some(Figure { title: "Residual of each rest".into(), panels: vec![panel] })
 }

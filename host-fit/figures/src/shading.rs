@@ -72,8 +72,8 @@ pub fn moved(recording: &Recording, stillness: &Stillness) -> Shading {
 
 #[cfg(test)]
 mod tests {
-    use super::super::compare::{SetApart, Subject, residual};
-    use super::super::svg;
+    use super::super::compare::{Subject, over_time, shading};
+    use super::super::{Figure, Ink, svg};
     use super::*;
     use fos_data::disturbance::Kind;
     use fos_data::recording::{LoadOptions, Source};
@@ -108,8 +108,9 @@ mod tests {
         let subject = Subject { channel: "gyro x", unit: "rad/s" };
         let values = &log.channel("gx_rads").unwrap().values;
         let outline = envelope(values, log.time_s[0], log.rate.period_s, 1000, 1.0);
-        svg(&residual(subject, &[outline], "1 s mean", SetApart { label: "worst", worst_s: &[], moved }))
-            .unwrap()
+        let traces = [("residual", Ink::Residual)];
+        let panels = over_time(subject, &traces, &[vec![outline]], shading(moved, []));
+        svg(&Figure { title: "residual".into(), panels }).unwrap()
     }
 
     #[test]

@@ -14,12 +14,12 @@ use fos_diagnose::refine::{Logs, RefineError};
 use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use fos_figures::Figure;
-use fos_figures::plots::staircase_of;
+use fos_figures::staircase::staircase;
 use fos_figures::units::Units;
 use fos_fit::candidates::monomial_text_named;
 
 /// Findings on one axis.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
 pub struct AxisSection {
     /// Column of the log format, such as `gx_rads`.
@@ -69,13 +69,7 @@ impl AxisSection {
             column: column.to_owned(),
             label: Column::named(column).label().to_owned(),
             unit: Column::named(column).unit().label().to_owned(),
-            model: None,
-            comparison: None,
-            evaluated_s: None,
-            diagnosis: None,
-            offers: Vec::new(),
-            refinement: None,
-            staircase: None,
+            ..Self::default()
         }
     }
 
@@ -83,7 +77,7 @@ impl AxisSection {
     pub fn of(study: &Study, refinement: &Refinement) -> Self {
         Self {
             model: ModelSummary::of(study, refinement),
-            staircase: Some(staircase_of(refinement)),
+            staircase: Some(staircase(refinement)),
             refinement: Some(refinement.clone()),
             ..Self::empty(&refinement.column)
         }
@@ -97,10 +91,6 @@ impl AxisSection {
     }
 
     /// Adds the effects missing from the model of `refinement`, and their offers.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing, or the log is too short.
     pub fn diagnosed(
         mut self,
         refinement: &Refinement,

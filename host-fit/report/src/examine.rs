@@ -25,10 +25,6 @@ pub struct Examination {
 }
 
 /// Evaluates the current model of `refinement` on the log to explain, on rows not used for the fit.
-///
-/// # Errors
-///
-/// Errors of [`compare_on`].
 pub fn examine(
     study: &Study,
     refinement: &Refinement,

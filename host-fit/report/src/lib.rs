@@ -23,11 +23,9 @@ use serde::Serialize;
 pub use axis_section::{AxisSection, ModelSummary};
 pub use axis_units::{AxisUnits, UnitChoice};
 pub use log_summary::{ColumnSummary, LogSummary, Summaries};
-pub use offer::{Card, Offer, offers};
-pub use render::markdown_environment;
+pub use offer::{Offer, offers};
 pub use render::{html, markdown};
 pub use template::RenderError;
-pub use template::{of_pages as page_environment, style};
 
 use crate::command_lines::command_lines;
 use crate::examine::examine;
@@ -36,7 +34,7 @@ use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError};
 use fos_diagnose::study::{Study, Tool};
 use fos_figures::Figure;
-use fos_figures::plots::View;
+use fos_figures::compare::View;
 use fos_fit::evaluate::UnaidedError;
 
 /// Failure to build a report.
@@ -98,10 +96,6 @@ pub struct ReportAxis {
 
 impl Report {
     /// Examines and diagnoses `columns` of a study. `progress` gets a description of each step.
-    ///
-    /// # Errors
-    ///
-    /// A column is missing, or a log is too short.
     pub fn of(
         study: &Study,
         columns: &[String],

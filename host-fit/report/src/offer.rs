@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
-use fos_diagnose::effects::{Band, Effect, Library};
+use fos_diagnose::effects::{Effect, Library};
 use fos_diagnose::refine::{RefineError, Refiner, line_evidence};
 use fos_diagnose::study::Refinement;
 use fos_figures::Figure;
@@ -22,63 +22,15 @@ pub struct Offer {
     /// Reason why the effect cannot be added, or the alternative; none if it can.
     pub why_not: Option<String>,
     /// Physics of the effect.
-    pub card: Card,
+    pub card: Effect,
     /// Additional cost of the model on the device.
     pub cost: Option<Cost>,
     /// Figure of the evidence.
     pub evidence: Option<Figure>,
 }
 
-/// Effect in plain language: texts of the library.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
-pub struct Card {
-    /// Identifier in the library, such as `thermal_lag`.
-    pub id: String,
-    /// Name as it stands in a sentence.
-    pub name: String,
-    /// Band of the error: block means, single samples, the data themselves, or noise.
-    pub band: Band,
-    /// Physical mechanism in the sensor.
-    pub mechanism: String,
-    /// Equation of the error.
-    pub equation: String,
-    /// Typical size on phone-class parts.
-    pub typical_size: String,
-    /// Reference for the typical size.
-    pub source: String,
-    /// Experiment that shows the effect.
-    pub experiment: String,
-    /// Signature in a plot.
-    pub gives_away: String,
-    /// Cost of the correction on the device, in words.
-    pub device: String,
-}
-
-impl Card {
-    /// Copies the texts of an effect.
-    pub fn of(effect: &Effect) -> Self {
-        Self {
-            id: effect.id.clone(),
-            name: effect.name.clone(),
-            band: effect.band,
-            mechanism: effect.mechanism.clone(),
-            equation: effect.equation.clone(),
-            typical_size: effect.typical_size.clone(),
-            source: effect.source.clone(),
-            experiment: effect.experiment.clone(),
-            gives_away: effect.gives_away.clone(),
-            device: effect.device.clone(),
-        }
-    }
-}
-
 /// Returns one offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the
 /// diagnosis.
-///
-/// # Errors
-///
-/// A column is missing.
 pub fn offers(
     refiner: &Refiner<'_>,
     refinement: &Refinement,
@@ -108,7 +60,7 @@ pub fn offers(
                     .as_ref()
                     .map(|doubt| format!("it is not conclusive: {doubt}. To decide: {}", effect.experiment)),
             },
-            card: Card::of(effect),
+            card: effect.clone(),
             cost: price,
             evidence,
         })

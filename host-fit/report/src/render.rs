@@ -12,10 +12,6 @@ use fos_figures::Figure;
 use fos_figures::units::{ShownUnit, Units, three};
 
 /// Renders the report as one file that contains its styles and figures.
-///
-/// # Errors
-///
-/// A figure cannot be drawn.
 pub fn html(report: &Report) -> Result<String, RenderError> {
     // every figure is drawn before it is rendered
     let mut axes = Vec::new();
@@ -90,7 +86,7 @@ fn add_unit_filters(environment: &mut Environment<'_>) {
 }
 
 /// Returns the environment for Markdown, which escapes text.
-pub fn markdown_environment() -> Result<Environment<'static>, Error> {
+pub(super) fn markdown_environment() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Custom("markdown".into()))?;
     environment.set_formatter(|out, _, value| match value.as_str() {
         Some(text) if !value.is_safe() => {

@@ -20,7 +20,7 @@ pub enum RenderError {
 }
 
 /// Returns the environment for HTML, which escapes everything but markup.
-pub fn of_pages() -> Result<Environment<'static>, Error> {
+pub(super) fn of_pages() -> Result<Environment<'static>, Error> {
     let mut environment = environment(AutoEscape::Html)?;
     environment.set_formatter(|out, state, value| match value.as_str() {
         Some(text) if !value.is_safe() => escape_formatter(out, state, &visible_lines(text).into()),
@@ -36,7 +36,7 @@ pub(super) fn drawn(figure: &Figure) -> Result<Value, RenderError> {
 }
 
 /// Style sheet of every page.
-pub fn style() -> Value {
+pub(super) fn style() -> Value {
     Value::from_safe_string(include_str!("report.css").to_owned())
 }
 
@@ -45,7 +45,6 @@ pub(super) fn environment(escape: AutoEscape) -> Result<Environment<'static>, Er
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     environment.set_auto_escape_callback(move |_| escape.clone());
     environment.add_filter("number", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
-    environment.add_filter("three", |value: Option<f64>| value.map_or_else(|| "–".to_owned(), shown));
     environment.add_filter("root", |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |value| shown(value.max(0.0).sqrt()))
     });

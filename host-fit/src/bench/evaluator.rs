@@ -37,10 +37,6 @@ pub struct StepTimes {
 }
 
 /// Times `n_steps` of six axes with ten linear terms each.
-///
-/// # Errors
-///
-/// fos-core refuses the model.
 pub fn measure(n_steps: usize) -> Result<StepTimes, ModelError> {
     let axes = [Axis::Ax, Axis::Ay, Axis::Az, Axis::Gx, Axis::Gy, Axis::Gz];
     let terms: Vec<Term<f64>> =

@@ -35,10 +35,6 @@ pub struct Calibration {
 
 /// Simulates and diagnoses the cases with the effects of `library`. Outcomes in `stored` are reused, and new ones are added
 /// to it. `progress` receives the number of finished cases.
-///
-/// # Errors
-///
-/// A case cannot be simulated or diagnosed, or its outcome cannot be stored.
 pub fn calibrate(
     cases: Cases,
     library: &Library,

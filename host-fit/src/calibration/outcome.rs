@@ -93,10 +93,6 @@ pub struct Alarm {
 }
 
 /// Simulates and diagnoses one case; with `every_axis` all axes of a log without a missing effect.
-///
-/// # Errors
-///
-/// The case cannot be simulated or diagnosed.
 pub fn examine(
     case: usize,
     plan: &CasePlan,

@@ -25,10 +25,6 @@ pub struct StoredOutcomes {
 
 impl StoredOutcomes {
     /// Opens the file beside `outcomes`, which may hold outcomes of an interrupted run.
-    ///
-    /// # Errors
-    ///
-    /// A file operation fails, or the file is not one of outcomes.
     pub fn beside(outcomes: &Path, cases: &Cases, library: &Library) -> Result<Self, KeyedRowsError> {
         let mut path = outcomes.as_os_str().to_owned();
         path.push(ENDING);

@@ -25,18 +25,14 @@ fn against_gauss_markov(comparison: &Comparison, values: &[f64], period_s: f64) 
     let measured = values.iter().enumerate().map(|(lag, value)| (at(lag), *value)).collect();
     let first = values.get(1).copied().unwrap_or(0.0);
     let gauss_markov = (0..values.len()).map(|lag| (at(lag), first.powi(lag as i32))).collect();
-    let line = |label: &str, ink, points| Series { label: label.into(), ink, shape: Shape::Line(points) };
+    let line = |label, ink, points| Series::new(label, ink, Shape::Line(points));
+    let series = [
+        line("first-order Gauss-Markov, same at lag 1", Ink::Bound, gauss_markov),
+        line("measured", Ink::Measured, measured),
+    ];
     Figure {
         title: format!("{}: autocorrelation against a first-order Gauss-Markov process", name(comparison)),
-        panels: vec![Panel {
-            x: Axis::linear("Lag (s)"),
-            y: Axis::linear("Autocorrelation (1)"),
-            series: vec![
-                line("first-order Gauss-Markov, same at lag 1", Ink::Bound, gauss_markov),
-                line("measured", Ink::Measured, measured),
-            ],
-            ..Panel::default()
-        }],
+        panels: vec![Panel::new(Axis::linear("Lag (s)"), Axis::linear("Autocorrelation (1)"), series)],
     }
 }
 
@@ -45,18 +41,13 @@ fn samples(comparison: &Comparison, curves: &Curves) -> Figure {
     let inks = [("train", Ink::Predicted), ("evaluate", Ink::Other), ("predict", Ink::Measured)];
     let series = inks.into_iter().zip(&curves.parts).flat_map(|((label, ink), envelopes)| {
         envelopes.iter().map(move |envelope| {
-            let label = format!("{label}, lowest to highest");
-            Series { label, ink, shape: Shape::Band(envelope.band()) }
+            Series::new(format!("{label}, lowest to highest"), ink, Shape::Band(envelope.band()))
         })
     });
+    let y = Axis::linear(format!("{} ({})", name(comparison), comparison.unit));
     Figure {
         title: format!("{}: the samples, less the first", name(comparison)),
-        panels: vec![Panel {
-            x: Axis::linear("Time (s)"),
-            y: Axis::linear(format!("{} ({})", name(comparison), comparison.unit)),
-            series: series.collect(),
-            ..Panel::default()
-        }],
+        panels: vec![Panel::new(Axis::linear("Time (s)"), y, series)],
     }
 }
 
@@ -72,21 +63,15 @@ fn mse_by_order(comparison: &Comparison) -> Figure {
             if !is_raw || with_raw {
                 // Listed in the title: thirteen entries are too many for a legend.
                 let label = if is_raw { String::new() } else { entry.to_string() };
-                series.push(Series { label, ink, shape });
+                series.push(Series::new(label, ink, shape));
             }
         }
-        let level = |label: &str, ink, value| Series { label: label.into(), ink, shape: Shape::Level(value) };
-        series.push(level("predicting the mean", Ink::Bound, comparison.variance));
+        series.push(Series::new("predicting the mean", Ink::Bound, Shape::Level(comparison.variance)));
         if let Some((floor, _)) = comparison.noise_floor {
-            series.push(level("noise floor of linear predictors", Ink::Floor, floor));
+            series.push(Series::new("noise floor of linear predictors", Ink::Floor, Shape::Level(floor)));
         }
-        Panel {
-            title: title.into(),
-            x: Axis::linear("Model order, largest output lag (1)"),
-            y: Axis::log(format!("Mean square error (({})²)", comparison.unit)),
-            series,
-            ..Panel::default()
-        }
+        let y = Axis::log(format!("Mean square error (({})²)", comparison.unit));
+        Panel::new(Axis::linear("Model order, largest output lag (1)"), y, series).titled(title)
     };
     Figure {
         title: format!("{}: one-step prediction error against model order", name(comparison)),

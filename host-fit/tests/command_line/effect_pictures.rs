@@ -105,8 +105,8 @@ fn course(id: &str) -> Option<Course> {
 pub(crate) fn picture(effect: &Effect) -> String {
     let panel = match course(&effect.id) {
         Some((x, y, points)) => {
-            let series = Series { label: String::new(), ink: Ink::Method(0), shape: Shape::Line(points) };
-            Panel { x: Axis::linear(x), y: Axis::linear(y), series: vec![series], ..Panel::default() }
+            let series = Series::new("", Ink::Method(0), Shape::Line(points));
+            Panel::new(Axis::linear(x), Axis::linear(y), [series])
         }
         None => of_regressors(effect),
     };
@@ -149,15 +149,10 @@ fn of_regressors(effect: &Effect) -> Panel {
         1 => String::new(),
         _ => effect.terms[term].regressor.clone(),
     };
-    let series = drawn.iter().enumerate().map(|(place, (term, regressor))| Series {
-        label: label(*term),
-        ink: Ink::Method(place),
-        shape: line(regressor),
-    });
-    Panel {
-        x: Axis::linear(if is_over_time { "time (s)" } else { column }),
-        y: Axis::linear("error about its mean (1)"),
-        series: series.collect(),
-        ..Panel::default()
-    }
+    let series = drawn
+        .iter()
+        .enumerate()
+        .map(|(place, (term, regressor))| Series::new(label(*term), Ink::Method(place), line(regressor)));
+    let x = Axis::linear(if is_over_time { "time (s)" } else { column });
+    Panel::new(x, Axis::linear("error about its mean (1)"), series)
 }

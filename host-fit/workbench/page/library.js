@@ -3,15 +3,15 @@
 
 import { get } from "./api.js";
 
-/** @typedef {import("./types.js").Card} LibraryEffect */
+/** @typedef {import("./types.js").Effect} Effect */
 
-/** @type {Map<string, LibraryEffect>} */
+/** @type {Map<string, Effect>} */
 const effects = new Map();
 
 /** Reads the library; without it, identifiers stand for names. */
 export async function readLibrary() {
   if (effects.size > 0) return;
-  for (const effect of /** @type {LibraryEffect[]} */ (await get("/api/effects"))) effects.set(effect.id, effect);
+  for (const effect of /** @type {Effect[]} */ (await get("/api/effects"))) effects.set(effect.id, effect);
 }
 
 /** @param {string} id */

@@ -173,29 +173,6 @@ rising: Array<Bin>,
 /** Blocks in which the channel falls; for temperatures only. */
 falling: Array<Bin>, };
 
-/** Effect in plain language: texts of the library. */
-export type Card = {
-/** Identifier in the library, such as `thermal_lag`. */
-id: string,
-/** Name as it stands in a sentence. */
-name: string,
-/** Band of the error: block means, single samples, the data themselves, or noise. */
-band: Band,
-/** Physical mechanism in the sensor. */
-mechanism: string,
-/** Equation of the error. */
-equation: string,
-/** Typical size on phone-class parts. */
-typical_size: string,
-/** Reference for the typical size. */
-source: string,
-/** Experiment that shows the effect. */
-experiment: string,
-/** Signature in a plot. */
-gives_away: string,
-/** Cost of the correction on the device, in words. */
-device: string, };
-
 /** One stretch of the log in one band. */
 export type Cell = {
 /** Begin as timestamp, s. */
@@ -805,7 +782,7 @@ can_be_added: boolean,
 /** Reason why the effect cannot be added, or the alternative; none if it can. */
 why_not: string | null,
 /** Physics of the effect. */
-card: Card,
+card: Effect,
 /** Additional cost of the model on the device. */
 cost: Cost | null,
 /** Figure of the evidence. */

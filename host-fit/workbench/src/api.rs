@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, Query, State};
+use axum::extract::{FromRequestParts, Path, Query, State};
+use axum::http::request::Parts;
 use axum::http::{StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
@@ -26,17 +27,18 @@ use fos_data::file::{FileError, TemporarySibling};
 use fos_data::recording::{ColumnMap, LoadOptions, Preview, preview as preview_of};
 use fos_data::text::capitalised;
 use fos_device_io::replay::Summary;
+use fos_diagnose::effects::Effect;
 use fos_export::{Refusal, c_source, image, rust_source};
+use fos_figures::compare::View;
 use fos_figures::curves::{AgainstChannel, AxisCurves};
 use fos_figures::noise::allan_of_noise;
-use fos_figures::plots::View;
 use fos_figures::units::{ShownUnit, Units};
 use fos_figures::{Figure, svg};
 use fos_fit::evaluate::UnaidedError;
 use fos_fit::model::UnitModel;
 use fos_fit::noise::AxisNoise;
 use fos_report::certificate::{self, Certificate, Outcome, Stated};
-use fos_report::{Card, Report, ReportAxis, html, markdown};
+use fos_report::{Report, ReportAxis, html, markdown};
 
 /// Largest size of a dropped file, bytes: a day of six axes at 200 Hz as text.
 const LARGEST_FILE: u64 = 4 << 30;
@@ -76,6 +78,26 @@ pub(super) async fn in_background<T: Send + 'static>(
         Refused(StatusCode::INTERNAL_SERVER_ERROR, "an error in this program\nhelp: please report it".into())
     };
     tokio::task::spawn_blocking(work).await.map_err(failed)?
+}
+
+/// Answers with the result of slow work.
+pub(super) async fn answer<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, Refused> + Send + 'static,
+) -> Answer<T> {
+    in_background(work).await.map(Json)
+}
+
+/// The study of the number in the path.
+pub(super) struct OfId(Arc<Study>);
+
+impl FromRequestParts<Arc<Workspace>> for OfId {
+    type Rejection = Response;
+
+    async fn from_request_parts(parts: &mut Parts, workspace: &Arc<Workspace>) -> Result<Self, Response> {
+        let id = Path::<u64>::from_request_parts(parts, workspace).await;
+        let Path(id) = id.map_err(IntoResponse::into_response)?;
+        workspace.study(id).map(Self).map_err(|what| not_found(what).into_response())
+    }
 }
 
 pub(super) async fn studies(State(workspace): State<Arc<Workspace>>) -> Json<Vec<Entry>> {
@@ -141,16 +163,13 @@ pub(super) async fn close(State(workspace): State<Arc<Workspace>>, Path(id): Pat
     Ok(Json(json!({})))
 }
 
-pub(super) async fn state(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Page> {
-    let study = workspace.study(id).map_err(not_found)?;
-    Ok(Json(in_background(move || Ok(study.page())).await?))
+pub(super) async fn state(OfId(study): OfId) -> Answer<Page> {
+    answer(move || Ok(study.page())).await
 }
 
 pub(super) async fn events(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
+    OfId(study): OfId,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Refused> {
-    let study = workspace.study(id).map_err(not_found)?;
     let status_events = WatchStream::new(study.status_events());
     let events = status_events.map(|status| {
         Ok(Event::default().json_data(&status).unwrap_or_else(|_| Event::default().comment("unreadable")))
@@ -164,18 +183,13 @@ pub(super) struct AxisWanted {
     axis: String,
 }
 
-pub(super) async fn look_at(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Json(wanted): Json<AxisWanted>,
-) -> Answer<Value> {
-    let study = workspace.study(id).map_err(not_found)?;
+pub(super) async fn look_at(OfId(study): OfId, Json(wanted): Json<AxisWanted>) -> Answer<Value> {
     study.look_at(&wanted.axis).map_err(wrong)?;
     Ok(Json(json!({})))
 }
 
-pub(super) async fn cancel(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Value> {
-    workspace.study(id).map_err(not_found)?.stop();
+pub(super) async fn cancel(OfId(study): OfId) -> Answer<Value> {
+    study.stop();
     Ok(Json(json!({})))
 }
 
@@ -188,10 +202,9 @@ pub(super) struct Addition {
 
 pub(super) async fn add(
     State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
+    OfId(study): OfId,
     Json(addition): Json<Addition>,
 ) -> Answer<Value> {
-    let study = workspace.study(id).map_err(not_found)?;
     workspace.library.get(&addition.effect).map_err(wrong)?;
     study.add(&addition.axis, &addition.effect).map_err(not_now)?;
     Ok(Json(json!({})))
@@ -204,12 +217,7 @@ pub(super) struct Undoing {
     keep: usize,
 }
 
-pub(super) async fn undo(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Json(undoing): Json<Undoing>,
-) -> Answer<Value> {
-    let study = workspace.study(id).map_err(not_found)?;
+pub(super) async fn undo(OfId(study): OfId, Json(undoing): Json<Undoing>) -> Answer<Value> {
     study.undo(&undoing.axis, undoing.keep).map_err(not_now)?;
     Ok(Json(json!({})))
 }
@@ -222,12 +230,7 @@ pub(super) struct Motion {
     keep: bool,
 }
 
-pub(super) async fn keep_moved(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Json(motion): Json<Motion>,
-) -> Answer<Value> {
-    let study = workspace.study(id).map_err(not_found)?;
+pub(super) async fn keep_moved(OfId(study): OfId, Json(motion): Json<Motion>) -> Answer<Value> {
     study.keep_moved(motion.keep).map_err(not_now)?;
     Ok(Json(json!({})))
 }
@@ -258,16 +261,11 @@ pub(super) struct AxisSeries {
     series: Series,
 }
 
-pub(super) async fn series(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Query(window): Query<Window>,
-) -> Answer<AxisSeries> {
-    let study = workspace.study(id).map_err(not_found)?;
+pub(super) async fn series(OfId(study): OfId, Query(window): Query<Window>) -> Answer<AxisSeries> {
     if !(window.from.is_finite() && window.to > window.from && window.mean_s > 0.0) {
         return Err(wrong("\"from\" and \"to\" do not make a window"));
     }
-    let drawn = in_background(move || {
+    answer(move || {
         let read = study.read().map_err(not_now)?;
         let axis = study.axis(&window.axis).map_err(wrong)?;
         let log = &read.logs.log;
@@ -282,8 +280,8 @@ pub(super) async fn series(
         let joined = Joined { kind: window.view, mean_s: window.mean_s };
         let series = series_of(rows, joined, window.from, window.to, window.width);
         Ok(AxisSeries { unit: Column::named(&window.axis).unit().label(), axis: window.axis, series })
-    });
-    Ok(Json(drawn.await?))
+    })
+    .await
 }
 
 /// Axis, and a stretch of it from `from` to `to`, s; the whole log without them.
@@ -302,13 +300,8 @@ pub(super) struct NamedFigure {
     figure: Figure,
 }
 
-pub(super) async fn figures(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Query(stretch): Query<Stretch>,
-) -> Answer<Vec<NamedFigure>> {
-    let study = workspace.study(id).map_err(not_found)?;
-    Ok(Json(in_background(move || drawn(&study, &stretch)).await?))
+pub(super) async fn figures(OfId(study): OfId, Query(stretch): Query<Stretch>) -> Answer<Vec<NamedFigure>> {
+    answer(move || drawn(&study, &stretch)).await
 }
 
 fn drawn(study: &Study, stretch: &Stretch) -> Result<Vec<NamedFigure>, Refused> {
@@ -354,32 +347,23 @@ pub(super) struct NoiseOf {
 }
 
 /// Draws the Allan deviation with N, B and K like `fos noise`; none where the log is too short.
-pub(super) async fn noise(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-    Query(of): Query<NoiseOf>,
-) -> Answer<Option<Figure>> {
-    let study = workspace.study(id).map_err(not_found)?;
-    let drawn = in_background(move || {
+pub(super) async fn noise(OfId(study): OfId, Query(of): Query<NoiseOf>) -> Answer<Option<Figure>> {
+    answer(move || {
         let Some(noise) = study.noise(&of.axis).map_err(not_now)? else { return Ok(None) };
         let units = |axis: &AxisNoise| ShownUnit::of_noise(&axis.column, of.units);
         let label = capitalised(Column::named(&of.axis).label());
         Ok(Some(allan_of_noise(&label, &[noise], units)))
-    });
-    Ok(Json(drawn.await?))
+    })
+    .await
 }
 
 /// Heading and position errors of all six axes together without aiding, before the models and with them.
-pub(super) async fn strapdown(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-) -> Answer<Vec<[UnaidedError; 2]>> {
-    let study = workspace.study(id).map_err(not_found)?;
-    let errors = move || {
+pub(super) async fn strapdown(OfId(study): OfId) -> Answer<Vec<[UnaidedError; 2]>> {
+    answer(move || {
         let file = study.whole_file().map_err(not_now)?;
         study.strapdown(&file).map_err(wrong)
-    };
-    Ok(Json(in_background(errors).await?))
+    })
+    .await
 }
 
 /// Draws a figure of the page as SVG.
@@ -400,11 +384,7 @@ pub(super) async fn export(
 }
 
 /// Returns the certificate of a calibration by hand from the log to explain.
-pub(super) async fn certificate(
-    State(workspace): State<Arc<Workspace>>,
-    Path(id): Path<u64>,
-) -> Result<Response, Refused> {
-    let study = workspace.study(id).map_err(not_found)?;
+pub(super) async fn certificate(OfId(study): OfId) -> Result<Response, Refused> {
     let page = in_background(move || {
         let read = study.read().map_err(not_now)?;
         let none = || {
@@ -475,9 +455,8 @@ impl Hubs {
     }
 }
 
-pub(super) async fn hubs(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Hubs> {
-    let study = workspace.study(id).map_err(not_found)?;
-    Ok(Json(in_background(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await?))
+pub(super) async fn hubs(OfId(study): OfId) -> Answer<Hubs> {
+    answer(move || Ok(Hubs::of(&study.whole_file().map_err(not_now)?.model))).await
 }
 
 /// Result of running the exported image over the evaluation log, or over the log to explain if there is none.
@@ -493,9 +472,8 @@ pub(super) struct Replayed {
     bytes: usize,
 }
 
-pub(super) async fn replay(State(workspace): State<Arc<Workspace>>, Path(id): Path<u64>) -> Answer<Replayed> {
-    let study = workspace.study(id).map_err(not_found)?;
-    let answer = in_background(move || {
+pub(super) async fn replay(OfId(study): OfId) -> Answer<Replayed> {
+    answer(move || {
         let read = study.read().map_err(not_now)?;
         let file = study.whole_file().map_err(not_now)?;
         let bytes = image(&file.model, "", &file.provenance()).map_err(wrong)?;
@@ -504,12 +482,12 @@ pub(super) async fn replay(State(workspace): State<Arc<Workspace>>, Path(id): Pa
         let log = read.logs.evaluation.as_ref().unwrap_or(&read.logs.log);
         let command = format!("fos replay unit.fosm {}", fos_data::escaping::quoted(&log.paths()));
         Ok(Replayed { log: log.paths(), summary, command, bytes: length })
-    });
-    Ok(Json(answer.await?))
+    })
+    .await
 }
 
 pub(super) async fn logs(State(workspace): State<Arc<Workspace>>) -> Answer<Vec<Listed>> {
-    Ok(Json(in_background(move || Ok(workspace.folders.logs())).await?))
+    answer(move || Ok(workspace.folders.logs())).await
 }
 
 #[derive(Deserialize)]
@@ -527,11 +505,11 @@ pub(super) async fn preview(
 ) -> Answer<Preview> {
     let path = workspace.folders.permitted(&wanted.path).map_err(forbidden)?;
     let map = ColumnMap::from_specs(wanted.columns).map_err(wrong)?;
-    Ok(Json(in_background(move || preview_of(&path, &map).map_err(wrong)).await?))
+    answer(move || preview_of(&path, &map).map_err(wrong)).await
 }
 
-pub(super) async fn effects(State(workspace): State<Arc<Workspace>>) -> Json<Vec<Card>> {
-    Json(workspace.library.effects().iter().map(Card::of).collect())
+pub(super) async fn effects(State(workspace): State<Arc<Workspace>>) -> Json<Vec<Effect>> {
+    Json(workspace.library.effects().to_vec())
 }
 
 #[derive(Deserialize)]

@@ -56,10 +56,6 @@ impl Folders {
     }
 
     /// Returns the file of this path if it may be read; links and dots are resolved before the check.
-    ///
-    /// # Errors
-    ///
-    /// The file lies outside the folders, or does not exist.
     pub(super) fn permitted(&self, path: &str) -> Result<PathBuf, String> {
         let elsewhere = || {
             let folders: Vec<String> =
@@ -135,10 +131,6 @@ impl Folders {
     }
 
     /// Returns the files of the stored studies with their numbers, and the number of the next study.
-    ///
-    /// # Errors
-    ///
-    /// The folder cannot be created or read.
     pub(super) fn stored_studies(&self) -> Result<(Vec<(u64, PathBuf)>, u64), FileError> {
         let folder = self.own.join(STUDIES);
         make_folder(&folder)?;

@@ -22,7 +22,7 @@ pub(super) struct Read {
 }
 
 /// Results for an axis so far.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct KnownAxis {
     /// Study of the axis alone, as fitted.
     pub(super) fitted: Option<Arc<Study>>,
@@ -42,16 +42,7 @@ pub(super) struct KnownAxis {
 
 impl KnownAxis {
     pub(super) fn unknown(column: &str) -> Self {
-        Self {
-            fitted: None,
-            failure: None,
-            refinement: None,
-            examination: None,
-            examined: false,
-            before: None,
-            alone: None,
-            section: AxisSection::empty(column),
-        }
+        Self { section: AxisSection::empty(column), ..Self::default() }
     }
 }
 
@@ -63,19 +54,11 @@ pub(super) struct Snapshot {
 
 impl Snapshot {
     /// Returns the logs.
-    ///
-    /// # Errors
-    ///
-    /// The logs are not read.
     pub(super) fn read(&self) -> Result<&Read, String> {
         self.read.as_deref().ok_or_else(|| "the logs could not be read".to_owned())
     }
 
     /// Returns a fitted axis: the study of the axis alone, and its refinement.
-    ///
-    /// # Errors
-    ///
-    /// The axis is not fitted.
     pub(super) fn fitted(&self, column: &str) -> Result<(&Study, &Refinement), String> {
         let known = self.axes.iter().find(|axis| axis.section.column == column);
         known

@@ -6,7 +6,6 @@
 
 mod api;
 mod assets;
-mod example;
 mod folders;
 mod guard;
 mod job;

@@ -12,7 +12,7 @@ use super::populations::{PopulationPage, UnitPage};
 use super::series::ViewKind;
 use super::view::{Entry, Page, StatusEvent};
 use fos_data::recording::Preview;
-use fos_report::Card;
+use fos_diagnose::effects::Effect;
 
 const HEAD: &str = "// What the server answers with, from its Rust types. Written by
 // FOS_WRITE_PAGE_TYPES=1 cargo test --workspace --lib page_types
@@ -58,7 +58,7 @@ fn declared() -> String {
     all.visit::<Replayed>();
     all.visit::<Listed>();
     all.visit::<Preview>();
-    all.visit::<Card>();
+    all.visit::<Effect>();
     all.visit::<PopulationPage>();
     all.visit::<UnitPage>();
     let declarations = all.known.values().map(|(_, declaration)| format!("\n{declaration}"));

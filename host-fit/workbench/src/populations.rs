@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::{Query, State};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::api::{Answer, Refused, forbidden, in_background, not_found, wrong};
+use super::api::{Answer, Refused, answer, forbidden, not_found, wrong};
 use super::folders::{Folders, Listed};
 use super::workspace::Workspace;
 use fos_data::file::open;
@@ -57,27 +56,27 @@ pub(super) struct UnitWanted {
 
 /// Lists the populations that may be opened.
 pub(super) async fn listed(State(workspace): State<Arc<Workspace>>) -> Answer<Vec<Listed>> {
-    Ok(Json(in_background(move || Ok(workspace.folders.populations())).await?))
+    answer(move || Ok(workspace.folders.populations())).await
 }
 
 pub(super) async fn population(
     State(workspace): State<Arc<Workspace>>,
     Query(Wanted { path }): Query<Wanted>,
 ) -> Answer<PopulationPage> {
-    let read = in_background(move || {
+    answer(move || {
         let (fleet, rows) = read(&workspace.folders, &path)?;
         let report = FleetReport::of(&fleet, &rows, Path::new(&path));
         let entry = |row: UnitRow| UnitEntry { part: row.part, unit: row.unit, lot: row.lot };
         Ok(PopulationPage { report, units: rows.into_iter().map(entry).collect() })
-    });
-    Ok(Json(read.await?))
+    })
+    .await
 }
 
 pub(super) async fn unit(
     State(workspace): State<Arc<Workspace>>,
     Query(wanted): Query<UnitWanted>,
 ) -> Answer<UnitPage> {
-    let read = in_background(move || {
+    answer(move || {
         let (fleet, rows) = read(&workspace.folders, &wanted.path)?;
         let row = rows.iter().find(|row| row.unit == wanted.unit && row.part == wanted.part);
         let part = fleet.parts.iter().find(|part| part.part == wanted.part);
@@ -85,8 +84,8 @@ pub(super) async fn unit(
             return Err(not_found(format!("{}: no unit {:?} in it", wanted.path, wanted.unit)));
         };
         Ok(UnitPage { report: UnitReport::of(row, part), log: log_of(row, &workspace.folders) })
-    });
-    Ok(Json(read.await?))
+    })
+    .await
 }
 
 /// Reads a population and its rows, both in folders that may be read.

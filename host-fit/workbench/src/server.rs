@@ -96,10 +96,6 @@ impl Server {
     }
 
     /// Answers requests until `end` resolves.
-    ///
-    /// # Errors
-    ///
-    /// The listener fails.
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> Result<(), ServeError> {
         self.run_with(PATIENCE, end).await
     }

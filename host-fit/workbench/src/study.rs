@@ -213,10 +213,6 @@ impl Study {
     }
 
     /// Opens an axis: its missing results are computed next.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis.
     pub(super) fn look_at(&self, column: &str) -> Result<(), String> {
         let mut state = self.lock();
         state.known(column)?;
@@ -232,19 +228,11 @@ impl Study {
     }
 
     /// Adds an effect to an axis.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis, or no model of it yet.
     pub(super) fn add(&self, column: &str, effect: &str) -> Result<(), String> {
         self.refine_anew(column, Task::Add { column: column.to_owned(), effect: effect.to_owned() })
     }
 
     /// Keeps the first `keep` effects of an axis.
-    ///
-    /// # Errors
-    ///
-    /// There is no such axis, or no model of it yet.
     pub(super) fn undo(&self, column: &str, keep: usize) -> Result<(), String> {
         self.refine_anew(column, Task::Undo { column: column.to_owned(), keep })
     }
@@ -263,10 +251,6 @@ impl Study {
 
     /// Reads the logs again with their rows of detected motion kept or excluded, and repeats all computations. Works too
     /// if the logs could not be used because of that motion.
-    ///
-    /// # Errors
-    ///
-    /// The study has no logs yet.
     pub(super) fn keep_moved(&self, keep: bool) -> Result<(), String> {
         let requested = || self.files().ok_or("the logs are being read\nhelp: wait a moment".to_owned());
         let files = self.read().map(|read| LogFiles::of(&read.logs)).or_else(|_| requested())?;
@@ -302,10 +286,6 @@ impl Study {
     }
 
     /// Ends the study and deletes its file.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be deleted.
     pub(super) fn close(&self) -> Result<(), String> {
         self.lock().closed = true;
         self.stop();
@@ -346,10 +326,6 @@ impl Study {
 
     /// Returns the summary of running an image of this study over the evaluation log, or over the log to explain if
     /// there is none. The result for the last image is cached.
-    ///
-    /// # Errors
-    ///
-    /// The logs are not read yet, or the image cannot be run.
     pub(super) fn replay(&self, image: Vec<u8>) -> Result<Summary, String> {
         // concurrent requests wait here for the same answer
         let mut last = self.replayed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -367,10 +343,6 @@ impl Study {
     }
 
     /// N, B and K of an axis on the log to explain, computed once; none where the log is too short.
-    ///
-    /// # Errors
-    ///
-    /// The logs are not read yet.
     pub(super) fn noise(&self, column: &str) -> Result<Option<AxisNoise>, String> {
         // as for a replay
         let mut known = self.noise.lock().unwrap_or_else(PoisonError::into_inner);
@@ -387,10 +359,6 @@ impl Study {
     }
 
     /// Heading and position errors of all six axes of `file`, this study, on the log to explain; computed once for a model.
-    ///
-    /// # Errors
-    ///
-    /// The logs are not read yet, or the model cannot be run.
     pub(super) fn strapdown(&self, file: &StudyFile) -> Result<Vec<[UnaidedError; 2]>, String> {
         // as for a replay
         let mut last = self.strapdown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -406,10 +374,6 @@ impl Study {
     }
 
     /// Returns the study as a file: all fitted axes, as refined.
-    ///
-    /// # Errors
-    ///
-    /// No axis is fitted yet.
     pub(super) fn file(&self) -> Result<StudyFile, String> {
         let state = self.lock();
         let fitted = state.axes.iter().filter_map(|axis| axis.fitted.as_deref().cloned());
@@ -424,10 +388,6 @@ impl Study {
     }
 
     /// Returns the study as a file once every axis that can be fitted is: an incomplete model is not exported.
-    ///
-    /// # Errors
-    ///
-    /// An axis is not fitted yet.
     pub(super) fn whole_file(&self) -> Result<StudyFile, String> {
         {
             let state = self.lock();

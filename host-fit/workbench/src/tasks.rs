@@ -4,13 +4,12 @@ use fos_data::column::Column;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::example;
 use super::job::Job;
 use super::known::{Change, KnownAxis, Read, Snapshot};
 use super::task::{LogFiles, Open, Task};
 use fos_calibrate::{Imu, Options, calibrate};
-use fos_data::file::name_of;
-use fos_data::recording::{Recording, load};
+use fos_data::file::{make_folder, name_of};
+use fos_data::recording::{LoadOptions, Recording, load};
 use fos_diagnose::compare::study_of;
 use fos_diagnose::detect::{Diagnosis, with_shared_signal};
 use fos_diagnose::effects::Library;
@@ -19,6 +18,11 @@ use fos_diagnose::study::{Refinement, Study};
 use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_report::examine::examine;
 use fos_report::{AxisSection, Summaries};
+use fos_simulate::{HIDDEN_IN, hidden_effects};
+
+/// Seed of the built-in example: three logs of a simulated device with hidden effects, written as files so that the command lines on the
+/// page can be used.
+const EXAMPLE_SEED: u64 = 1;
 
 /// Runs a task.
 ///
@@ -52,7 +56,13 @@ fn read(open: &Open, progress: &dyn Fn(Job)) -> Result<Change, String> {
         _ => None,
     };
     let (logs, first) = match (open, open.files()) {
-        (Open::Example(folder), _) => (example::logs(folder)?, Some(example::AXIS.to_owned())),
+        (Open::Example(folder), _) => {
+            make_folder(folder).map_err(in_text)?;
+            let [reference, log, later] = hidden_effects(folder, EXAMPLE_SEED).map_err(in_text)?;
+            let (reference, evaluation) = (Some(reference), Some(later));
+            let logs = Logs { log, reference, evaluation, read: LoadOptions::default() };
+            (logs, Some(HIDDEN_IN.to_owned()))
+        }
         (_, None) => return Err("the study names no log".to_owned()),
         (_, Some(LogFiles { log, reference, evaluation, read: options })) => {
             let (log, reference, evaluation, options) = (&log, &reference, &evaluation, &options);

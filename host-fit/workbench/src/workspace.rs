@@ -33,10 +33,6 @@ pub(super) struct Workspace {
 impl Workspace {
     /// Restores the studies that an earlier server stored. A stored study reads its logs when it is first shown; one
     /// that cannot be used shows the reason.
-    ///
-    /// # Errors
-    ///
-    /// The folder of stored studies cannot be created or read.
     pub(super) fn new(folders: Folders, library: Library) -> Result<Self, FileError> {
         let library = Arc::new(library);
         let (stored, next) = folders.stored_studies()?;
@@ -50,10 +46,6 @@ impl Workspace {
     }
 
     /// Opens a study; its logs are read in the background.
-    ///
-    /// # Errors
-    ///
-    /// Too many are open.
     pub(super) fn open(&self, open: Open) -> Result<u64, String> {
         let mut studies = self.lock();
         if studies.len() >= MAX_OPEN_STUDIES {
@@ -68,10 +60,6 @@ impl Workspace {
     }
 
     /// Opens a study of these logs, or the stored one of the same logs, which becomes the latest.
-    ///
-    /// # Errors
-    ///
-    /// Too many are open, or the stored one cannot be renamed.
     pub(super) fn open_or_resume(&self, files: LogFiles) -> Result<u64, String> {
         // a stored study does not record how strictly its logs were read
         let as_stored =

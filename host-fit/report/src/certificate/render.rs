@@ -6,8 +6,10 @@ use minijinja::{Value, context};
 
 use super::content::{Certificate, Outcome};
 use super::sphere::Sphere;
+use crate::RenderError;
+use crate::render::markdown_environment;
 use crate::template::drawn;
-use crate::{RenderError, markdown_environment, page_environment, style};
+use crate::template::{of_pages, style};
 use fos_figures::rests::residual_of_each_rest;
 
 fn content(certificate: &Certificate) -> Result<Value, RenderError> {
@@ -44,21 +46,13 @@ fn content(certificate: &Certificate) -> Result<Value, RenderError> {
 }
 
 /// A self-contained HTML file.
-///
-/// # Errors
-///
-/// A figure cannot be drawn.
 pub fn html(certificate: &Certificate) -> Result<String, RenderError> {
-    let environment = page_environment()?;
+    let environment = of_pages()?;
     let template = environment.template_from_str(include_str!("certificate.html"))?;
     Ok(template.render(content(certificate)?)?)
 }
 
 /// A Markdown file.
-///
-/// # Errors
-///
-/// A figure cannot be drawn.
 pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
     let environment = markdown_environment()?;
     let template = environment.template_from_str(include_str!("certificate.md"))?;
@@ -66,19 +60,11 @@ pub fn markdown(certificate: &Certificate) -> Result<String, RenderError> {
 }
 
 /// A JSON file.
-///
-/// # Errors
-///
-/// A figure cannot be drawn.
 pub fn json(certificate: &Certificate) -> Result<Vec<u8>, serde_json::Error> {
     serde_json::to_vec_pretty(certificate)
 }
 
 /// Renders the format of a file extension: `.md`, `.json`, otherwise HTML.
-///
-/// # Errors
-///
-/// The certificate cannot be rendered.
 pub fn of_form(certificate: &Certificate, extension: Option<&str>) -> Result<Vec<u8>, RenderError> {
     Ok(match extension.map(str::to_ascii_lowercase).as_deref() {
         Some("md") => markdown(certificate)?.into_bytes(),

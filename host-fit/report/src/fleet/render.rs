@@ -8,10 +8,6 @@ use crate::template::{RenderError, drawn, of_pages, style};
 use fos_figures::units::three_beside;
 
 /// Renders the report as one file that contains its styles and figures.
-///
-/// # Errors
-///
-/// A figure cannot be drawn.
 pub fn html(report: &FleetReport) -> Result<String, RenderError> {
     // every figure is drawn before it is rendered, in the order of parts, axes and coefficients
     let mut parts = Vec::new();

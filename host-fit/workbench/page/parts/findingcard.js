@@ -71,7 +71,7 @@ function adding({ effect, name, doubt }, offer, isBusy, { change, announce, stay
   );
 }
 
-/** @param {string} effect @param {import("../types.js").Card} card @param {string} more */
+/** @param {string} effect @param {import("../types.js").Effect} card @param {string} more */
 function physics(effect, card, more) {
   const rows = [
     ["Signature in a plot", card.gives_away],
