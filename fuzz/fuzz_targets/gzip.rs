@@ -2,18 +2,14 @@
 #![no_main]
 
 use std::io::Write;
-use std::sync::LazyLock;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use fos_fuzz::{log, split};
 use libfuzzer_sys::fuzz_target;
-use tempfile::TempDir;
-
-static FOLDER: LazyLock<TempDir> = LazyLock::new(log::folder);
 
 fuzz_target!(init: log::init(), |bytes: &[u8]| {
-    log::read(&FOLDER, "log.csv.gz", bytes);
+    log::read("log.csv.gz", bytes);
     let (tail, text) = split(bytes);
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(text).expect("into memory");
@@ -22,5 +18,5 @@ fuzz_target!(init: log::init(), |bytes: &[u8]| {
         Some(1) => packed.truncate(packed.len().saturating_sub(tail.len())),
         _ => packed.extend(tail),
     }
-    log::read(&FOLDER, "log.csv.gz", &packed);
+    log::read("log.csv.gz", &packed);
 });

@@ -1,10 +1,14 @@
 //! Files of logs.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use fos_data::catch_panic::announce_no_caught_panic;
 use fos_data::recording::{ColumnMap, LoadOptions, load, preview};
 use tempfile::TempDir;
+
+/// Folder of the inputs of this process, made once.
+pub static FOLDER: LazyLock<TempDir> = LazyLock::new(folder);
 
 /// Called before the first input; otherwise a caught panic would end the fuzzer.
 pub fn init() {
@@ -20,8 +24,8 @@ pub fn folder() -> TempDir {
 
 /// Reads a file with these bytes in all supported ways. An accepted log must be usable: columns of one length, finite
 /// time, segments within; an error must name the file.
-pub fn read(folder: &TempDir, name: &str, bytes: &[u8]) {
-    let path = folder.path().join(name);
+pub fn read(name: &str, bytes: &[u8]) {
+    let path = FOLDER.path().join(name);
     std::fs::write(&path, bytes).expect("the input is written");
     let mapped = ColumnMap::from_specs(["t_s=time", "gx_rads=1:dps"]).expect("a map");
     for columns in [ColumnMap::default(), mapped] {
