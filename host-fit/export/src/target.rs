@@ -38,113 +38,51 @@ pub struct TableSensor {
 /// Reason why a table is not written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TableRefusal {
-    /// The values are not those that the autopilot corrects.
-    #[error(
-        "{log}: no table for {}: its {sensor} were corrected before they were logged, by {by}; a table of them would correct a second time\nhelp: {help}",
-        autopilot.name()
-    )]
-    Corrected {
-        /// Path of the log.
-        log: String,
-        /// Autopilot for which the table was requested.
-        autopilot: Autopilot,
-        /// Accelerometers or gyros.
-        sensor: &'static str,
-        /// Existing correction of the values.
-        by: String,
-        /// Advice on what to record.
-        help: &'static str,
-    },
-    /// The values are in other axes than those of the autopilot's correction.
-    #[error(
-        "{log}: no table for {}: its {sensor} are in the {frame}, and a table is in the axes of the board\nhelp: {help}",
-        autopilot.name()
-    )]
-    OtherFrame {
-        /// Path of the log.
-        log: String,
-        /// Autopilot for which the table was requested.
-        autopilot: Autopilot,
-        /// Accelerometers or gyros.
-        sensor: &'static str,
-        /// Axes of the values.
-        frame: Frame,
-        /// Advice on what to record.
-        help: &'static str,
-    },
-    /// The sensor of the log is unknown.
-    #[error(
-        "{log}: no table for {}: the log does not identify the IMU\nhelp: state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
-        autopilot.name()
-    )]
-    NoInstance {
-        /// Path of the log.
-        log: String,
-        /// Autopilot for which the table was requested.
-        autopilot: Autopilot,
-    },
-    /// The autopilot has no such sensor.
+    /// The values are not those that the autopilot corrects, or the sensor of the log is unknown.
+    #[error("{log}: no table for {}: {why}\nhelp: {help}", autopilot.name())]
+    NoTable { log: String, autopilot: Autopilot, why: String, help: &'static str },
     #[error(
         "no table for IMU {instance} of {}: it has tables for 0 to {last} only\nhelp: choose one of these with --topic when the log is fitted",
         autopilot.name()
     )]
-    NoSuchInstance {
-        /// Autopilot for which the table was requested.
-        autopilot: Autopilot,
-        /// Requested number.
-        instance: u8,
-        /// Highest valid number.
-        last: u8,
-    },
-    /// The user states another sensor than the log.
+    NoSuchInstance { autopilot: Autopilot, instance: u8, last: u8 },
     #[error(
         "{log}: it is of {found}, but {stated} was stated\nhelp: remove {option}, or fit the log of that sensor (--topic)"
     )]
-    OtherSensor {
-        /// Path of the log.
-        log: String,
-        /// Sensor according to the log.
-        found: String,
-        /// Sensor according to the user.
-        stated: String,
-        /// Option of the statement.
-        option: &'static str,
-    },
+    OtherSensor { log: String, found: String, stated: String, option: &'static str },
 }
 
 impl Autopilot {
-    /// Name for messages.
-    pub fn name(self) -> &'static str {
+    /// Name for messages, format of the autopilot's own logs, highest number of a sensor with a table, and advice on what to record.
+    fn about(self) -> (&'static str, Format, u8, &'static str) {
         match self {
-            Self::Px4 => "PX4",
-            Self::ArduPilot => "ArduPilot",
+            Self::Px4 => (
+                "PX4",
+                Format::Ulog,
+                3,
+                "record sensor_accel and sensor_gyro at their full rate (SDLOG_PROFILE 769: their FIFOs), and fit that log",
+            ),
+            Self::ArduPilot => (
+                "ArduPilot",
+                Format::Dataflash,
+                4,
+                "record IMU messages beside ACC and GYR (the IMU and IMU_RAW bits of LOG_BITMASK) with all parameters, and fit that log",
+            ),
         }
     }
 
-    /// Format of the autopilot's own logs.
-    fn format(self) -> Format {
-        match self {
-            Self::Px4 => Format::Ulog,
-            Self::ArduPilot => Format::Dataflash,
-        }
+    pub fn name(self) -> &'static str {
+        self.about().0
     }
 
     /// Highest number of a sensor with a table.
     pub fn last_instance(self) -> u8 {
-        match self {
-            Self::Px4 => 3,
-            Self::ArduPilot => 4,
-        }
+        self.about().2
     }
 }
 
 impl TableSensor {
     /// Determines the sensor to which a table fitted to `log` applies.
-    ///
-    /// # Errors
-    ///
-    /// The values of the log are corrected or in other axes, or the sensor is unknown, not one of the autopilot's, or another than the
-    /// user states.
     pub fn of(log: &Recording, autopilot: Autopilot, stated: StatedSensor) -> Result<Self, TableRefusal> {
         let path = log.paths();
         let mut instance = None;
@@ -153,7 +91,8 @@ impl TableSensor {
         // Sensor numbers in logs of another autopilot do not apply to this one.
         let format =
             |source: &fos_data::recording::Source| source.read_as.as_ref().map(|read_as| read_as.format);
-        let is_own = log.sources.iter().all(|source| format(source) == Some(autopilot.format()));
+        let (_, own_format, last, _) = autopilot.about();
+        let is_own = log.sources.iter().all(|source| format(source) == Some(own_format));
         for (at, triad) in [Triad::Accelerometers, Triad::Gyros].into_iter().enumerate() {
             if triad.columns().into_iter().all(|column| log.channel(column).is_err()) {
                 continue;
@@ -191,9 +130,13 @@ impl TableSensor {
             lacks_device_id |= device_ids[at].is_none();
         }
         let Some(instance) = instance.or(stated.instance) else {
-            return Err(TableRefusal::NoInstance { log: path, autopilot });
+            return Err(TableRefusal::NoTable {
+                log: path,
+                autopilot,
+                why: "the log does not identify the IMU".to_owned(),
+                help: "state it with --instance, counted from 0 as in the autopilot's logs: --instance 0 for the first",
+            });
         };
-        let last = autopilot.last_instance();
         if instance > last {
             return Err(TableRefusal::NoSuchInstance { autopilot, instance, last });
         }
@@ -208,22 +151,16 @@ fn refuse_values(
     triad: Triad,
     found: &SensorProvenance,
 ) -> Result<(), TableRefusal> {
-    let (log, sensor) = (log.to_owned(), name_of(triad));
-    let help = match autopilot {
-        Autopilot::Px4 => {
-            "record sensor_accel and sensor_gyro at their full rate (SDLOG_PROFILE 769: their FIFOs), and fit that log"
-        }
-        Autopilot::ArduPilot => {
-            "record IMU messages beside ACC and GYR (the IMU and IMU_RAW bits of LOG_BITMASK) with all parameters, and fit that log"
-        }
+    let sensor = name_of(triad);
+    let why = match (&found.values, found.frame) {
+        (Values::Corrected(by), _) => format!(
+            "its {sensor} were corrected before they were logged, by {by}; a table of them would correct a second time"
+        ),
+        (_, Frame::Board | Frame::Unstated) => return Ok(()),
+        (_, frame) => format!("its {sensor} are in the {frame}, and a table is in the axes of the board"),
     };
-    match (&found.values, found.frame) {
-        (Values::Corrected(by), _) => {
-            Err(TableRefusal::Corrected { log, autopilot, sensor, by: by.to_string(), help })
-        }
-        (_, Frame::Board | Frame::Unstated) => Ok(()),
-        (_, frame) => Err(TableRefusal::OtherFrame { log, autopilot, sensor, frame, help }),
-    }
+    let (.., help) = autopilot.about();
+    Err(TableRefusal::NoTable { log: log.to_owned(), autopilot, why, help })
 }
 
 fn name_of(triad: Triad) -> &'static str {
