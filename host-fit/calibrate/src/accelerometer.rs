@@ -14,12 +14,12 @@ use crate::error::CalibrateError;
 use crate::gravity::Gravity;
 use crate::imu::{Axes, Imu, Scale};
 use crate::least_squares::{rms, student};
-use crate::length_fit::{self, Known, LengthFit, Vector, all_parameters, gradient, sphere};
+use crate::length_fit::{self, Known, LengthFit, Vector, gradient, sphere};
 use crate::orientation::{Orientation, candidates, count_distinct, furthest, in_words, spread_deg, unseen};
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::quiet::Windows;
 use crate::rests::{Exclusion, Rest, Rests, SHORTEST_WITH_MARGINS_S, find};
-use crate::triad::{PAIRS, TriadModel};
+use crate::triad::{PAIRS, PARAMETERS, TriadModel, UNKNOWNS};
 use crate::vector::{norm, unit};
 
 /// Limits of the variance at rest over that of the noise. The log decides: a hand shakes more than a table. imu_tk tries 2 … 10
@@ -31,9 +31,6 @@ const WORTHWHILE: f64 = 0.8;
 
 /// Smallest angular spread of all rests, °; with less, nothing is determined.
 const FEWEST_SPREAD_DEG: f64 = 20.0;
-
-/// Unknowns without temperature.
-const UNKNOWNS: usize = 9;
 
 /// Orientations that give usable intervals: three more than unknowns.
 const ENOUGH_ORIENTATIONS: usize = UNKNOWNS + 3;
@@ -167,8 +164,7 @@ pub(crate) struct Found {
 
 /// Calibrates at the limit of stillness that gives the narrowest intervals.
 ///
-/// # Errors
-/// [`CalibrateError`]: the reason at the limit with the most distinct orientations.
+/// An error is that at the limit with the most distinct orientations.
 pub(crate) fn calibrate(imu: &Imu, windows: &[Windows], options: &Options) -> Result<Found, CalibrateError> {
     let axes = imu.accelerometer.as_ref().ok_or(CalibrateError::NoAccelerometer)?;
     let mut best: Option<Found> = None;
@@ -225,9 +221,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
     if kept.len() <= UNKNOWNS {
         let orientations = count_distinct(&seen);
         let more = ENOUGH_ORIENTATIONS.saturating_sub(orientations).max(3);
-        let next = in_words(&furthest(&seen, more));
-        let excluded = excluded_in_words(&rests);
-        return Err(CalibrateError::NoRedundancy { orientations, unknowns: UNKNOWNS, more, next, excluded });
+        return Err(no_redundancy(&rests, orientations, more, &furthest(&seen, more)));
     }
     let temperatures: Vec<Option<f64>> = kept.iter().map(|&index| rests.rests[index].temperature_c).collect();
     let span = temperatures.iter().flatten().fold(None, |span: Option<[f64; 2]>, &t| match span {
@@ -239,7 +233,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
         && kept.len() > UNKNOWNS + 6;
     let reference_c = median_of(temperatures.iter().flatten().copied()).unwrap_or(start.reference_c);
     let mut start = TriadModel { reference_c, ..start };
-    let free = if has_slopes { all_parameters() } else { length_fit::WITHOUT_TEMPERATURE.to_vec() };
+    let n = if has_slopes { PARAMETERS } else { UNKNOWNS };
     let g = options.gravity.mps2;
     let vector = |rests: &Rests, index: usize, model: &TriadModel| {
         let rest = &rests.rests[index];
@@ -254,7 +248,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
     let fitted = loop {
         let vectors: Vec<Vector> = kept.iter().map(|&index| vector(&rests, index, &start)).collect();
         let known = known(&start, has_slopes);
-        let fitted = length_fit::fit(&vectors, &start, &free, &known)
+        let fitted = length_fit::fit(&vectors, &start, n, &known)
             .filter(|fitted| fitted.model.sensitivity.iter().all(|s| s.is_finite() && *s != 0.0));
         let Some(fitted) = fitted else {
             return Err(CalibrateError::NoFit { iterations: 0, residual_mps2: f64::NAN });
@@ -281,9 +275,7 @@ fn attempt(imu: &Imu, axes: &Axes, mut rests: Rests, options: &Options) -> Resul
     let orientations = count_distinct(&seen);
     if orientations < FEWEST_ORIENTATIONS {
         let more = ENOUGH_ORIENTATIONS - orientations;
-        let next = in_words(&furthest(&seen, more));
-        let excluded = excluded_in_words(&rests);
-        return Err(CalibrateError::NoRedundancy { orientations, unknowns: UNKNOWNS, more, next, excluded });
+        return Err(no_redundancy(&rests, orientations, more, &furthest(&seen, more)));
     }
     if undetermined.iter().any(|&index| index < 6) {
         let parameters = undetermined.iter().map(|&index| label(index)).collect();
@@ -304,6 +296,11 @@ fn known(start: &TriadModel, has_slopes: bool) -> Vec<Known> {
         known.extend((12..15).map(|index| (index, 0.0, PLAUSIBLE[4])));
     }
     known
+}
+
+fn no_redundancy(rests: &Rests, orientations: usize, more: usize, next: &[Orientation]) -> CalibrateError {
+    let (next, excluded) = (in_words(next), excluded_in_words(rests));
+    CalibrateError::NoRedundancy { orientations, more, next, excluded }
 }
 
 fn excluded_in_words(rests: &Rests) -> String {
@@ -335,15 +332,7 @@ fn start(
     let scale = if axes.scale == Scale::Si && typical > SURELY_COUNTS { Scale::Counts } else { axes.scale };
     if scale == Scale::Si {
         if raw.is_empty() {
-            let (more, excluded) = (ENOUGH_ORIENTATIONS, excluded_in_words(rests));
-            let next = in_words(&candidates()[..3]);
-            return Err(CalibrateError::NoRedundancy {
-                orientations: 0,
-                unknowns: UNKNOWNS,
-                more,
-                next,
-                excluded,
-            });
+            return Err(no_redundancy(rests, 0, ENOUGH_ORIENTATIONS, &candidates()[..3]));
         }
         if (typical / g - 1.0).abs() > GRAVITY_WITHIN {
             let excluded = excluded_in_words(rests);
@@ -351,21 +340,19 @@ fn start(
         }
         return Ok((TriadModel::default(), scale));
     }
-    let (more, next) = (ENOUGH_ORIENTATIONS.saturating_sub(raw.len()).max(3), in_words(&candidates()[..3]));
+    let next = &candidates()[..3];
     match sphere(&raw) {
         Some((centre, radius)) => {
             Ok((TriadModel { bias: centre, sensitivity: [radius / g; 3], ..TriadModel::default() }, scale))
         }
         None if raw.len() > UNKNOWNS => {
-            Err(CalibrateError::OneOrientation { rests: raw.len(), spread_deg: FEWEST_SPREAD_DEG, next })
+            let (spread_deg, next) = (FEWEST_SPREAD_DEG, in_words(next));
+            Err(CalibrateError::OneOrientation { rests: raw.len(), spread_deg, next })
         }
-        None => Err(CalibrateError::NoRedundancy {
-            orientations: raw.len(),
-            unknowns: UNKNOWNS,
-            more,
-            next,
-            excluded: excluded_in_words(rests),
-        }),
+        None => {
+            let more = ENOUGH_ORIENTATIONS.saturating_sub(raw.len()).max(3);
+            Err(no_redundancy(rests, raw.len(), more, next))
+        }
     }
 }
 
@@ -395,8 +382,8 @@ fn plausible(model: &TriadModel, index: usize) -> f64 {
 /// Jacobian in plausible units, with a singular value so small that the standard error is above [`NOT_DETERMINED`].
 fn undetermined(fitted: &LengthFit) -> Vec<usize> {
     let mut scaled = fitted.jacobian.clone();
-    for (column, &index) in fitted.free.iter().enumerate() {
-        scaled.column_mut(column).scale_mut(plausible(&fitted.model, index));
+    for index in 0..scaled.ncols() {
+        scaled.column_mut(index).scale_mut(plausible(&fitted.model, index));
     }
     let svd = scaled.svd(false, true);
     let Some(v_t) = svd.v_t else { return Vec::new() };
@@ -405,8 +392,8 @@ fn undetermined(fitted: &LengthFit) -> Vec<usize> {
         if 1.0 / singular.max(f64::MIN_POSITIVE) < NOT_DETERMINED {
             continue;
         }
-        for (column, &index) in fitted.free.iter().enumerate() {
-            if v_t[(row, column)].abs() > 0.4 && !found.contains(&index) {
+        for index in 0..v_t.ncols() {
+            if v_t[(row, index)].abs() > 0.4 && !found.contains(&index) {
                 found.push(index);
             }
         }
@@ -460,26 +447,22 @@ fn report(
         }
     }
     let quantile = student(LEVEL, fitted.degrees_of_freedom);
-    let half = |column: usize| quantile * covariance[(column, column)].sqrt();
-    let mut sizes: Vec<f64> = fitted
-        .free
-        .iter()
-        .enumerate()
-        .filter_map(|(c, &index)| at_one_g(&model, g, index, half(c)))
-        .collect();
+    let half = |index: usize| quantile * covariance[(index, index)].sqrt();
+    let n = covariance.nrows();
+    let mut sizes: Vec<f64> = (0..n).filter_map(|index| at_one_g(&model, g, index, half(index))).collect();
     let worst_mps2 = sizes.iter().copied().fold(0.0, f64::max);
     let typical = fos_data::statistics::median(&mut sizes);
-    let parameters = fitted.free.iter().enumerate().map(|(column, &index)| {
-        let size = at_one_g(&model, g, index, half(column));
+    let parameters = (0..n).map(|index| {
+        let size = at_one_g(&model, g, index, half(index));
         let is_slope_unknown =
-            index >= 9 && covariance[(column, column)].sqrt() > 0.5 * plausible(&model, index);
+            index >= 9 && covariance[(index, index)].sqrt() > 0.5 * plausible(&model, index);
         let determined = match size {
             _ if undetermined.contains(&index) || is_slope_unknown => Determined::NotByThisLog,
             Some(size) if size > SURELY_WEAK_MPS2 => Determined::Weakly,
             Some(size) if size > WEAK_MPS2 && size > WEAK_TIMES * typical => Determined::Weakly,
             _ => Determined::Well,
         };
-        parameter(&model, scale, index, half(column), determined)
+        parameter(&model, scale, index, half(index), determined)
     });
     let parameters: Vec<Parameter> = parameters.collect();
     // An angle decreases while its cosine increases: correlations apply to the shown value.
@@ -487,7 +470,7 @@ fn report(
     let mut correlations = correlations(&covariance);
     for (i, row) in correlations.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
-            *value *= sign(fitted.free[i]) * sign(fitted.free[j]);
+            *value *= sign(i) * sign(j);
         }
     }
     let typical_deviation = median_of(fitted.deviations.iter().copied()).unwrap_or(0.0);
@@ -506,7 +489,7 @@ fn report(
     let before = kept.iter().map(|&index| norm(rests.rests[index].accelerometer) - g);
     let noise = rests.accelerometer_variance(DWELL_S);
     let noise_variance = (0..3).map(|i| noise[i] / model.sensitivity[i].powi(2)).sum::<f64>() / 3.0;
-    let mut plan = Planner::of(fitted, &covariance, noise_variance, g);
+    let mut plan = Planner::of(fitted, covariance.clone(), noise_variance, g);
     let next = plan.next();
     let accuracy = options.accuracy_mps2.map(|accuracy| (accuracy, worst_mps2 <= accuracy));
     let plan = options.accuracy_mps2.map_or(Some(Vec::new()), |accuracy| plan.until(accuracy));
@@ -560,9 +543,8 @@ fn parameter(model: &TriadModel, scale: Scale, index: usize, half: f64, determin
 }
 
 /// Expected intervals after further dwells.
-struct Planner {
-    model: TriadModel,
-    free: Vec<usize>,
+struct Planner<'a> {
+    fitted: &'a LengthFit,
     covariance: DMatrix<f64>,
     degrees_of_freedom: f64,
     /// Variance of the length that a further dwell measures.
@@ -570,12 +552,11 @@ struct Planner {
     g: f64,
 }
 
-impl Planner {
-    fn of(fitted: &LengthFit, covariance: &DMatrix<f64>, noise_variance: f64, g: f64) -> Self {
+impl<'a> Planner<'a> {
+    fn of(fitted: &'a LengthFit, covariance: DMatrix<f64>, noise_variance: f64, g: f64) -> Self {
         Self {
-            model: fitted.model,
-            free: fitted.free.clone(),
-            covariance: covariance.clone(),
+            fitted,
+            covariance,
             degrees_of_freedom: fitted.degrees_of_freedom,
             variance: (fitted.excess + noise_variance).max(1e-12),
             g,
@@ -585,18 +566,18 @@ impl Planner {
     /// The widest half-width at 1 g and its parameter, of this covariance.
     fn worst(&self, covariance: &DMatrix<f64>, degrees: f64) -> (f64, usize) {
         let quantile = student(LEVEL, degrees);
-        let sizes = self.free.iter().enumerate().filter_map(|(column, &index)| {
-            let half = quantile * covariance[(column, column)].max(0.0).sqrt();
-            Some((at_one_g(&self.model, self.g, index, half)?, index))
+        let sizes = (0..covariance.nrows()).filter_map(|index| {
+            let half = quantile * covariance[(index, index)].max(0.0).sqrt();
+            Some((at_one_g(&self.fitted.model, self.g, index, half)?, index))
         });
         sizes.fold((0.0, 0), |worst, one| if one.0 > worst.0 { one } else { worst })
     }
 
     /// Covariance after a dwell in this orientation (Sherman and Morrison 1950).
     fn after(&self, orientation: &Orientation) -> DMatrix<f64> {
-        let at = self.model.reference_c;
-        let raw = self.model.measured(orientation.up.map(|part| part * self.g), at);
-        let row: DVector<f64> = gradient(&self.model, &raw, 0.0, &self.free);
+        let model = &self.fitted.model;
+        let raw = model.measured(orientation.up.map(|part| part * self.g), model.reference_c);
+        let row: DVector<f64> = gradient(model, &raw, 0.0, self.covariance.nrows());
         let seen = &self.covariance * &row;
         let gain = 1.0 / (self.variance + row.dot(&seen));
         &self.covariance - &seen * seen.transpose() * gain

@@ -63,9 +63,6 @@ pub struct Imu {
 
 impl Imu {
     /// The axes of a recording: `ax_mps2` … `gz_rads`, or columns in counts (`ax_cnt`, `gx_raw`, …).
-    ///
-    /// # Errors
-    /// Neither an accelerometer nor a gyro with three axes.
     pub fn of(recording: &Recording) -> Result<Self, CalibrateError> {
         let accelerometer = axes(recording, ACCELEROMETERS, 'a');
         let gyro = axes(recording, GYROS, 'g');

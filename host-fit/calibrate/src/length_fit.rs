@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::least_squares::{
     CONVERGED, Linearised, OUTLIER_CHANCE, covariance, excess_variance, leverages, minimise, student,
 };
-use crate::triad::{PARAMETERS, TriadModel};
+use crate::triad::TriadModel;
 
 /// Most rounds of weights: they depend on the residuals, which depend on them.
 const MAX_ROUNDS: usize = 30;
@@ -35,9 +35,7 @@ pub(crate) type Known = (usize, f64, f64);
 /// The fitted triad.
 pub(crate) struct LengthFit {
     pub(crate) model: TriadModel,
-    /// Indices of the parameters that were estimated, in the order of the covariance.
-    pub(crate) free: Vec<usize>,
-    /// Covariance of the estimated parameters, scaled by the residuals.
+    /// Covariance of the estimated parameters, in the order of [`TriadModel::parameters`], scaled by the residuals.
     pub(crate) covariance: DMatrix<f64>,
     pub(crate) degrees_of_freedom: f64,
     /// Measured − true length of each vector, m/s² or rad/s.
@@ -71,20 +69,15 @@ impl LengthFit {
     }
 }
 
-/// Fits the parameters `free` to `vectors`, from `start`. Requires more rows than parameters.
-pub(crate) fn fit(
-    vectors: &[Vector],
-    start: &TriadModel,
-    free: &[usize],
-    known: &[Known],
-) -> Option<LengthFit> {
-    let most_degrees = vectors.len() as f64 - free.len() as f64 + known.len() as f64;
+/// Fits the first `n` parameters to `vectors`, from `start`. Requires more rows than parameters.
+pub(crate) fn fit(vectors: &[Vector], start: &TriadModel, n: usize, known: &[Known]) -> Option<LengthFit> {
+    let most_degrees = vectors.len() as f64 - n as f64 + known.len() as f64;
     let mut degrees_of_freedom = most_degrees;
-    let mut parameters = DVector::from_iterator(free.len(), free.iter().map(|&i| start.parameters()[i]));
+    let mut parameters = DVector::from_column_slice(&start.parameters()[..n]);
     let noise: Vec<f64> = vectors.iter().map(|v| v.variance).collect();
     let model_at = |free_values: &DVector<f64>| {
         let mut all = start.parameters();
-        free.iter().zip(free_values.iter()).for_each(|(&index, &value)| all[index] = value);
+        all[..n].copy_from_slice(free_values.as_slice());
         TriadModel::of_parameters(&all, start.reference_c)
     };
     let mut variances: Vec<f64> =
@@ -94,7 +87,7 @@ pub(crate) fn fit(
     let mut minimum = None;
     for _ in 0..MAX_ROUNDS {
         let found = minimise(parameters.clone(), CONVERGED, |free_values| {
-            linearise(vectors, &variances, &model_at(free_values), free, free_values, known)
+            linearise(vectors, &variances, &model_at(free_values), free_values, known)
         })?;
         iterations += found.iterations;
         parameters.copy_from(&found.parameters);
@@ -105,7 +98,7 @@ pub(crate) fn fit(
             // Knowledge from before the fit adds a part of a degree of freedom, or none.
             let leverage = leverages(&found.at.jacobian, &unscaled);
             let taken: f64 = leverage.iter().take(vectors.len()).sum();
-            let least = (vectors.len() as f64 - free.len() as f64).max(0.0);
+            let least = (vectors.len() as f64 - n as f64).max(0.0);
             degrees_of_freedom = (vectors.len() as f64 - taken).clamp(least, least.max(most_degrees));
         }
         minimum = Some((found, variances.clone()));
@@ -133,7 +126,6 @@ pub(crate) fn fit(
         studentised.map(|(r, h)| r / (scale * (1.0 - h).max(1e-9)).sqrt().max(f64::MIN_POSITIVE)).collect();
     Some(LengthFit {
         model,
-        free: free.to_vec(),
         covariance: unscaled * scale,
         degrees_of_freedom,
         residuals,
@@ -149,34 +141,31 @@ fn linearise(
     vectors: &[Vector],
     variances: &[f64],
     model: &TriadModel,
-    free: &[usize],
     free_values: &DVector<f64>,
     known: &[Known],
 ) -> Linearised {
     let rows = vectors.len() + known.len();
     let mut residuals = DVector::zeros(rows);
-    let mut jacobian = DMatrix::zeros(rows, free.len());
+    let mut jacobian = DMatrix::zeros(rows, free_values.len());
     for (row, (vector, variance)) in vectors.iter().zip(variances).enumerate() {
         let (length, gradient) = model.length(&vector.raw, vector.kelvin);
         let weight = 1.0 / variance.sqrt();
         residuals[row] = (length - vector.length) * weight;
-        free.iter()
-            .enumerate()
-            .for_each(|(column, &index)| jacobian[(row, column)] = gradient[index] * weight);
+        (0..free_values.len()).for_each(|column| jacobian[(row, column)] = gradient[column] * weight);
     }
-    for (row, (index, value, deviation)) in known.iter().enumerate() {
-        if let Some(column) = free.iter().position(|free| free == index) {
-            residuals[vectors.len() + row] = (free_values[column] - value) / deviation;
-            jacobian[(vectors.len() + row, column)] = 1.0 / deviation;
+    for (row, &(index, value, deviation)) in known.iter().enumerate() {
+        if index < free_values.len() {
+            residuals[vectors.len() + row] = (free_values[index] - value) / deviation;
+            jacobian[(vectors.len() + row, index)] = 1.0 / deviation;
         }
     }
     Linearised { residuals, jacobian }
 }
 
-/// Derivatives of the length of one vector by the parameters `free`.
-pub(crate) fn gradient(model: &TriadModel, raw: &[f64; 3], kelvin: f64, free: &[usize]) -> DVector<f64> {
+/// Derivatives of the length of one vector by the first `n` parameters.
+pub(crate) fn gradient(model: &TriadModel, raw: &[f64; 3], kelvin: f64, n: usize) -> DVector<f64> {
     let (_, all) = model.length(raw, kelvin);
-    DVector::from_iterator(free.len(), free.iter().map(|&index| all[index]))
+    DVector::from_column_slice(&all[..n])
 }
 
 /// The sphere nearest to the vectors: centre and radius, by the linear system |x|² = 2c·x + (r² − |c|²). A start for axes of
@@ -206,12 +195,4 @@ pub(crate) fn sphere(raw: &[[f64; 3]]) -> Option<([f64; 3], f64)> {
     let radius = (solution[3] + centre.iter().map(|c| c * c).sum::<f64>()).sqrt();
     (radius.is_finite() && radius > 0.0)
         .then(|| ([0, 1, 2].map(|i| mean[i] + size * centre[i]), size * radius))
-}
-
-/// Indices of the parameters without temperature.
-pub(crate) const WITHOUT_TEMPERATURE: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
-
-/// All indices.
-pub(crate) fn all_parameters() -> Vec<usize> {
-    (0..PARAMETERS).collect()
 }

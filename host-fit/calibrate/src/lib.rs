@@ -32,7 +32,7 @@ pub use imu::{Axes, Imu, Scale};
 pub use orientation::Orientation;
 pub use parameter::{Determined, LEVEL, Parameter};
 pub use rests::{Exclusion, Rest};
-pub use shown::{Shown, shown, with_interval};
+pub use shown::{Shown, shown};
 pub use triad::{PAIRS, TriadModel};
 pub use turntable::{Plateau, Turntable, calibrate_on_turntable};
 
@@ -45,9 +45,6 @@ pub struct Calibration {
 }
 
 /// Calibrates.
-///
-/// # Errors
-/// [`CalibrateError`].
 pub fn calibrate(imu: &Imu, options: &Options) -> Result<Calibration, CalibrateError> {
     if let Some((column, value)) = imu.accelerometer.as_ref().and_then(Axes::stuck) {
         return Err(CalibrateError::StuckAxis { column: column.to_owned(), value });

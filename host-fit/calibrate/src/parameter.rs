@@ -32,11 +32,6 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Lower and upper end of the 95 % interval.
-    pub fn interval(&self) -> [f64; 2] {
-        [self.value - self.half_width, self.value + self.half_width]
-    }
-
     /// True for values inside the 95 % interval, widened by `margin` on either side.
     pub fn holds(&self, value: f64, margin: f64) -> bool {
         (value - self.value).abs() <= self.half_width + margin

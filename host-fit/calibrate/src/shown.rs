@@ -60,7 +60,7 @@ pub fn shown(parameter: &Parameter, field: bool) -> Shown {
 }
 
 /// A value and half the width of its interval, the latter with two significant digits, the former with as many decimals.
-pub fn with_interval(value: f64, half_width: f64) -> (String, String) {
+fn with_interval(value: f64, half_width: f64) -> (String, String) {
     let decimals = match half_width {
         half if half.is_finite() && half > 0.0 => (1 - half.log10().floor() as i32).clamp(0, 9) as usize,
         _ => 4,

@@ -16,6 +16,9 @@ use serde::Serialize;
 /// Number of parameters of [`TriadModel`]: bias, sensitivity, cosines, and the two slopes.
 pub(crate) const PARAMETERS: usize = 15;
 
+/// The first of them, without the slopes.
+pub(crate) const UNKNOWNS: usize = 9;
+
 /// Pairs of axes in the order of the cosines: xy, xz, yz.
 pub const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 

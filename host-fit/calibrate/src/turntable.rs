@@ -16,7 +16,7 @@ use crate::length_fit::{self, Known, LengthFit, Vector, sphere};
 use crate::parameter::{AXES, Determined, LEVEL, Parameter, correlations};
 use crate::quiet::{FEWEST_ROWS, WINDOW_S, Windows};
 use crate::rests::mean;
-use crate::triad::{PAIRS, TriadModel};
+use crate::triad::{PAIRS, TriadModel, UNKNOWNS};
 use crate::vector::{distance, norm, unit};
 
 /// Shortest plateau between its margins, s.
@@ -79,9 +79,6 @@ pub struct Turntable {
 }
 
 /// Calibrates the gyro of a log that was recorded on a turntable at these rates, rad/s.
-///
-/// # Errors
-/// No gyro, no plateau of a stated rate, a direction that the plateaus do not determine.
 pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable, CalibrateError> {
     let axes = imu.gyro.as_ref().ok_or(CalibrateError::NoGyro)?;
     let rates: Vec<f64> = rates_rads.iter().map(|rate| rate.abs()).collect();
@@ -121,7 +118,6 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
     }
     let (start, mut known) = with_bias(start, &means, &rests, is_bias_known);
     known.extend((6..9).map(|index| (index, 0.0, COSINE)));
-    let free = length_fit::WITHOUT_TEMPERATURE.to_vec();
     let excluded_at_most = (MAX_OUTLIERS * chosen.len() as f64) as usize;
     let mut excluded: Vec<(usize, f64)> = Vec::new();
     let fitted = loop {
@@ -139,10 +135,10 @@ pub fn calibrate_on_turntable(imu: &Imu, rates_rads: &[f64]) -> Result<Turntable
             more: (FEWEST_DEGREES as f64 - degrees_of_freedom).ceil().max(1.0) as usize,
             has_rest: is_bias_known,
         };
-        if vectors.len() + known.len() < free.len() + FEWEST_DEGREES {
-            return Err(few((vectors.len() + known.len()) as f64 - free.len() as f64));
+        if vectors.len() + known.len() < UNKNOWNS + FEWEST_DEGREES {
+            return Err(few((vectors.len() + known.len()) as f64 - UNKNOWNS as f64));
         }
-        let fitted = length_fit::fit(&vectors, &start, &free, &known).ok_or_else(no_plateau)?;
+        let fitted = length_fit::fit(&vectors, &start, UNKNOWNS, &known).ok_or_else(no_plateau)?;
         if fitted.degrees_of_freedom < FEWEST_DEGREES as f64 {
             return Err(few(fitted.degrees_of_freedom));
         }

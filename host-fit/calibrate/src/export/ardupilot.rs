@@ -23,8 +23,6 @@ pub struct ArduPilot {
 }
 
 impl ArduPilot {
-    /// # Errors
-    /// [`NotForAutopilot`].
     pub fn of(calibration: &Calibration) -> Result<Self, NotForAutopilot> {
         let parameters = Autopilot::of(calibration)?;
         parameters.check(SCALE, OFFSET_MPS2)?;

@@ -11,7 +11,6 @@ pub enum NotForAutopilot {
         "the log is in counts, and an autopilot corrects m/s² and rad/s\nhelp: record the log with the autopilot, or convert the counts by the nominal scale in the column map"
     )]
     Counts,
-    /// Beyond the range of its parameters.
     #[error(
         "{parameter} would be {value:.3}, beyond the range {low} … {high} that the autopilot accepts\nhelp: check the unit of the log; a part with such an error is faulty"
     )]
@@ -32,9 +31,6 @@ pub struct Autopilot {
 
 impl Autopilot {
     /// The offsets and scales of a calibration at its reference temperature.
-    ///
-    /// # Errors
-    /// [`NotForAutopilot`]: a log in counts.
     pub fn of(calibration: &Calibration) -> Result<Self, NotForAutopilot> {
         let accelerometer = &calibration.accelerometer;
         if accelerometer.scale == Scale::Counts {
@@ -56,12 +52,6 @@ impl Autopilot {
             gyro_offset: gyro.map(|gyro| gyro.bias.map(|x| x as f32)),
             neglected_mps2: neglected,
         })
-    }
-
-    /// Acceleration as the autopilot corrects it, m/s², before its own rotation.
-    pub fn corrected(&self, raw: [f64; 3]) -> [f64; 3] {
-        let (offset, scale) = (self.accelerometer_offset, self.accelerometer_scale);
-        [0, 1, 2].map(|i| f64::from((raw[i] as f32 - offset[i]) * scale[i]))
     }
 
     pub(super) fn check(&self, scale: [f64; 2], offset: f64) -> Result<(), NotForAutopilot> {

@@ -66,9 +66,4 @@ impl ImuTkTriad {
         }
         text
     }
-
-    /// T·K·(raw − b).
-    pub fn corrected(&self, raw: [f64; 3]) -> Vector3<f64> {
-        self.misalignment * self.scale * (Vector3::from(raw) - self.bias)
-    }
 }

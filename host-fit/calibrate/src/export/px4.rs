@@ -21,8 +21,6 @@ const OFFSET_MPS2: f64 = 4.9;
 pub struct Px4(pub Autopilot);
 
 impl Px4 {
-    /// # Errors
-    /// [`NotForAutopilot`].
     pub fn of(calibration: &Calibration) -> Result<Self, NotForAutopilot> {
         let parameters = Autopilot::of(calibration)?;
         parameters.check(SCALE, OFFSET_MPS2)?;
