@@ -26,10 +26,6 @@ const SAMPLES_A_BATCH: usize = 10;
 /// Converts the recording into the samples of a hub, with the scale of their codes. Codes are the steps of the sensor's converter if the
 /// log shows them; missing columns are 0. A row with an empty cell on an axis is a tick without a sample. If the image has limits of
 /// stillness, the hub's own detector decides, otherwise `rest`.
-///
-/// # Errors
-///
-/// A column required by the model is missing.
 pub fn hub_log(
     image: &Image<'_>,
     model: &UnitModel,

@@ -18,28 +18,16 @@ use fos_fit::playback::Playback;
 /// An image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The image cannot be decoded, or its model cannot be run.
     #[error("the image cannot be run: {0}")]
     Image(#[from] ImageError),
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The sample period of the log differs too much from that of the model.
     #[error(
         "{path}: a sample every {log_s:.6} s ({:.4} Hz), but the model was fitted to one every {model_s:.6} s ({:.4} Hz): a hub refuses it on a sensor that is more than {:.0} % off\nhelp: replay a log of the model's rate, or fit the model to logs of this one; --rate if the log's rate is read wrongly", 1.0 / .log_s, 1.0 / .model_s, 100.0 * PERIOD_TOLERANCE
     )]
-    Period {
-        /// Path of the log.
-        path: String,
-        /// Sample period of the model, s.
-        model_s: f64,
-        /// Sample period of the log, s.
-        log_s: f64,
-    },
-    /// An axis or quantity of the image has no column.
+    Period { path: String, model_s: f64, log_s: f64 },
     #[error(transparent)]
     NoColumn(#[from] NoColumn),
-    /// The log has reference columns, or the device lies in other orientations.
     #[error(
         "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer rests in another orientation than in the fit\nhelp: exclude the columns with --map '!ref_gx_rads', or export gyros only"
     )]
@@ -53,8 +41,6 @@ pub struct Replay {
     pub summary: Summary,
     /// Corrected value of each axis, one per row, in the axis' unit.
     pub corrected: Vec<Vec<f64>>,
-    /// Validity bits of each axis, one per row.
-    pub validity: Vec<Vec<f64>>,
 }
 
 /// Counts and digests of a replay.
@@ -161,7 +147,7 @@ impl AxisSummary {
 }
 
 impl Replay {
-    /// Columns of the corrected log: time, corrected axes, validity bits, and detected rest.
+    /// Columns of the corrected log: time and corrected axes.
     pub fn columns<'s>(&'s self, recording: &'s Recording) -> Vec<(&'s str, &'s [f64])> {
         let axes = self.summary.axes.iter().map(|axis| axis.column.as_str());
         let mut columns = vec![("t_s", recording.time_s.as_slice())];
@@ -177,10 +163,6 @@ mod hexadecimal {
 }
 
 /// Runs `image` over `recording`: tracks at rest, coasts in motion.
-///
-/// # Errors
-///
-/// The image cannot be run, the sample period of the recording is not one at which a hub runs the model, or a required column is missing.
 pub fn replay(
     image: &Image<'_>,
     recording: &Recording,
@@ -189,34 +171,28 @@ pub fn replay(
 ) -> Result<Replay, ReplayError> {
     let n_axes = image.axes().count();
     let mut corrected = vec![Vec::with_capacity(recording.n_rows()); n_axes];
-    let mut validity = vec![Vec::with_capacity(recording.n_rows()); n_axes];
-    let summary = run(image, recording, stillness, axes, |axis, calibrated, correction| {
+    let summary = run(image, recording, stillness, axes, |axis, calibrated| {
         corrected[axis].push(f64::from(calibrated));
-        validity[axis].push(f64::from(correction.validity.bits()));
     })?;
-    Ok(Replay { summary, corrected, validity })
+    Ok(Replay { summary, corrected })
 }
 
 /// Computes only the counts and digests of [`replay`], in little memory.
-///
-/// # Errors
-///
-/// Errors of [`replay`].
 pub fn summary(
     image: &Image<'_>,
     recording: &Recording,
     stillness: &Stillness,
 ) -> Result<Summary, ReplayError> {
-    run(image, recording, stillness, &[], |_, _, _| {})
+    run(image, recording, stillness, &[], |_, _| {})
 }
 
-/// Runs the image; `take` receives the calibrated value and the correction of every axis, row by row.
+/// Runs the image; `take` receives the calibrated value of every axis, row by row.
 fn run(
     image: &Image<'_>,
     recording: &Recording,
     stillness: &Stillness,
     axes: &[String],
-    mut take: impl FnMut(usize, f32, &Correction<f32>),
+    mut take: impl FnMut(usize, f32),
 ) -> Result<Summary, ReplayError> {
     let (model_s, log_s) = (image.period_s(), recording.rate.period_s);
     if !is_near_period(model_s, log_s) {
@@ -252,7 +228,7 @@ fn run(
             rests.add(in_f32.sample(row).measured, row, singles, &values);
         }
         for (axis, (single, double)) in singles.iter().zip(doubles).enumerate() {
-            take(axis, values[axis], single);
+            take(axis, values[axis]);
             tallies[axis].add(single.innovation, double.innovation);
             if let Some(fixed) = fixed.and_then(|fixed| fixed.get(axis)) {
                 tallies[axis].add_fixed(fixed.innovation, double.innovation);
@@ -431,10 +407,6 @@ impl Tally {
 }
 
 /// Converts the recording into the log of the firmware in the loop (`fos_embedded::test_log`).
-///
-/// # Errors
-///
-/// A column is missing, or there is a reference column: the firmware knows only the model's own reference.
 pub fn device_log(
     model: &UnitModel,
     recording: &Recording,

@@ -61,7 +61,6 @@ pub struct AxisEstimate {
 pub enum EstimateError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// A regressor is invalid.
     #[error(
         "{regressor:?} is no regressor: {reason}\nhelp: as in the files of effects: temp_c, temp_c * temp_c, temp_c:lowpass(60)"
     )]
@@ -69,7 +68,6 @@ pub enum EstimateError {
     /// A regressor occurs twice, so its correction would be subtracted twice.
     #[error("the regressor {0:?} is given twice\nhelp: give each regressor once")]
     DuplicateRegressor(String),
-    /// A regressor has the name of the constant coefficient.
     #[error(
         "the regressor {BIAS:?} has the name of the constant coefficient\nhelp: rename the column in the log or in the column map"
     )]
@@ -81,9 +79,7 @@ pub enum EstimateError {
         column: String,
         /// Time at rest in blocks with enough samples, s.
         seconds: f64,
-        /// Length of a block, s.
         block_s: f64,
-        /// Time needed, s.
         needed: f64,
     },
 }
@@ -150,10 +146,6 @@ impl Estimate {
 }
 
 /// Parses regressors and checks that each has a coefficient of its own.
-///
-/// # Errors
-///
-/// A regressor is invalid, occurs twice, or has the name of the bias.
 pub fn check_regressors(regressors: &[String]) -> Result<Vec<Regressor>, EstimateError> {
     let mut parsed = Vec::new();
     for text in regressors {

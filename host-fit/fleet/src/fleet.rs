@@ -138,24 +138,20 @@ impl PartSummary {
 /// Failure to read or store the rows of a fleet.
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
-    /// The file is not a population, or has another schema.
     #[error("{}: not a population: {reason}\nhelp: make the population again; its schema is {SCHEMA}", path.display())]
     NotAPopulation {
         path: PathBuf,
         /// Reason with line and column.
         reason: String,
     },
-    /// The stored rows do not belong to the population.
     #[error("{}: {found} rows of {units} devices\nhelp: the rows of a population are beside it, under its name with .rows appended; if they are lost, make the population again", path.display())]
     OtherRows {
         /// File of the rows.
         path: PathBuf,
         /// Number of readable rows.
         found: usize,
-        /// Number of units in the population.
         units: usize,
     },
-    /// A line of the stored rows is not a row.
     #[error("{}:{line}: not the row of a device: {reason}\nhelp: make the population again; complete rows are reused", path.display())]
     NotARow {
         /// File of the rows.
@@ -164,7 +160,6 @@ pub enum FleetError {
         line: usize,
         reason: String,
     },
-    /// The rows cannot be stored.
     #[error(transparent)]
     Rows(#[from] KeyedRowsError),
     #[error(transparent)]
@@ -173,10 +168,6 @@ pub enum FleetError {
 
 impl Fleet {
     /// Reads a population and the rows stored beside it.
-    ///
-    /// # Errors
-    ///
-    /// One of the files cannot be read, or the rows do not belong to the population.
     pub fn read(path: &Path) -> Result<(Self, Vec<UnitRow>), FleetError> {
         let not = |reason: String| FleetError::NotAPopulation { path: path.to_owned(), reason };
         let fleet: Self =
@@ -221,10 +212,7 @@ impl Fleet {
 
     /// Writes the population to `path`, and beside it its `rows` (JSON, in any order), as [`read`](Self::read) expects them.
     ///
-    /// # Errors
-    ///
-    /// An element is not a row, the rows do not belong to the population, the file of the rows has other content, or a file cannot be
-    /// written. Nothing is written before all rows are checked.
+    /// Nothing is written before all rows are checked.
     pub fn write_with_rows(&self, path: &Path, rows: &[String]) -> Result<(), FleetError> {
         let rows_path = rows_beside(path);
         KeyedRows::<UnitRow>::check(&rows_path)?;
@@ -261,10 +249,6 @@ impl Fleet {
     }
 
     /// Computes the populations of gathered rows, with the same bits as [`of`](Self::of).
-    ///
-    /// # Errors
-    ///
-    /// There are no rows, a unit occurs twice, or the regressors are refused by [`check_regressors`].
     pub fn of_gathered(gathered: &Gathered, library: &Library, program: &str) -> Result<Self, GatheredError> {
         let asked = gathered.asked()?;
         check_regressors(&asked.regressors)?;

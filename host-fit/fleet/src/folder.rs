@@ -18,18 +18,11 @@ pub const UNITS: &str = "units.csv";
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     #[error("{}: {source}", path.display())]
-    List {
-        path: PathBuf,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
-    /// The table cannot be opened.
+    List { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
     File(#[from] FileError),
-    /// A case in the folder cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// A line of the table is invalid.
     #[error("{}:{line}: {reason}\nhelp: write a header `unit,part,lot,log`, then a line for each log of each device; part and lot may be empty, and paths of logs are relative to the table", path.display())]
     Table {
         path: PathBuf,

@@ -11,29 +11,19 @@ use crate::row::{Asked, AxisRow, UnitRow};
 pub enum GatheredError {
     #[error("the fleet is empty\nhelp: give a row for each device")]
     Nothing,
-    /// Two units have different settings.
     #[error(
         "the devices {first:?} and {other:?} were asked different things: {what}\nhelp: ask all devices for the same regressors, diagnosed or not, and read all logs alike"
     )]
-    Asked {
-        first: String,
-        /// A unit with other settings.
-        other: String,
-        /// Description of both settings.
-        what: String,
-    },
-    /// A unit occurs twice.
+    Asked { first: String, other: String, what: String },
     #[error(
         "the device {unit:?}{} is there twice\nhelp: one row for each device of a part; name them apart, as `lot/unit`, and give all logs of one to one row",
         suffix_of_part(part)
     )]
     Twice { unit: String, part: String },
-    /// A row lacks numbers.
     #[error(
         "the row of {unit:?}: {column}: a number is missing or not finite\nhelp: use the rows of this version as they were made"
     )]
     NotWhole { unit: String, column: String },
-    /// The regressors of the rows are invalid.
     #[error(transparent)]
     Regressors(#[from] EstimateError),
 }
@@ -77,9 +67,7 @@ impl Gathered {
 
     /// Adds a row.
     ///
-    /// # Errors
-    ///
-    /// The row has other settings or lacks numbers; it is then not added.
+    /// A row with other settings or without a number is refused and not added.
     pub fn add(&mut self, row: UnitRow) -> Result<(), GatheredError> {
         // Rows from a file do not record the strictness of the read.
         let mut asked = row.asked.clone();
@@ -100,10 +88,6 @@ impl Gathered {
     }
 
     /// Settings of all rows.
-    ///
-    /// # Errors
-    ///
-    /// There are no rows.
     pub(crate) fn asked(&self) -> Result<&Asked, GatheredError> {
         self.asked.as_ref().ok_or(GatheredError::Nothing)
     }
@@ -114,10 +98,6 @@ impl Gathered {
     }
 
     /// Units by part and name, each once.
-    ///
-    /// # Errors
-    ///
-    /// A unit occurs twice.
     pub(crate) fn each_once(&self) -> Result<Vec<&GatheredUnit>, GatheredError> {
         let units = self.in_order();
         let twice =

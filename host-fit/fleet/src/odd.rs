@@ -52,17 +52,11 @@ pub struct Assessment {
     pub population: Population,
     /// Deviations in the order of the members.
     pub distances: Vec<Distance>,
-    /// Members excluded from the population.
-    pub left_out: Vec<bool>,
     /// For each member, its p-values at a deviation of [`FAR`] standard deviations: one per compared coefficient, times their number.
     pub p_values_if_far: Vec<Vec<f64>>,
 }
 
 /// Estimates the population of `members` without those that do not belong, and the deviation of each member.
-///
-/// # Errors
-///
-/// Fewer than three devices have a coefficient.
 pub fn assess(members: &[Member<'_>], names: &[String]) -> Result<Assessment, PopulationError> {
     check(members, names)?;
     let values = values_of(members, names);
@@ -93,16 +87,12 @@ pub fn assess(members: &[Member<'_>], names: &[String]) -> Result<Assessment, Po
     };
     // No device can be excluded if too few have a coefficient.
     let population = match Population::of(&inside, names) {
-        Err(_) => {
-            left_out = vec![false; members.len()];
-            Population::of(members, names)?
-        }
+        Err(_) => Population::of(members, names)?,
         population => population?,
     };
     Ok(Assessment {
         population,
         distances: of_members.iter().map(|found| distance(found, names)).collect(),
-        left_out,
         p_values_if_far: of_members.iter().map(if_far).collect(),
     })
 }

@@ -105,12 +105,10 @@ impl Lot {
 /// Too little data for a population.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PopulationError {
-    /// No coefficient is identifiable from the logs of enough units.
     #[error(
         "no coefficient is identifiable from the logs of three devices or more\nhelp: record more devices at rest for some minutes, while the temperature changes"
     )]
     NoCoefficient,
-    /// A coefficient is identifiable from the logs of fewer than three units.
     #[error(
         "this coefficient is identifiable from the logs of {known} devices; a population needs three\nhelp: record more devices at rest, while what the coefficient depends on changes"
     )]
@@ -154,10 +152,6 @@ struct Grouped {
 
 impl Population {
     /// Estimates the population of `members` for the coefficients `names`; not every unit needs to have each of them.
-    ///
-    /// # Errors
-    ///
-    /// `names` is empty, or fewer than three units have one of the coefficients.
     pub fn of(members: &[Member<'_>], names: &[String]) -> Result<Self, PopulationError> {
         check(members, names)?;
         let scale = scales(members, names);

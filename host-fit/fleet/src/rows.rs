@@ -22,9 +22,7 @@ pub fn rows_beside(population: &Path) -> PathBuf {
 /// its logs, the settings, the library and the program are unchanged. `build` distinguishes builds of one version. `progress` receives the
 /// number of finished rows.
 ///
-/// # Errors
-///
-/// The rows cannot be stored, or the file has other content. A unit that cannot be read is no error: its row has the reason.
+/// A unit that cannot be read is no error: its row has the reason.
 pub fn rows(
     units: &[Unit],
     asked: &Asked,

@@ -54,14 +54,11 @@ pub struct ShippedUnit {
     pub odd: bool,
     /// Record as defined in docs/MODEL_FORMAT.md.
     pub record: Vec<u8>,
-    /// Standard error of the bias at 25 °C per axis, in the axis' SI unit; none for axes without an estimate.
-    pub bias_error: Vec<Option<f64>>,
 }
 
 /// A part cannot be shipped.
 #[derive(Debug, thiserror::Error)]
 pub enum ShipError {
-    /// No axis has a population.
     #[error(
         "{}no axis of this part has a population\nhelp: a fleet of at least three devices, at rest for some minutes while the temperature changes", named(.0)
     )]
@@ -71,10 +68,8 @@ pub enum ShipError {
         "{}the rows have no range of {input}\nhelp: make the population again: these are rows of an earlier version", named(.part)
     )]
     NotSeen { part: String, input: String },
-    /// The model does not fit an image.
     #[error(transparent)]
     Image(#[from] UnusableImage),
-    /// A record cannot be made.
     #[error("{unit}: {error}\nhelp: a shorter name, of at most 65535 bytes")]
     Unit { unit: String, error: UnitError },
 }
@@ -86,10 +81,6 @@ fn named(part: &str) -> String {
 impl Shipment {
     /// Makes the files of a part from its summary and rows. `values` states the kind of sensor values the model applies to; `sensor`
     /// and `provenance` are stored in the image.
-    ///
-    /// # Errors
-    ///
-    /// No axis has a population, or the model does not give a usable image.
     pub fn of(
         part: &PartSummary,
         rows: &[UnitRow],
@@ -115,16 +106,10 @@ impl Shipment {
             let known: Vec<Estimate> =
                 axes.iter().map(|(axis, population)| known_of(row, &axis.column, population, odd)).collect();
             let failed = |error| ShipError::Unit { unit: row.unit.clone(), error };
-            let estimated = axes.iter().map(|(axis, _)| row.axis(&axis.column).is_some());
             units.push(ShippedUnit {
                 unit: row.unit.clone(),
                 lot: row.lot.clone(),
                 odd,
-                bias_error: known
-                    .iter()
-                    .zip(estimated)
-                    .map(|(known, estimated)| known.standard_error(BIAS).filter(|_| estimated))
-                    .collect(),
                 record: record(&image, &model, &row.unit, &known).map_err(failed)?,
             });
         }

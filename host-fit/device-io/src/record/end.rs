@@ -6,10 +6,6 @@ use std::thread;
 use tokio::runtime::{Builder, Runtime};
 
 /// From now on such a request does not end the process but calls `end`, in a separate thread.
-///
-/// # Errors
-///
-/// The system cannot deliver the signals.
 pub(super) fn when_asked_to_end(end: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let runtime = Builder::new_current_thread().enable_all().build()?;
     let asked = wishes(&runtime)?;

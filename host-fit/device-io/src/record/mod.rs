@@ -26,12 +26,10 @@ const MAX_INCREASE_IN_WRAP: u32 = 1 << 26;
 /// A stream cannot be converted into a log.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// Reading the port or file fails, with the reason of the system.
     #[error(
         "the stream cannot be read: {0}\nhelp: is the device connected, and may you read its port (on Linux: are you in the group dialout)?"
     )]
     Read(#[from] io::Error),
-    /// The telemetry has another version.
     #[error(
         "the device sends telemetry of version {found}; this program reads version {VERSION}\nhelp: use the fos that came with the firmware"
     )]
@@ -39,7 +37,6 @@ pub enum RecordError {
         /// Version of the telemetry.
         found: u16,
     },
-    /// The stream is empty.
     #[error(
         "nothing came\nhelp: is the device on, and is this its port? A FIFO needs somebody who writes into it"
     )]
@@ -48,20 +45,11 @@ pub enum RecordError {
     #[error(
         "no frame of telemetry in the first {bytes} bytes\nhelp: is it the telemetry of fos, at the right baud rate, as `stty -F PORT raw 115200` sets it? In a file, what comes before it can be cut off: `tail -c +{bytes} FILE | fos record - -o LOG`"
     )]
-    Strange {
-        /// Bytes read.
-        bytes: u64,
-    },
-    /// The stream has no samples.
+    Strange { bytes: u64 },
     #[error(
         "no sample in {bytes} bytes ({damaged} damaged frames)\nhelp: is it the telemetry of fos, at the right baud rate? A device sends what its samples hold once a minute: wait for it"
     )]
-    Nothing {
-        /// Bytes read.
-        bytes: u64,
-        /// Frames that could not be decoded.
-        damaged: u64,
-    },
+    Nothing { bytes: u64, damaged: u64 },
 }
 
 impl RecordError {
@@ -100,19 +88,11 @@ pub struct Report {
 }
 
 /// Reads `stream` to its end. If it fails midway, the samples until then are the log.
-///
-/// # Errors
-///
-/// The stream cannot be read, has another version, has no samples, or has no frame in its first bytes.
 pub fn record(stream: impl BufRead) -> Result<Recorded, RecordError> {
     record_watched(stream, f64::INFINITY, |_| {})
 }
 
 /// Does what [`record`] does, and shows `watch` the log so far every `every_s` of its time. Meanwhile nothing is read: a stream must be able to wait.
-///
-/// # Errors
-///
-/// Errors of [`record`].
 pub fn record_watched(
     mut stream: impl BufRead,
     every_s: f64,

@@ -24,7 +24,6 @@ pub struct ReceivedFile {
 /// A stream cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
-    /// A file operation failed.
     #[error(transparent)]
     File(#[from] FileError),
     /// Another recording writes to the same log and would be overwritten.
@@ -38,10 +37,6 @@ pub enum KeepError {
 impl ReceivedFile {
     /// Creates the file `NAME.telemetry` for a log at `output`. Files of interrupted recordings of the same name are preserved and
     /// returned; the new one is then `NAME.2.telemetry`, and so on.
-    ///
-    /// # Errors
-    ///
-    /// The file cannot be created, or another recording of this log is running.
     pub fn beside(output: &Path) -> Result<(Self, Vec<PathBuf>), KeepError> {
         let mut left = Vec::new();
         let named = |number: usize| {
@@ -79,10 +74,6 @@ impl ReceivedFile {
     }
 
     /// Unbuffered writer: its bytes are in the file even if this process is killed.
-    ///
-    /// # Errors
-    ///
-    /// The handle cannot be duplicated.
     pub fn writer(&self) -> io::Result<impl Write + Send + use<>> {
         self.file.try_clone()
     }
@@ -93,10 +84,6 @@ impl ReceivedFile {
     }
 
     /// Syncs the file to disk if it is due.
-    ///
-    /// # Errors
-    ///
-    /// The sync fails.
     pub fn sync_if_due(&mut self) -> io::Result<()> {
         if Instant::now() < self.due() {
             return Ok(());

@@ -196,7 +196,6 @@ mod tests {
             lot: None,
             odd: false,
             record: Vec::new(),
-            bias_error: Vec::new(),
         });
         let expected = [
             "w7_01.fosu",
