@@ -31,6 +31,6 @@ pub fn hidden_effects(folder: &Path, seed: u64) -> Result<[Recording; 3], DemoCa
     plan.planted = HIDDEN.into_iter().map(|(effect, size)| Plant { effect, parameter: None, size }).collect();
     let case = simulate_case(&plan)?;
     case.write_logs(folder)?;
-    let read = |name: &str| load(&folder.join(name), &LoadOptions::default());
+    let read = |name: &str| load(folder.join(name), &LoadOptions::default());
     Ok([read("reference.parquet")?, read("log.parquet")?, read("evaluation.parquet")?])
 }
