@@ -16,7 +16,7 @@ use serde::Serialize;
 /// Number of parameters of [`TriadModel`]: bias, sensitivity, cosines, and the two slopes.
 pub(crate) const PARAMETERS: usize = 15;
 
-/// The first of them, without the slopes.
+/// Number of parameters without the slopes, which are the last ones.
 pub(crate) const UNKNOWNS: usize = 9;
 
 /// Pairs of axes in the order of the cosines: xy, xz, yz.

@@ -24,8 +24,8 @@ const TEMPERATURE_ZERO_C: f64 = 25.0;
 const SAMPLES_A_BATCH: usize = 10;
 
 /// Converts the recording into the samples of a hub, with the scale of their codes. Codes are the steps of the sensor's converter if the
-/// log shows them; missing columns are 0. A row with an empty cell on an axis is a tick without a sample. If the image has limits of
-/// stillness, the hub's own detector decides, otherwise `rest`.
+/// log shows them; missing columns are 0, but those of the model are required. A row with an empty cell on an axis is a tick without a
+/// sample. If the image has limits of stillness, the hub's own detector decides, otherwise `rest`.
 pub fn hub_log(
     image: &Image<'_>,
     model: &UnitModel,

@@ -75,7 +75,7 @@ pub enum Addition<'a> {
 }
 
 /// Adds effects to an axis of a study, estimated on these logs. `progress` is called with each diagnosis and step of [`Addition::Best`].
-/// The study is unchanged if it fails.
+/// The study is unchanged if it fails, as when the model with all axes exceeds the limits of a predictor.
 pub fn add(
     study: &mut Study,
     column: &str,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{Axis, Figure, Ink, Panel, Series, ShadedRange, Shading, Shape, Tone, named_with_unit};
 use crate::curves::{AgainstChannel, AxisCurves, MEAN_S};
-use crate::dependence::dependence;
+use crate::dependence;
 use fos_data::column::Column;
 use fos_data::text::capitalised;
 use fos_diagnose::compare::AxisComparison;
@@ -120,7 +120,8 @@ impl View<'_> {
 
     /// Dependence of the residual on every logged column, with the level explained by chance; none if it is unknown.
     pub fn dependence(&self) -> Option<Figure> {
-        self.axis.dependence.as_ref().map(|found| dependence(self.subject(), found))
+        let panels = dependence::panels(&self.axis.unit, self.axis.dependence.as_ref()?);
+        Some(self.subject().figure("residual against every logged channel", panels))
     }
 
     /// Block means of the residual against those of one channel.

@@ -1,8 +1,6 @@
-//! Figure of the dependence of the residual on the logged columns.
+//! Panels of the dependence of the residual on the logged columns.
 
-use super::compare::Subject;
-use super::{Axis, Figure, Ink, Panel, Series, Shape, with_unit};
-use fos_data::text::capitalised;
+use super::{Axis, Ink, Panel, Series, Shape, with_unit};
 use fos_diagnose::dependence::{Bin, Cell, ChannelDependence, Dependence, PowerMap};
 
 /// Maximum number of channels: those with a dependence and all temperatures, at least the most probable one.
@@ -24,8 +22,8 @@ const STEPS: [(f64, &str); 6] = [
     (f64::INFINITY, "above 8 times"),
 ];
 
-/// Residual against channels, their delays, time and frequency.
-pub fn dependence(subject: Subject, found: &Dependence) -> Figure {
+/// Residual, in `unit`, against channels, their delays, time and frequency.
+pub fn panels(unit: &str, found: &Dependence) -> Vec<Panel> {
     let drawn: Vec<&ChannelDependence> = found
         .channels
         .iter()
@@ -34,16 +32,13 @@ pub fn dependence(subject: Subject, found: &Dependence) -> Figure {
         .map(|(_, channel)| channel)
         .take(DRAWN)
         .collect();
-    let mut panels: Vec<Panel> = drawn.iter().map(|channel| against(subject, channel)).collect();
+    let mut panels: Vec<Panel> = drawn.iter().map(|channel| against(unit, channel)).collect();
     panels.push(delays(&drawn));
     panels.push(map(&found.power));
-    Figure {
-        title: format!("{}: residual against every logged channel", capitalised(subject.channel)),
-        panels,
-    }
+    panels
 }
 
-fn against(subject: Subject, channel: &ChannelDependence) -> Panel {
+fn against(unit: &str, channel: &ChannelDependence) -> Panel {
     let bars = |label: &str, ink, bins: &[Bin]| {
         let bar =
             |bin: &Bin| (bin.channel, bin.level, bin.level - bin.half_width, bin.level + bin.half_width);
@@ -60,7 +55,7 @@ fn against(subject: Subject, channel: &ChannelDependence) -> Panel {
     };
     let verdict = if channel.is_clear() { "depends" } else { "no more than chance" };
     let (name, p, score) = (&channel.channel, probability(channel.p_of_all), channel.curve.score);
-    let y = Axis::linear(format!("Slow residual less its mean ({})", subject.unit));
+    let y = Axis::linear(format!("Slow residual less its mean ({unit})"));
     Panel::new(Axis::linear(with_unit(name, &channel.unit)), y, series)
         .titled(format!("{name}: {verdict}, {p}, score {score:.1}"))
 }

@@ -1,6 +1,6 @@
 //! Bags of ROS 1, version 2.0 (the ROS wiki's "Bags/Format/2.0").
 
-use super::{Flight, Publisher, in_order};
+use super::flight::{Flight, Publisher, in_order};
 
 /// Storage of the messages in a bag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! MCAP with messages of ROS 2, without chunks and index (the MCAP specification, and OMG's CDR).
 
-use super::{Flight, Publisher, in_order};
+use super::flight::{Flight, Publisher, in_order};
 
 /// Plain CDR, little-endian: each number on a multiple of its size from the end of the encapsulation.
 struct Cdr(Vec<u8>);

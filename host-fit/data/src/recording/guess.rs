@@ -40,6 +40,7 @@ pub(super) struct Undecided {
 
 /// A column that may be a channel.
 struct Candidate {
+    /// Index in the table.
     at: usize,
     named: Named,
     target: &'static str,

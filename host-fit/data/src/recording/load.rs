@@ -91,7 +91,7 @@ pub(super) fn begin(path: &Path) -> Result<(Table, Meaning), RecordingError> {
 }
 
 impl Recording {
-    /// Builds a recording from columns in memory, named as in a log: `t_s`, `gx_rads`, `still`, ….
+    /// Builds a recording from columns in memory, of one length and named as in a log: `t_s`, `gx_rads`, `still`, ….
     pub fn from_columns(
         source: Source,
         columns: Vec<(String, Vec<f64>)>,
@@ -403,7 +403,7 @@ fn is_interleaved(time_s: &[f64], channels: &[Channel]) -> bool {
     interleaved::interleaved(time_s, &axes.map(|channel| &channel.values[..]).collect::<Vec<_>>())
 }
 
-/// Excludes axes without a single number, so that the others can be used.
+/// Excludes axes without a single number, so that the others can be used. One that the user mapped is an error.
 fn exclude_empty_axes(
     path: &Path,
     channels: &mut Vec<Channel>,

@@ -38,6 +38,7 @@ enum Kind {
 
 /// A column of the file to read.
 struct Selected {
+    /// Index of its first leaf among those of the file.
     index: usize,
     /// True if cells may be empty.
     optional: bool,

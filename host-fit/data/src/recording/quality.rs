@@ -44,6 +44,7 @@ pub struct Quality {
     pub pauses: u64,
     /// Total duration of the pauses, s.
     pub paused_s: f64,
+    /// Columns of text, which are ignored.
     pub text_columns: Vec<String>,
     /// First text found in one of them, in a file with lines.
     pub first_text: Option<BadRow>,

@@ -4,7 +4,7 @@
 use std::fs;
 
 use fos_data::recording::{ColumnMap, Format, LoadOptions, Recording, RecordingError, load, write_columns};
-use fos_testkit::foreign::{Flight, Publisher, TEXTS, bag_of, files, mcap_of, ulog_of, zip};
+use fos_testkit::foreign::{Chunks, Flight, Publisher, TEXTS, bag, bag_of, files, mcap_of, ulog_of, zip};
 use tempfile::TempDir;
 
 fn read(name: &str, bytes: &[u8], options: &LoadOptions) -> Result<Recording, RecordingError> {
@@ -344,7 +344,9 @@ fn strict_refuses_a_damaged_log_of_any_format() {
     let flight = Flight::new(500, 5000, 1);
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let logs = ["flight.ulg", "flight.bin", "flight.mcap", "flight.bag"];
-    for (_, name, write) in files().filter(|(_, name, _)| logs.contains(name)) {
+    let mut logs: Vec<_> = files().filter(|(_, name, _)| logs.contains(name)).copied().collect();
+    logs.push(("bag", "plain.bag", |flight| bag(flight, Chunks::None)));
+    for (_, name, write) in logs {
         let bytes = write(&flight);
         assert!(read(name, &bytes, &strict).is_ok(), "{name}");
         let cut = &bytes[..bytes.len() * 3 / 4 - 5];

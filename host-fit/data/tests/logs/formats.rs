@@ -267,18 +267,29 @@ fn unusable_logs_name_the_data_to_record() {
 }
 
 #[test]
-fn truncated_bag_without_chunks_is_read_with_a_warning() {
-    let mut bytes = bag(&flight(), Chunks::None);
-    let middle = bytes.len() / 2;
-    let cut = read("a.bag", &bytes[..middle]);
-    assert!((SAMPLES / 3..SAMPLES).contains(&cut.n_rows()), "{}", cut.n_rows());
-    assert!(format_of(&cut).1.contains("cut short"), "{}", format_of(&cut).1);
-    // and noise in the middle
-    bytes[middle..middle + 400].fill(0x5a);
-    let noisy = read("a.bag", &bytes);
-    assert!(noisy.n_rows() > SAMPLES / 3);
-    let assumed = format_of(&noisy).1;
-    assert!(assumed.contains("bytes") || assumed.contains("damaged"), "{assumed}");
+fn truncated_log_is_read_with_a_warning() {
+    let flight = flight();
+    for (name, bytes) in [
+        ("a.ulg", ulog(&flight, Rate::Full)),
+        ("a.mcap", mcap(&flight)),
+        ("a.bag", bag(&flight, Chunks::None)),
+        ("a.bin", dataflash(&flight, &[], false)),
+    ] {
+        let recording = read(name, &bytes[..bytes.len() / 2]);
+        assert!((SAMPLES / 3..SAMPLES).contains(&recording.n_rows()), "{name}: {}", recording.n_rows());
+        let assumed = format_of(&recording).1;
+        assert!(assumed.contains("cut short"), "{name}: {assumed}");
+        // and noise in the middle
+        let mut noisy = bytes.clone();
+        let middle = noisy.len() / 2;
+        noisy[middle..middle + 400].fill(0x5a);
+        let recording = read(name, &noisy);
+        assert!(recording.n_rows() > SAMPLES / 3, "{name}");
+        assert!(
+            format_of(&recording).1.contains("bytes") || format_of(&recording).1.contains("damaged"),
+            "{name}"
+        );
+    }
 }
 
 #[test]

@@ -207,7 +207,8 @@ impl Dialect {
         })
     }
 
-    /// Channel, column, arithmetic and unit of the columns of a table. A unit stated in the header takes precedence.
+    /// Channel, column, arithmetic and unit of the columns of a table. A unit stated in the header takes precedence; an
+    /// unreadable one is refused unless the user maps or ignores the column.
     pub(super) fn entries(
         &self,
         path: &Path,

@@ -29,6 +29,7 @@ pub(super) fn is(begin: &[u8]) -> bool {
     text.starts_with(b"#") && (says(b"elapsedRealtimeNanos") || says(b"# Raw,"))
 }
 
+/// Reads the rows of all sensors. With `strict`, an unusable row is an error.
 pub(super) fn read(path: &Path, mut input: impl BufRead, strict: bool) -> Result<Opened, RecordingError> {
     // for every kind of row: timestamps and three values
     let mut rows: Vec<(Vec<i64>, [Vec<f64>; 3])> = vec![Default::default(); 2 * SENSORS.len()];

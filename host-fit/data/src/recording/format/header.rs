@@ -78,7 +78,7 @@ pub(in super::super) fn is_unit(text: &str) -> bool {
     targets.iter().any(|target| spelling(text, target).is_some())
 }
 
-/// Unit of a column: as stated in its header, else `default`.
+/// Unit of a column: as stated in its header, else `default`. A stated unit that does not fit `target` is refused.
 pub(super) fn unit_of(
     path: &Path,
     column: &str,

@@ -21,6 +21,7 @@ use crate::interrupt;
 /// before decompression.
 const LONGEST: usize = 1 << 27;
 
+/// A log damaged after its first record is read up to the damage.
 pub(super) fn read(
     path: &Path,
     mut input: impl BufRead,

@@ -222,7 +222,8 @@ impl Topics {
         topic.values.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
     }
 
-    /// Streams of the sensors, and the assumptions made.
+    /// Streams of the sensors, and the assumptions made. Several devices on the topic to read are refused unless one is
+    /// chosen; with `strict` also damage and unreadable messages.
     pub(super) fn finish(
         mut self,
         path: &Path,

@@ -110,7 +110,7 @@ enum Kind<'a> {
     Log(&'a String),
 }
 
-/// Reads one recording: the files of one folder, or one log.
+/// Reads one recording: the files of one folder, or one log. Several are refused unless one is chosen as the topic.
 pub(super) fn read(
     path: &Path,
     archive: &mut Archive,
@@ -267,7 +267,8 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// Files to read among those of one folder; `all` are the files of the archive.
+    /// Files to read among those of one folder; `all` are the files of the archive. Two files of one sensor are refused,
+    /// and acceleration without gravity alone.
     fn of(
         path: &Path,
         all: &[String],

@@ -12,8 +12,8 @@ use fos_fit::noise::NoiseLevels;
 const AROUND: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 impl SlowSearch<'_> {
-    /// Returns the alternatives to `current`, which is found together with `rest`, under `levels`. `log_error` is the standard error of
-    /// the logarithm of its parameter; `rivals` come with the amounts by which their scores are lower.
+    /// Returns the alternatives to `current`, which is found together with `rest`, under `levels`. `log_error` is the
+    /// standard error of the logarithm of its parameter; `rivals` come with the amounts by which their scores are lower.
     pub(super) fn alternatives(
         &self,
         (rest, levels): (&State, NoiseLevels),

@@ -16,9 +16,9 @@ const NEARLY_ALL: f64 = 0.9;
 
 impl SlowSearch<'_> {
     /// Returns the regressors of an effect that are worth their penalty on top of `state`, under given noise levels,
-    /// with the best parameter value for them: coefficients that the log does not determine would be wrong in the next one. Among
-    /// equally good subsets the smallest is chosen, then the first listed. If the terms share a parameter, the first
-    /// one sets its scale and is in every subset.
+    /// with the best parameter value for them: coefficients that the log does not determine would be wrong in the next
+    /// one. Among equally good subsets the smallest is chosen, then the first listed. If the terms share a parameter, the
+    /// first one sets its scale and is in every subset.
     pub(super) fn significant_terms(
         &self,
         state: &State,

@@ -76,6 +76,7 @@ const POWER: usize = 6;
 const LOAD: usize = 7;
 const TEMPERATURE: Option<(&str, &str, f64)> = Some(("temperature", "temp_c", 1.0));
 
+/// A log damaged after its definitions is read up to the damage.
 pub(super) fn read(
     path: &Path,
     input: impl BufRead,
@@ -353,7 +354,8 @@ impl Gathered {
         }
     }
 
-    /// Reduces every topic to the samples of one device.
+    /// Reduces every topic to the samples of one device. An inertial topic of several devices is refused unless `asked`
+    /// names one of them.
     fn choose_devices(&mut self, path: &Path, asked: &[&str]) -> Result<(), RecordingError> {
         let refused = |problem: String, help: &str| choice::no_sensors(path, Format::Ulog, problem, help);
         let known: Vec<String> = self.devices.iter().flatten().map(Device::name).collect();
@@ -404,7 +406,8 @@ impl Gathered {
         Ok(())
     }
 
-    /// Describes accelerometer and gyro on different chips.
+    /// Describes accelerometer and gyro on different chips; refuses them if another instance may share a chip and
+    /// `asked` does not name both.
     fn one_chip(&self, path: &Path, taken: &[usize], asked: &[&str]) -> Result<String, RecordingError> {
         let [acc, gyr] = *taken else { return Ok(String::new()) };
         let (Some(force), Some(rate)) = (self.device[acc], self.device[gyr]) else {
