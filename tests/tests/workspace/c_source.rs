@@ -8,53 +8,8 @@ use fos_embedded::hub::Hub;
 use fos_embedded::test_vector::{Expected, TestVector};
 use fos_export::{ExportError, c_source, image, test_vector};
 
-/// The part of fos.h that an exported header uses.
-const FOS_H: &str = "
-#ifndef FOS_H
-#define FOS_H
-#include <stddef.h>
-#include <stdint.h>
-#define FOS_AX 0
-#define FOS_AY 1
-#define FOS_AZ 2
-#define FOS_GX 3
-#define FOS_GY 4
-#define FOS_GZ 5
-#define FOS_MAX_INPUTS 16
-#define FOS_MAX_TERMS 128
-#define FOS_MAX_HISTORY 256
-#define FOS_VALUES_RAW 0
-#define FOS_VALUES_FACTORY_CORRECTED 1
-#define FOS_MOTION_MOVING 1
-#define FOS_MOTION_STILL 2
-enum fos_status { FOS_STATUS_OK = 0, FOS_STATUS_NULL = 1 };
-typedef int32_t fos_status;
-typedef uint8_t fos_motion;
-typedef struct fos_hub fos_hub;
-typedef struct fos_scales {
-    float accel_mps2, gyro_rads, temperature_k, temperature_zero_c;
-    double period_s;
-    uint8_t values;
-} fos_scales;
-typedef struct fos_raw_sample {
-    uint32_t skipped;
-    int16_t accel[3], gyro[3], temperature;
-    uint16_t faults;
-    uint8_t has_temperature;
-} fos_raw_sample;
-typedef struct fos_output {
-    uint32_t tick;
-    float measured[6], corrected[6], innovation[6], temperature_c;
-    uint16_t validity[6], faults;
-    uint8_t still, drift;
-} fos_output;
-fos_status fos_hub_init(void *memory, size_t size, const struct fos_scales *scales, struct fos_hub **out);
-fos_status fos_hub_load(struct fos_hub *hub, const uint8_t *image, size_t length);
-fos_status fos_hub_update(struct fos_hub *hub, const struct fos_raw_sample *raw, struct fos_output *output);
-fos_status fos_hub_give_application(struct fos_hub *hub, size_t k, float value);
-fos_status fos_hub_set_motion(struct fos_hub *hub, fos_motion motion);
-#endif
-";
+/// The header that an exported one includes.
+const FOS_H: &str = include_str!("../../../fos-embedded/include/fos.h");
 
 /// A hub that returns the expected outputs of the test vector: it verifies the comparison of the check, and nothing of
 /// the library.

@@ -1,15 +1,13 @@
 //! Accuracy of the noise levels of simulated logs against the Cramér-Rao bound, and coverage of their intervals: the figures
 //! of docs/imu-yaml.md. Hundreds of logs each: `.ci/release long` runs them.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use fos_data::recording::{LoadOptions, load};
 use fos_fit::noise::{AxisNoise, Level, NoiseLevels, log_deviations, seconds_for_walk_within};
 use fos_fit::signal::allan::allan_deviation;
 use fos_simulate::{Colour, GaussMarkov};
 use fos_testkit::outside;
 use fos_testkit::reference::{self, numbers};
+use rayon::prelude::*;
 
 use super::noise_of_a_log::{RATE_HZ, holds, log, noise_of};
 
@@ -27,26 +25,9 @@ const LENGTHS_S: [f64; 3] = [600.0, 3600.0, 28_800.0];
 /// accurate estimates.
 const ACCURATE: f64 = 0.25;
 
-/// Results of `of` for `count` seeds, on all cores; in no order.
+/// Results of `of` for `count` seeds, on all cores.
 fn in_parallel<T: Send>(count: u64, of: impl Fn(u64) -> T + Sync) -> Vec<T> {
-    let (next, results) = (AtomicU64::new(0), Mutex::new(Vec::new()));
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                // terminates: each seed is taken once
-                loop {
-                    let seed = next.fetch_add(1, Ordering::Relaxed);
-                    if seed >= count {
-                        return;
-                    }
-                    let result = of(FIRST_SEED + seed);
-                    results.lock().expect("no thread panics with it").push(result);
-                }
-            });
-        }
-    });
-    results.into_inner().expect("no thread panics with it")
+    (0..count).into_par_iter().map(|seed| of(FIRST_SEED + seed)).collect()
 }
 
 fn simulated([white, flicker, walk]: [f64; 3], seconds: f64, seed: u64) -> Vec<f64> {
