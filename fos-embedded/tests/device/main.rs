@@ -5,6 +5,7 @@ mod c_header;
 mod fault_matrix;
 mod fixed;
 mod hub;
+mod loggable;
 #[path = "../models/mod.rs"]
 mod models;
 mod page;
