@@ -89,7 +89,7 @@ const NEARBY: &str = "board pcb mcu baro barometer bmp case mag magnetometer hou
 
 /// Words next to a time: of a duration, and of a clock other than the sampling one.
 const NO_CLOCK: &str = "\
-    delta delay latency lag exposure duration interval period step cpu run remaining left out";
+    delta delay latency lag left exposure duration interval period step cpu run remaining out";
 const OTHER_CLOCK: &str = "\
     gps gnss utc unix epoch system host received recv arrival log local date day publish published wall \
     server";
