@@ -31,7 +31,7 @@ pub struct Publisher<'a> {
 }
 
 /// Sample index and publisher of all messages, in the order of their timestamps.
-pub fn in_order<'a>(publishers: &[Publisher<'a>]) -> Vec<(Publisher<'a>, usize)> {
+pub(super) fn in_order<'a>(publishers: &[Publisher<'a>]) -> Vec<(Publisher<'a>, usize)> {
     let mut all: Vec<(Publisher<'a>, usize)> = publishers
         .iter()
         .flat_map(|publisher| (0..publisher.flight.len()).map(|sample| (*publisher, sample)))
