@@ -1,8 +1,6 @@
 //! The hub compared with its predictor, and under the conditions of a product.
 
-use crate::models::{
-    self, AT_REST, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters,
-};
+use crate::models::{self, MADE, Made, OFFSET, Random, SCALES, SIX, TestHub, image, limits, parameters};
 use fos_core::{
     Axis, AxisModel, AxisParameters, Calibration, Correction, FittedOn, Image, ImageError, Info, Input,
     Model, Predictor, Quantity, Range, Sample, Source, StillnessDetector, Term, Transform, TriadCalibration,
