@@ -18,7 +18,6 @@
 //! | `noise_floor` | lowest mean square error of a causal linear predictor |
 //! | `transforms` | Fourier transforms, planned once |
 //! | `wavelet` | de-noising: the series without the noise of single samples |
-//! | `residual_tests` | textbook tests of a residual: whiteness, normality, constant variance |
 //! | `quantisation` | step of the converter, estimated from the data |
 
 pub mod allan;
@@ -26,7 +25,6 @@ pub mod autocorrelation;
 pub mod blocks;
 pub mod noise_floor;
 pub mod quantisation;
-pub mod residual_tests;
 pub mod spectrum;
 pub mod transforms;
 pub mod wavelet;

@@ -67,11 +67,6 @@ impl std::fmt::Display for Caution {
 }
 
 impl NoiseFloor {
-    /// One-sided power spectral density of white noise of this variance, unit²/Hz: the residual of the best predictor.
-    pub fn density(&self, rate_hz: f64) -> f64 {
-        2.0 * self.variance / rate_hz
-    }
-
     /// Returns true if a mean square error is below the confidence interval, and thus implausibly small.
     #[must_use]
     pub fn is_beaten_by(&self, mean_square_error: f64) -> bool {
