@@ -80,28 +80,6 @@ fn stop_at_gaps_missing_values_and_short_segments() {
 }
 
 #[test]
-fn do_not_depend_on_the_unit() {
-    let unit = noise(2000, 5, 1.0);
-    let pool = Candidates::builder().output(1..=4, 3).build().unwrap();
-    let gram = |signal: &[f64]| {
-        let rows = Rows::usable(&[signal], &[0..2000], pool.factors()).unwrap();
-        Moments::accumulate(&[signal], &rows, &pool).unwrap().gram(&pool).unwrap()
-    };
-    // powers of two scale exactly, so the result must be exact
-    for exponent in [-20, 20] {
-        let scale = 2f64.powi(exponent);
-        let scaled: Vec<f64> = unit.iter().map(|x| x * scale).collect();
-        let (a, b) = (gram(&unit), gram(&scaled));
-        for (i, p) in pool.monomials().iter().enumerate() {
-            for (j, q) in pool.monomials().iter().enumerate() {
-                let degree = (p.len() + q.len()) as i32;
-                assert_eq!(a.product(i, j) * scale.powi(degree), b.product(i, j));
-            }
-        }
-    }
-}
-
-#[test]
 fn block_moments_add_and_subtract() {
     let columns: Vec<_> = (0..2).map(|c| noise(900, 31 + c, 2.0)).collect();
     let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();

@@ -204,17 +204,6 @@ mod tests {
     }
 
     #[test]
-    fn white_noise_falls_with_the_root_of_the_averaging_time() {
-        let noise = white_noise(8, 500_000);
-        for point in allan_deviation(&[&noise], 0.005, &[0.005, 0.05, 0.5, 5.0]) {
-            let expected = (0.005 / point.tau_s).sqrt();
-            // relative standard error of a deviation is 1/√(2 edf); four of them
-            let tolerance = 4.0 / (2.0 * point.degrees_of_freedom).sqrt();
-            assert!((point.deviation / expected - 1.0).abs() < tolerance, "{point:?}");
-        }
-    }
-
-    #[test]
     fn interval_has_at_least_its_stated_coverage() {
         // 200 records each of white noise and random walk, one whole and one in two stretches. If the edf are those of
         // the other kind of noise the interval is too wide, so only the lower end is tested: 95 % minus three binomial

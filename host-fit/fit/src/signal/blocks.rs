@@ -105,12 +105,6 @@ mod tests {
     use fos_testkit::noise::white_noise;
 
     #[test]
-    fn blocks_never_span_a_gap() {
-        let means = block_means(&[&[0.0; 7], &[10.0; 7]], 5);
-        assert_eq!(means, [0.0, 10.0]);
-    }
-
-    #[test]
     fn block_means_reduce_white_variance_by_their_length() {
         let noise = white_noise(1, 200 * 2000);
         let slow = slow_error(&[&noise], 0.005, 1.0).unwrap();

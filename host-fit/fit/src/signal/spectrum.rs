@@ -153,31 +153,6 @@ mod tests {
     }
 
     #[test]
-    fn density_of_white_noise_is_flat_at_twice_the_variance_over_the_rate() {
-        let spectrum = welch(&[&white_noise(7, 400_000)], 200.0, 256).unwrap();
-        let expected = 2.0 / 200.0;
-        // about 3100 segments: relative standard error 1.03/√3100 = 1.9 %, five of them over 127 bins;
-        // bins 0 and 128 hold half of it, bins 1 and 127 see them through the window
-        for density in &spectrum.density[2..127] {
-            assert!((density / expected - 1.0).abs() < 0.093, "{density}");
-        }
-    }
-
-    #[test]
-    fn sine_has_half_its_squared_amplitude_as_power() {
-        for frequency in [20.0, 23.456] {
-            let (rate, amplitude) = (200.0, 3.0);
-            let sine: Vec<f64> =
-                (0..40_000).map(|n| amplitude * (2.0 * PI * frequency * n as f64 / rate).sin()).collect();
-            let spectrum = welch(&[&sine], rate, 1000).unwrap();
-            let peak = spectrum.density.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap().0;
-            assert!((spectrum.frequency_hz[peak] - frequency).abs() <= 0.5 * spectrum.resolution_hz);
-            // leakage of the Hann window at 100 bins from zero is below 1e-6
-            assert!((integral(&spectrum) - 4.5).abs() < 1e-4);
-        }
-    }
-
-    #[test]
     fn smoothing_preserves_flatness_and_order() {
         let frequency_hz: Vec<f64> = (0..=5000).map(|bin| bin as f64 * 0.02).collect();
         let flat = Spectrum { density: vec![2.5; 5001], frequency_hz, resolution_hz: 0.02, segments: 1 };
