@@ -8,7 +8,7 @@ use fos_core::{
     Range as Limits, Sample, Source, Transform, Validity,
 };
 use fos_fit::candidates::{Candidates, monomial_text_named};
-use fos_fit::fit::{NoiseRule, Search, Stop, StopRule, Stopped, fit};
+use fos_fit::fit::{Search, Stop, StopRule, Stopped, fit};
 use fos_fit::model::{FittedAxis, FittedTerm, HostPredictor, LoggedQuantity, NamedInput, UnitModel};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -88,12 +88,8 @@ impl SeriesOptions {
     }
 
     fn rule(&self) -> Result<StopRule, String> {
-        let noise = match self.stop.parse::<Stop>().map_err(|wrong| format!("stop: {wrong}"))? {
-            Stop::Multiplicity => NoiseRule::ExtendedBic,
-            Stop::Korenberg => NoiseRule::Korenberg,
-            Stop::Never => NoiseRule::Off,
-        };
-        Ok(StopRule { max_terms: self.max_terms, mse_ratio: None, noise })
+        let stop = self.stop.parse::<Stop>().map_err(|wrong| format!("stop: {wrong}"))?;
+        Ok(StopRule { max_terms: self.max_terms, stop })
     }
 }
 
@@ -200,7 +196,6 @@ fn search(
         Stopped::MostMoves => "after as many exchanges as are allowed".to_owned(),
         Stopped::Exact => "nothing is left".to_owned(),
         Stopped::NothingLeft => "every candidate is in".to_owned(),
-        Stopped::MseRatio => "enough is explained".to_owned(),
     };
     let means = names.iter().copied().zip(&inputs).map(|(name, input)| (name, input.centre));
     let centres: Vec<(&str, f64)> = match options.centre {

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::timing::least_time;
 use fos_fit::candidates::{Candidates, CandidatesError, Monomial};
 use fos_fit::fit::autoregression::{self, Method};
-use fos_fit::fit::{AutoregressionError, FitError, NoiseRule, Search, StopRule, fit, fos, refit, textbook};
+use fos_fit::fit::{AutoregressionError, FitError, Search, Stop, StopRule, fit, fos, refit, textbook};
 use fos_fit::moments::{Moments, Rows};
 use fos_fit::signal::wavelet::Denoising;
 
@@ -103,7 +103,7 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     let pool = Candidates::builder().output(1..=max_lag, degree).build()?;
     let signal = record(samples);
     let signals = [&signal[..]];
-    let rule = StopRule { max_terms: terms, mse_ratio: None, noise: NoiseRule::Off };
+    let rule = StopRule { max_terms: terms, stop: Stop::Never };
     let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())
         .map_err(FitError::from)?;
 
@@ -164,7 +164,7 @@ fn time_methods(signal: &[f64], settings: &Settings) -> Result<Vec<(String, f64)
         times.push((method.to_string(), raw_s));
         times.push((format!("de-noising and {method}"), denoise_s + after_s));
     }
-    let rule = StopRule { max_terms: terms, mse_ratio: None, noise: NoiseRule::Off };
+    let rule = StopRule { max_terms: terms, stop: Stop::Never };
     for degree in [1, 2] {
         let pool = Candidates::builder().output(1..=max_lag, degree).build()?;
         let whole = 0..samples;

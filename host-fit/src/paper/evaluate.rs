@@ -10,7 +10,7 @@ use super::settings::Settings;
 use super::split::Split;
 use crate::timing::median_time;
 use fos_fit::candidates::{Candidates, Monomial};
-use fos_fit::fit::{NoiseRule, StopRule, autoregression, refit};
+use fos_fit::fit::{StopRule, autoregression, refit};
 use fos_fit::moments::Rows;
 use fos_fit::signal::noise_floor::NoiseFloor;
 
@@ -94,8 +94,8 @@ fn fit(
         }
         Entry::Fos(degree) => {
             let pool = Candidates::builder().output(1..=order, degree).build()?;
-            let rule = StopRule { noise: NoiseRule::ExtendedBic, ..StopRule::default() };
-            let fit = fos_fit::fit::fit(&[&prepared.samples], train, &pool, &rule, settings.search)?;
+            let samples = &[&prepared.samples[..]];
+            let fit = fos_fit::fit::fit(samples, train, &pool, &StopRule::default(), settings.search)?;
             Ok(Predictor {
                 constant: fit.refit.constant,
                 terms: fit.terms,

@@ -183,7 +183,6 @@ impl<'g> Expansion<'g> {
 
     /// Chooses further terms until `rule` stops.
     pub(super) fn run(mut self, rule: &StopRule) -> Selection {
-        let initial_mse = self.gram.target_variance();
         let worth = rule.worth(self.gram);
         // terminates: each iteration adds a term, up to `max_terms`
         let stopped = loop {
@@ -191,9 +190,6 @@ impl<'g> Expansion<'g> {
             let mse = self.mse();
             if worth.is_exact(mse) {
                 break Stopped::Exact;
-            }
-            if rule.mse_ratio.is_some_and(|ratio| mse <= ratio * initial_mse) {
-                break Stopped::MseRatio;
             }
             if self.steps.len() >= rule.max_terms {
                 break Stopped::MaxTerms;
@@ -312,7 +308,7 @@ mod tests {
 
     use super::*;
     use crate::candidates::Candidates;
-    use crate::fit::NoiseRule;
+    use crate::fit::Stop;
     use crate::moments::{Moments, Rows};
 
     #[test]
@@ -322,7 +318,7 @@ mod tests {
         let pool = Candidates::builder().output(1..=5, 2).build().unwrap();
         let rows = Rows::usable(&[&output], &[0..900], pool.factors()).unwrap();
         let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram(&pool).unwrap();
-        let rule = StopRule { max_terms: 12, mse_ratio: None, noise: NoiseRule::Off };
+        let rule = StopRule { max_terms: 12, stop: Stop::Never };
         let chosen: Vec<usize> = search(&gram, &rule).candidates().collect();
         let recursion = Expansion::from_terms(&gram, &chosen).factor;
 

@@ -34,10 +34,10 @@ pub use axis_report::{AxisReport, LeftOut, SelectionStep, TiedModel};
 pub use exchange::Tie;
 pub use fos::{Selection, Step};
 pub(crate) use options::input_text;
-pub use options::{FitMethod, FitOptions, InputSpec, Stop, Train};
+pub use options::{FitMethod, FitOptions, InputSpec, Train};
 pub use poses::FittedPose;
 pub use refit::{Refit, RefitError};
-pub use stop::{NoiseRule, StopRule, Stopped};
+pub use stop::{Stop, StopRule, Stopped};
 
 /// A fitted model: the selected terms, and their least-squares coefficients.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use fos_core::{FittedOn, Transform};
 use serde::{Deserialize, Serialize};
 
-use super::stop::NoiseRule;
+use super::stop::Stop;
 use super::{Search, autoregression};
 use crate::signal::wavelet::Denoising;
 use fos_data::stored_as_text;
@@ -112,40 +112,6 @@ impl FromStr for FitMethod {
 }
 
 stored_as_text!(FitMethod);
-
-/// Stop rule of the search before the largest number of terms.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stop {
-    /// Stops when the best remaining term is no better than the best of all candidates on white noise (the default).
-    Multiplicity,
-    /// Korenberg's test, made for a single candidate: it admits a spurious term in nearly every record.
-    Korenberg,
-    Never,
-}
-
-impl Stop {
-    /// Returns the corresponding rule of the search.
-    pub(super) fn rule(self) -> NoiseRule {
-        match self {
-            Self::Multiplicity => NoiseRule::ExtendedBic,
-            Self::Korenberg => NoiseRule::Korenberg,
-            Self::Never => NoiseRule::Off,
-        }
-    }
-}
-
-impl FromStr for Stop {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "multiplicity" => Ok(Self::Multiplicity),
-            "korenberg" => Ok(Self::Korenberg),
-            "never" => Ok(Self::Never),
-            other => Err(format!("{other:?} is not one of multiplicity, korenberg, never")),
-        }
-    }
-}
 
 /// Training part of a log, from its start.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -8,7 +8,7 @@ use super::FitError;
 use super::axis_report::LeftOut;
 use super::refit;
 use super::regressors::Regressors;
-use super::stop::NoiseRule;
+use super::stop::Stop;
 use crate::candidates::{MAX_INPUT, Monomial};
 use crate::model::FittedTerm;
 use crate::model::UnitModel;
@@ -54,7 +54,7 @@ pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Resul
     loop {
         let (terms, rows) = coefficients(regressors, &inputs, levels)?;
         // as for a term of the search (`stop`), with the requested terms as the pool
-        let least = NoiseRule::ExtendedBic.threshold(rows, inputs.len() + left_out.len()) * rows as f64;
+        let least = Stop::Multiplicity.threshold(rows, inputs.len() + left_out.len()) * rows as f64;
         let sureness = |term: &FittedTerm| {
             term.standard_error.map_or(f64::INFINITY, |error| (term.coefficient / error).powi(2))
         };

@@ -43,8 +43,7 @@ fn assert_selection(reference: &Reference) {
         let korenberg = case["korenberg_stop"].as_bool().unwrap();
         let rule = StopRule {
             max_terms: integer("max_terms") as usize,
-            mse_ratio: None,
-            noise: if korenberg { NoiseRule::Korenberg } else { NoiseRule::Off },
+            stop: if korenberg { Stop::Korenberg } else { Stop::Never },
         };
         let fit = fit(&[signal], &[0..signal.len()], &pool, &rule, Search::Greedy).unwrap();
 
@@ -204,7 +203,7 @@ fn exchanges_find_the_best_of_all_subsets() {
     let mut missed = 0;
     for best in all["best"].as_array().unwrap() {
         let max_terms = best["size"].as_u64().unwrap() as usize;
-        let rule = StopRule { max_terms, mse_ratio: None, noise: NoiseRule::Off };
+        let rule = StopRule { max_terms, stop: Stop::Never };
         let search = |search| fit(&signals, &[0..signals[0].len()], &pool, &rule, search).unwrap();
         let exchanged = search(Search::Exchange);
         let mut found = exchanged.terms.clone();

@@ -50,7 +50,7 @@ fn search(
     options: &FitOptions,
     pool: &Candidates,
 ) -> Result<StochasticPart, AxisError> {
-    let rule = StopRule { max_terms: options.max_terms, mse_ratio: None, noise: options.stop.rule() };
+    let rule = StopRule { max_terms: options.max_terms, stop: options.stop };
     let fit = super::fit(&regressors.columns(), &regressors.stretches, pool, &rule, options.search)
         .map_err(|source| AxisError::Search { column: model.axes[0].column.clone(), source })?;
     let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
@@ -81,7 +81,6 @@ fn search(
         Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
         Stopped::Rounding => "stopped: other terms reduce the MSE by less than its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
         Stopped::MostMoves => "stopped after as many exchanges as are allowed; another might lower the error further".to_owned(),
-        Stopped::MseRatio => "stopped: MseRatio".to_owned(),
         Stopped::NothingLeft => "stopped: NothingLeft".to_owned(),
         Stopped::Exact => "stopped: Exact".to_owned(),
     };

@@ -40,7 +40,7 @@ fn pool_65() -> Candidates {
 }
 
 fn at_most(max_terms: usize) -> StopRule {
-    StopRule { max_terms, mse_ratio: None, noise: NoiseRule::Off }
+    StopRule { max_terms, stop: Stop::Never }
 }
 
 /// Residuals of a refit at its rows.
@@ -205,10 +205,6 @@ fn stops_at_each_rule() {
     let gram = gram(&[&output], &pool_65());
     let searched = |rule: StopRule| fos::search(&gram, &rule);
     assert_eq!(searched(at_most(3)).stopped, Stopped::MaxTerms);
-    let ratio = searched(StopRule { mse_ratio: Some(0.07), ..at_most(9) });
-    assert_eq!(ratio.stopped, Stopped::MseRatio);
-    assert!(ratio.mse() <= 0.07 * ratio.initial_mse);
-    assert!(ratio.steps[ratio.steps.len() - 2].mse > 0.07 * ratio.initial_mse);
     let default = searched(StopRule::default());
     let Stopped::Noise { mse_reduction, needed, .. } = default.stopped else {
         panic!("{:?}", default.stopped)
@@ -238,9 +234,9 @@ fn reports_unfittable_data() {
 }
 
 /// Share of white-noise records in which a rule chooses a term.
-fn false_alarms(noise: NoiseRule, records: u64) -> f64 {
+fn false_alarms(stop: Stop, records: u64) -> f64 {
     let pool = pool_65();
-    let rule = StopRule { max_terms: 1, mse_ratio: None, noise };
+    let rule = StopRule { max_terms: 1, stop };
     let alarm =
         |seed: &u64| !fos::search(&gram(&[&gaussian(3600, 1000 + seed)], &pool), &rule).steps.is_empty();
     (0..records).filter(alarm).count() as f64 / records as f64
@@ -248,9 +244,9 @@ fn false_alarms(noise: NoiseRule, records: u64) -> f64 {
 
 #[test]
 fn white_noise_passes_the_published_rule_and_not_the_default() {
-    let published = false_alarms(NoiseRule::Korenberg, 300);
+    let published = false_alarms(Stop::Korenberg, 300);
     assert!(published > 0.9, "the published rule allows for one candidate only: {published}");
-    let default = false_alarms(NoiseRule::ExtendedBic, 300);
+    let default = false_alarms(Stop::Multiplicity, 300);
     assert!(default < 0.02, "{default}");
 }
 
@@ -274,7 +270,7 @@ fn the_default_rule_never_misses_a_true_ar4() {
 fn refinement_reports_its_move_limit() {
     let output = autoregressive(5000, 12, &AR4, 0.05);
     let gram = gram(&[&output], &pool_65());
-    let rule = StopRule { noise: NoiseRule::Korenberg, ..StopRule::default() };
+    let rule = StopRule { stop: Stop::Korenberg, ..StopRule::default() };
     let greedy = fos::search(&gram, &rule);
     let (_, moves) = exchange::refine_within(1000, &gram, &rule, greedy.clone());
     assert!(moves > 0, "{moves}");

@@ -34,16 +34,15 @@ pub fn search(
     let target = function(&[fos_core::y(0)]);
     let constant = function(&[]);
     let candidates: Vec<Vec<f64>> = pool.monomials().iter().map(|monomial| function(monomial)).collect();
-    let noise = rule.noise.threshold(rows.count(), pool.len());
+    let noise = rule.stop.threshold(rows.count(), pool.len());
 
     let mut chosen = Vec::new();
     let mut p = vec![&constant];
     let mut d = vec![vec![1.0]];
     let mut c = vec![average(&target, &constant)];
-    let initial_mse = average(&target, &target) - c[0] * c[0];
-    let mut mse = initial_mse;
+    let mut mse = average(&target, &target) - c[0] * c[0];
     // terminates: each iteration adds a term
-    while chosen.len() < rule.max_terms && rule.mse_ratio.is_none_or(|ratio| mse > ratio * initial_mse) {
+    while chosen.len() < rule.max_terms {
         let m = p.len();
         let mut best: Option<(usize, f64, Vec<f64>, f64)> = None;
         for (candidate, function) in candidates.iter().enumerate() {

@@ -6,7 +6,7 @@ use fos_testkit::series::every_kind;
 use super::refine_within;
 use super::two_rules;
 use crate::candidates::Candidates;
-use crate::fit::{NoiseRule, StopRule, fos};
+use crate::fit::{Stop, StopRule, fos};
 use crate::moments::{Gram, Moments, Rows};
 use crate::signal;
 
@@ -29,11 +29,8 @@ fn scaled(series: &[f64]) -> Vec<f64> {
 }
 
 fn rules() -> Vec<StopRule> {
-    let rule = |noise, mse_ratio, max_terms| StopRule { max_terms, mse_ratio, noise };
-    let noise_rules = [NoiseRule::Off, NoiseRule::Korenberg, NoiseRule::ExtendedBic];
-    let mut rules: Vec<StopRule> = noise_rules.into_iter().map(|noise| rule(noise, None, 12)).collect();
-    rules.extend([rule(NoiseRule::Korenberg, Some(1e-4), 12), rule(NoiseRule::Off, None, 4)]);
-    rules
+    let rules = [(Stop::Never, 12), (Stop::Korenberg, 12), (Stop::Multiplicity, 12), (Stop::Never, 4)];
+    rules.into_iter().map(|(stop, max_terms)| StopRule { max_terms, stop }).collect()
 }
 
 /// A fit of the lags of a spline of noise did not terminate: `prune` removed the term that `extend` had added,
@@ -50,7 +47,7 @@ fn refinement_terminates_on_all_data() {
         without_end.count()
     };
     println!(
-        "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): {} refinements of FOS, from 3 candidate pools with 5 stopping rules, take at most {} moves | negative control: with different rules for removing and adding terms, {} refinements have not ended after {MAX_MOVES} moves",
+        "attack: refinements end | {} kinds of data (smooth, flat, coarse, periodic, exact, chaotic, wandering, over 300 decades of scale): {} refinements of FOS, from 3 candidate pools with 4 stopping rules, take at most {} moves | negative control: with different rules for removing and adding terms, {} refinements have not ended after {MAX_MOVES} moves",
         kinds.len(),
         refinements.len(),
         refinements.iter().map(|refinement| refinement.moves).max().unwrap(),

@@ -10,7 +10,7 @@ use crate::moments::Gram;
 
 /// Returns the number of moves, at most `most`.
 pub(super) fn moves(most: usize, gram: &Gram, rule: &StopRule, greedy: &Selection) -> usize {
-    let threshold = rule.noise.threshold(gram.rows(), gram.size());
+    let threshold = rule.stop.threshold(gram.rows(), gram.size());
     let exact = EXACT * gram.target_mean_square();
     let mut terms: Vec<usize> = greedy.candidates().collect();
     let mut moves = 0;
