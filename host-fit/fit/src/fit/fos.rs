@@ -39,8 +39,6 @@ pub struct Step {
     pub candidate: usize,
     /// Q: reduction of the mean square error, unit of y².
     pub mse_reduction: f64,
-    /// Error reduction ratio Q/⟨y²⟩.
-    pub err: f64,
     /// Mean square error with this term, by (7). The refit computes it from residuals.
     pub mse: f64,
 }
@@ -52,25 +50,14 @@ pub struct Selection {
     pub steps: Vec<Step>,
     /// Reason why the search stopped.
     pub stopped: Stopped,
-    /// Candidates that are collinear with the terms (or with the constant), in order of the pool.
-    pub collinear: Vec<usize>,
     /// Mean square error of the constant alone, which is the variance of y.
     pub initial_mse: f64,
-    /// a_0 by (8).
-    pub constant: f64,
-    /// a_m by (8), one per step; the refit is more accurate.
-    pub coefficients: Vec<f64>,
 }
 
 impl Selection {
     /// Indices of the chosen candidates, in order.
     pub fn candidates(&self) -> impl Iterator<Item = usize> {
         self.steps.iter().map(|step| step.candidate)
-    }
-
-    /// Mean square error of the model by (7).
-    pub fn mse(&self) -> f64 {
-        self.steps.last().map_or(self.initial_mse, |step| step.mse)
     }
 }
 
@@ -115,7 +102,6 @@ pub(super) struct Expansion<'g> {
     factor: Factorisation,
     steps: Vec<Step>,
     open: Vec<Open>,
-    collinear: Vec<usize>,
 }
 
 impl<'g> Expansion<'g> {
@@ -131,8 +117,7 @@ impl<'g> Expansion<'g> {
             factor.orthogonalise(&mut open, gram.mean(candidate));
             open
         });
-        let mut expansion =
-            Self { gram, open: open.collect(), factor, steps: Vec::new(), collinear: Vec::new() };
+        let mut expansion = Self { gram, open: open.collect(), factor, steps: Vec::new() };
         expansion.exclude_collinear();
         expansion
     }
@@ -207,19 +192,8 @@ impl<'g> Expansion<'g> {
     }
 
     /// Finishes the search and returns the selection.
-    pub(super) fn stopped(mut self, stopped: Stopped) -> Selection {
-        let initial_mse = self.gram.target_variance();
-        self.collinear.sort_unstable();
-        let mut weights = self.factor.weights();
-        let constant = weights.remove(0);
-        Selection {
-            steps: self.steps,
-            stopped,
-            collinear: self.collinear,
-            initial_mse,
-            constant,
-            coefficients: weights,
-        }
+    pub(super) fn stopped(self, stopped: Stopped) -> Selection {
+        Selection { steps: self.steps, stopped, initial_mse: self.gram.target_variance() }
     }
 
     /// Returns the index of the open candidate with the largest Q among the `offered` ones, the first of equals.
@@ -239,20 +213,13 @@ impl<'g> Expansion<'g> {
         for m in &mut self.open {
             self.factor.orthogonalise(m, self.gram.product(m.candidate, candidate));
         }
-        let err = mse_reduction / self.gram.target_mean_square();
-        self.steps.push(Step { candidate, mse_reduction, err, mse: mse - mse_reduction });
+        self.steps.push(Step { candidate, mse_reduction, mse: mse - mse_reduction });
         self.exclude_collinear();
     }
 
     fn exclude_collinear(&mut self) {
-        let Self { open, collinear, gram, .. } = self;
-        open.retain(|m| {
-            let free = m.dmm > COLLINEAR * gram.product(m.candidate, m.candidate);
-            if !free {
-                collinear.push(m.candidate);
-            }
-            free
-        });
+        let gram = self.gram;
+        self.open.retain(|m| m.dmm > COLLINEAR * gram.product(m.candidate, m.candidate));
     }
 }
 
@@ -327,7 +294,14 @@ mod tests {
             (Some(m), None) | (None, Some(m)) => gram.mean(chosen[m]),
             (Some(m), Some(r)) => gram.product(chosen[m], chosen[r]),
         };
-        let cholesky = nalgebra::DMatrix::from_fn(13, 13, entry).cholesky().unwrap().l();
+        let cholesky = nalgebra::DMatrix::from_fn(13, 13, entry).cholesky().unwrap();
+        let target =
+            |m: usize| m.checked_sub(1).map_or(gram.target_mean(), |m| gram.target_product(chosen[m]));
+        let solved = cholesky.solve(&nalgebra::DVector::from_fn(13, |m, _| target(m)));
+        for (ours, weight) in recursion.weights().iter().zip(&solved) {
+            assert!((ours - weight).abs() < 1e-12, "(8): {ours} for {weight}");
+        }
+        let cholesky = cholesky.l();
         for m in 0..13 {
             assert!((cholesky[(m, m)] - recursion.diagonal[m].sqrt()).abs() < 1e-14);
             for r in 0..m {
