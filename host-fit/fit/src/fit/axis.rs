@@ -123,15 +123,14 @@ pub fn fit_axis(
     let levelled;
     let mut recording = recording;
     if !options.physical.is_empty() {
-        let inputs: Vec<u8> = (0..options.physical.len() as u8).collect();
+        let inputs = (0..options.physical.len() as u8).collect();
         let levels = poses.columns(recording)?;
         let most = physical::most_levels(&regressors);
         if levels.len() > most {
             return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
         }
-        let part = physical::fit(&regressors, &inputs, &levels).map_err(search_error)?;
-        model.axes[0].physical = part.terms;
-        left_out = part.left_out.into_iter().map(|term| term.left_out_of(&model)).collect();
+        (model.axes[0].physical, left_out) =
+            physical::fit(&model, &regressors, inputs, &levels).map_err(search_error)?;
         regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
         let scale = model.axes[0].parameters.scale;
         let left = regressors.remainder.iter().map(|left| scale * left).chain(std::iter::repeat(f64::NAN));

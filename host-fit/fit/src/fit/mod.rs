@@ -9,7 +9,7 @@ pub mod fos;
 mod householder;
 mod least_squares;
 pub mod options;
-pub mod physical;
+mod physical;
 pub mod physical_range;
 mod pool;
 mod poses;

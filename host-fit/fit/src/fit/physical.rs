@@ -10,47 +10,33 @@ use super::refit;
 use super::regressors::Regressors;
 use super::stop::Stop;
 use crate::candidates::{MAX_INPUT, Monomial};
-use crate::model::FittedTerm;
-use crate::model::UnitModel;
+use crate::model::{FittedTerm, UnitModel};
 use crate::moments::Rows;
 
 /// Order of the autoregression that whitens the physical part's errors, and number of iterations.
 const WHITENING_ORDER: u16 = 10;
 const WHITENING_ROUNDS: usize = 3;
 
-/// Physical part, and the requested terms that are not significant.
-pub struct PhysicalPart {
-    /// Terms, one input each.
-    pub terms: Vec<FittedTerm>,
-    /// Requested terms that were excluded.
-    pub left_out: Vec<UnknownTerm>,
-}
-
-/// A term whose coefficient is not significant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UnknownTerm {
-    /// Index of its input in the model, from 0.
-    pub input: u8,
-    /// Coefficient at the time of its exclusion.
-    pub coefficient: f64,
-    /// Standard error of the coefficient.
-    pub standard_error: f64,
-}
-
 /// Returns the largest number of levels for [`fit`]: each takes the index of an input behind those of the model.
-pub fn most_levels(regressors: &Regressors) -> usize {
+pub(super) fn most_levels(regressors: &Regressors) -> usize {
     (usize::from(MAX_INPUT) + 1).saturating_sub(regressors.inputs.len())
 }
 
 /// Fits the physical part over `inputs` and `levels`, columns of constants that hold for part of the rows. A term whose
 /// coefficient noise alone might have produced is excluded, the least significant first, and the others are estimated
-/// again: in the model it would follow its input and only do harm.
+/// again: in the model it would follow its input and only do harm. Returns the terms, one input each, and those that
+/// were excluded.
 ///
 /// # Errors
 ///
 /// Too few rows, or inputs that are indistinguishable in the data.
-pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Result<PhysicalPart, FitError> {
-    let (mut inputs, mut left_out) = (inputs.to_vec(), Vec::new());
+pub(super) fn fit(
+    model: &UnitModel,
+    regressors: &Regressors,
+    mut inputs: Vec<u8>,
+    levels: &[Vec<f64>],
+) -> Result<(Vec<FittedTerm>, Vec<LeftOut>), FitError> {
+    let mut left_out = Vec::new();
     loop {
         let (terms, rows) = coefficients(regressors, &inputs, levels)?;
         // as for a term of the search (`stop`), with the requested terms as the pool
@@ -60,11 +46,12 @@ pub fn fit(regressors: &Regressors, inputs: &[u8], levels: &[Vec<f64>]) -> Resul
         };
         let weakest = (0..terms.len()).min_by(|a, b| sureness(&terms[*a]).total_cmp(&sureness(&terms[*b])));
         match weakest.filter(|index| sureness(&terms[*index]) < least) {
-            None => return Ok(PhysicalPart { terms, left_out }),
+            None => return Ok((terms, left_out)),
             Some(index) => {
                 let FittedTerm { coefficient, standard_error, .. } = terms[index];
                 let standard_error = standard_error.unwrap_or(f64::NAN);
-                left_out.push(UnknownTerm { input: inputs.remove(index), coefficient, standard_error });
+                let input = model.inputs[usize::from(inputs.remove(index))].name.clone();
+                left_out.push(LeftOut { input, coefficient, standard_error });
             }
         }
     }
@@ -125,13 +112,4 @@ fn whiten(column: &[f64], stretches: &[Range<usize>], colour: &[f64]) -> Vec<f64
         }
     }
     whitened
-}
-
-impl UnknownTerm {
-    /// Converts to the form stored in a study, with the name of its input.
-    pub(super) fn left_out_of(self, model: &UnitModel) -> LeftOut {
-        let Self { input, coefficient, standard_error } = self;
-        let input = model.inputs.get(usize::from(input)).map_or_else(String::new, |named| named.name.clone());
-        LeftOut { input, coefficient, standard_error }
-    }
 }
