@@ -20,7 +20,6 @@ fn all() -> Vec<Series> {
     let mut all = vec![
         // two damped resonances: poles of radius 0.95 and 0.8
         of("autoregression", vec![autoregression(1, 256, &[1.362, -1.2193, 0.8176, -0.5776], 1.0)]),
-        of("autoregression_complex", complex()),
         of("autoregression_with_mean", vec![with_mean()]),
         of("selection", vec![quadratic(4, 2000)]),
         of("gaps", vec![with_holes(quadratic(5, 1500))]),
@@ -63,19 +62,6 @@ fn sum(a: &[f64], factor: f64, b: &[f64]) -> Vec<f64> {
 
 fn sine(length: usize, cycles_per_sample: f64) -> Vec<f64> {
     (0..length).map(|n| (std::f64::consts::TAU * cycles_per_sample * n as f64).sin()).collect()
-}
-
-/// Two complex lines of opposite direction, and noise: real and imaginary part.
-fn complex() -> Vec<Vec<f64>> {
-    let (re, im) = (white_noise(2, 64), white_noise(3, 64));
-    let lines = |n: usize| {
-        let (a, b) = (0.7 * n as f64, -1.9 * n as f64);
-        [a.cos() + 0.5 * b.cos(), a.sin() + 0.5 * b.sin()]
-    };
-    vec![
-        (0..64).map(|n| lines(n)[0] + 0.1 * re[n]).collect(),
-        (0..64).map(|n| lines(n)[1] + 0.1 * im[n]).collect(),
-    ]
 }
 
 /// A slow resonance about a mean that is much larger.

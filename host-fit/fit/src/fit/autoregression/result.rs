@@ -36,11 +36,11 @@ impl Method {
 
 /// Estimated autoregression of order p.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Autoregression<T = f64> {
+pub struct Autoregression {
     /// Coefficients a_1 … a_p.
-    pub coefficients: Vec<T>,
+    pub coefficients: Vec<f64>,
     /// Reflection coefficients γ_1 … γ_p; empty for the two least-squares methods, which have none.
-    pub reflection: Vec<T>,
+    pub reflection: Vec<f64>,
     /// Estimated variance of e, unit of r²: by (9e) for Yule-Walker and Burg, the mean squared residual for the others.
     pub innovation_variance: f64,
 }
