@@ -153,27 +153,30 @@ impl UnitModel {
         })
     }
 
-    /// Adds the axes of `other`, a model of the same device, with the inputs they need; common inputs are shared. One
-    /// axis of corrected values makes it a model of corrected values.
+    /// Adds the axes of `other`, a model of the same device, with the inputs that their terms use; common inputs are
+    /// shared. One axis of corrected values makes it a model of corrected values.
     pub fn absorb(&mut self, other: UnitModel) {
         if other.fitted_on == FittedOn::FactoryCorrected {
             self.fitted_on = FittedOn::FactoryCorrected;
         }
         let first_axis = self.axes.len() as u8;
-        let quantities: Vec<u8> =
-            other.quantities.into_iter().map(|quantity| position(&mut self.quantities, quantity)).collect();
-        let inputs: Vec<u8> = other
-            .inputs
-            .into_iter()
-            .map(|mut named| {
-                named.input.source = match named.input.source {
-                    Source::Clock => Source::Clock,
-                    Source::Quantity(index) => Source::Quantity(quantities[usize::from(index)]),
-                    Source::Remainder(axis) => Source::Remainder(first_axis + axis),
-                };
-                position(&mut self.inputs, named)
-            })
-            .collect();
+        let terms = other.axes.iter().flat_map(|axis| axis.physical.iter().chain(&axis.stochastic));
+        let used: Vec<Channel> = terms.flat_map(|term| &term.factors).map(|factor| factor.channel).collect();
+        let mut inputs = vec![0; other.inputs.len()];
+        for (index, mut named) in other.inputs.into_iter().enumerate() {
+            if !used.contains(&Channel::Input(index as u8)) {
+                continue;
+            }
+            match &mut named.input.source {
+                Source::Clock => {}
+                Source::Quantity(quantity) => {
+                    let logged = other.quantities[usize::from(*quantity)].clone();
+                    *quantity = position(&mut self.quantities, logged);
+                }
+                Source::Remainder(axis) => *axis += first_axis,
+            }
+            inputs[index] = position(&mut self.inputs, named);
+        }
         for mut axis in other.axes {
             for term in axis.physical.iter_mut().chain(&mut axis.stochastic) {
                 for factor in &mut term.factors {
@@ -223,34 +226,9 @@ impl UnitModel {
 
     /// Removes the inputs and quantities that no term uses.
     pub fn drop_unused(&mut self) {
-        let factors = |axis: &FittedAxis| -> Vec<Factor> {
-            axis.physical.iter().chain(&axis.stochastic).flat_map(|term| term.factors.clone()).collect()
-        };
-        let used: Vec<Channel> = self.axes.iter().flat_map(factors).map(|factor| factor.channel).collect();
-        let axes = std::mem::take(&mut self.axes);
-        let mut old = Self { axes, ..self.clone() };
-        (self.inputs, self.quantities) = (Vec::new(), Vec::new());
-        let inputs_in_use = old.inputs.iter().enumerate().map(|(index, named)| {
-            used.contains(&Channel::Input(index as u8)).then(|| {
-                let mut named = named.clone();
-                if let Source::Quantity(quantity) = &mut named.input.source {
-                    let logged = old.quantities[usize::from(*quantity)].clone();
-                    *quantity = position(&mut self.quantities, logged);
-                }
-                position(&mut self.inputs, named)
-            })
-        });
-        let places: Vec<Option<u8>> = inputs_in_use.collect();
-        for term in old.axes.iter_mut().flat_map(|axis| axis.physical.iter_mut().chain(&mut axis.stochastic))
-        {
-            for factor in &mut term.factors {
-                if let Channel::Input(input) = &mut factor.channel {
-                    // a used input is still present
-                    *input = places[usize::from(*input)].unwrap_or(*input);
-                }
-            }
-        }
-        self.axes = old.axes;
+        let bare = Self { quantities: Vec::new(), inputs: Vec::new(), axes: Vec::new(), ..self.clone() };
+        let whole = std::mem::replace(self, bare);
+        self.absorb(whole);
     }
 
     /// Returns the number of terms of all axes.
