@@ -110,7 +110,7 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     let prepare = || -> Result<_, FitError> {
         let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())?;
         let moments = Moments::accumulate(&signals, &rows, &pool)?;
-        let gram = moments.gram(&pool)?;
+        let gram = moments.gram()?;
         Ok((moments, gram))
     };
     let (moments_s, prepared) = least_time(repeats, prepare);

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::candidates::{Candidates, Monomial};
-use crate::moments::{GramError, Moments, Rows, SignalsError};
+use crate::moments::{Moments, NoRows, Rows, SignalsError};
 pub use autoregression::{Autoregression, AutoregressionError};
 pub use axis::{AxisFit, fit_axes, fit_axis, rest, training_rows};
 pub use axis_error::AxisError;
@@ -80,7 +80,7 @@ pub enum FitError {
     Signals(#[from] SignalsError),
     /// There are no rows to average over.
     #[error(transparent)]
-    Gram(#[from] GramError),
+    NoRows(#[from] NoRows),
     /// The chosen terms cannot be solved for.
     #[error(transparent)]
     Refit(#[from] RefitError),
@@ -118,7 +118,7 @@ pub fn fit(
     search: Search,
 ) -> Result<Fit, FitError> {
     let rows = Rows::usable(signals, segments, pool.factors())?;
-    let gram = Moments::accumulate(signals, &rows, pool)?.gram(pool)?;
+    let gram = Moments::accumulate(signals, &rows, pool)?.gram()?;
     let greedy = fos::search(&gram, rule);
     let selection = match search {
         Search::Greedy => greedy,

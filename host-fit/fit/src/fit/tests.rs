@@ -32,7 +32,7 @@ fn whole(signals: &[&[f64]], pool: &Candidates) -> Rows {
 }
 
 fn gram(signals: &[&[f64]], pool: &Candidates) -> Gram {
-    Moments::accumulate(signals, &whole(signals, pool), pool).unwrap().gram(pool).unwrap()
+    Moments::accumulate(signals, &whole(signals, pool), pool).unwrap().gram().unwrap()
 }
 
 fn pool_65() -> Candidates {
@@ -100,10 +100,10 @@ fn agrees_with_the_textbook_recursion() {
             Candidates::builder().output(1..=3, 3).input(0, 0..=3, 2).cross_products(2).build().unwrap(),
         ];
         for pool in pools {
-            let rows = whole(&signals, &pool).within(&(0..1400));
+            let rows = Rows::usable(&signals, &[0..1400], pool.factors()).unwrap();
             for rule in [at_most(7), StopRule::default()] {
                 let twin = textbook::search(&signals, &rows, &pool, &rule).unwrap();
-                let gram = Moments::accumulate(&signals, &rows, &pool).unwrap().gram(&pool).unwrap();
+                let gram = Moments::accumulate(&signals, &rows, &pool).unwrap().gram().unwrap();
                 let selection = fos::search(&gram, &rule);
                 assert_eq!(
                     twin.iter().map(|t| t.0).collect::<Vec<_>>(),
@@ -219,7 +219,7 @@ fn stops_at_each_rule() {
 fn reports_unfittable_data() {
     let short = vec![1.0; 8];
     let none = fit(&[&short], &[0..8], &pool_65(), &StopRule::default(), Search::Greedy);
-    assert_eq!(none.unwrap_err(), FitError::Gram(GramError::NoRows));
+    assert_eq!(none.unwrap_err(), FitError::NoRows(NoRows));
     let rows = Rows::usable(&[&short], &[0..8], &[y(6)]).unwrap();
     let refused = refit::refit(&[&short], &rows, &[vec![y(1)]]).unwrap_err();
     assert_eq!(refused, RefitError::TooFewRows { rows: 2, parameters: 2 });

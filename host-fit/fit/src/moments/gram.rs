@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 use super::layout::{Average, Layout};
-use crate::candidates::{Candidates, Monomial, monomial_text};
 
 /// Averages over the rows, written ⟨·⟩: of products of candidates p_i, and of candidates and target y.
 #[derive(Debug, Clone)]
@@ -17,46 +16,32 @@ pub struct Gram {
     target_mean_square: f64,
 }
 
-/// Error of forming a Gram matrix.
+/// There are no rows to average over.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum GramError {
-    /// There are no rows to average over.
-    #[error("no row has its target and every lagged value: the segments are too short or hold no data")]
-    NoRows,
-    /// A candidate is not in the pool of the moments.
-    #[error("the moments do not cover {0}: accumulate them for a pool that holds it")]
-    NotCovered(String),
-}
+#[error("no row has its target and every lagged value: the segments are too short or hold no data")]
+pub struct NoRows;
 
 impl Gram {
     /// Forms the averages from the sums over `rows` of the products in `layout`.
-    pub(super) fn new(
-        rows: usize,
-        layout: &Layout,
-        sums: &[f64],
-        pool: &Candidates,
-    ) -> Result<Self, GramError> {
+    pub(super) fn new(rows: usize, layout: &Layout, sums: &[f64]) -> Result<Self, NoRows> {
         if rows == 0 {
-            return Err(GramError::NoRows);
+            return Err(NoRows);
         }
-        let place =
-            |p: &Monomial| layout.pool.position(p).ok_or_else(|| GramError::NotCovered(monomial_text(p)));
-        let places = pool.monomials().iter().map(place).collect::<Result<Vec<usize>, _>>()?;
         let average = |average| sums[layout.product(average)] / rows as f64;
-        let size = places.len();
+        let size = layout.size;
         let mut products = vec![0.0; size * size];
-        for (i, &p) in places.iter().enumerate() {
-            for (j, &q) in places[..=i].iter().enumerate() {
-                let product = average(Average::Pair(p, q));
+        for i in 0..size {
+            for j in 0..=i {
+                let product = average(Average::Pair(i, j));
                 products[i * size + j] = product;
                 products[j * size + i] = product;
             }
         }
         Ok(Self {
             rows,
-            means: places.iter().map(|&p| average(Average::Mean(p))).collect(),
+            means: (0..size).map(|i| average(Average::Mean(i))).collect(),
             products,
-            target_products: places.iter().map(|&p| average(Average::WithTarget(p))).collect(),
+            target_products: (0..size).map(|i| average(Average::WithTarget(i))).collect(),
             target_mean: average(Average::Target),
             target_mean_square: average(Average::TargetSquare),
         })

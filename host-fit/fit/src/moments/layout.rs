@@ -15,7 +15,8 @@ use crate::candidates::Candidates;
 /// Sums of a pool, and the order in which a pass over the data forms them.
 #[derive(Debug)]
 pub(super) struct Layout {
-    pub(super) pool: Candidates,
+    /// Number of candidates.
+    pub(super) size: usize,
     /// Distinct products, as (shape, shift): all shifts of one shape are adjacent, ascending.
     pub(super) products: Vec<(Product, usize)>,
     /// Index into `products` of every average a Gram matrix holds; see [`product`](Self::product).
@@ -120,7 +121,7 @@ impl Layout {
         let place = |(shape, shift): &(usize, usize)| index[shape * shifts.len() + shifts.rank[*shift]];
         let places = placed.iter().map(place).collect();
         let (halves, tiles) = tile(&mut shapes, tile_shape);
-        Self { pool: pool.clone(), products, places, shapes, halves, tiles, max_lag: pool.max_lag() }
+        Self { size: pool.len(), products, places, shapes, halves, tiles, max_lag: pool.max_lag() }
     }
 
     /// Returns the index of the product of an average.

@@ -1,8 +1,6 @@
 //! Time averages of products of candidates: the Gram matrix, from one pass over the data.
 //!
-//! [`Moments`] are sums over rows, so they add over segments, recordings and blocks, and a block is excluded by a
-//! subtraction. The [`Gram`] matrix then holds everything that a search needs; its size is that of the pool and not of
-//! the record.
+//! The [`Gram`] matrix holds everything that a search needs; its size is that of the pool and not of the record.
 //!
 //! Two products of delayed samples that differ only by a common delay a, p(n) and p(n − a), have sums that
 //! differ only in a few rows at either end (Korenberg, Annals of Biomedical Engineering 16 (1988) 123). For
@@ -22,10 +20,9 @@ mod layout;
 mod product;
 mod rows;
 
-use std::ops::{AddAssign, Range, SubAssign};
-use std::sync::Arc;
+use std::ops::Range;
 
-pub use gram::{Gram, GramError};
+pub use gram::{Gram, NoRows};
 pub(crate) use product::Product;
 pub(crate) use rows::column;
 pub use rows::{Rows, SignalsError};
@@ -37,7 +34,7 @@ use layout::Layout;
 /// Sums over rows of every product of two candidates, of candidates and the target, and of each alone.
 ///
 /// They are summed in cache blocks, then over blocks: the rounding error is some 10⁻¹⁵ of the sum of magnitudes, for
-/// any length and unit of the signals. Moments of the same pool add and subtract.
+/// any length and unit of the signals.
 ///
 /// ```
 /// use fos_fit::candidates::Candidates;
@@ -46,14 +43,14 @@ use layout::Layout;
 /// let y = [1.0, 2.0, 4.0, 8.0, 16.0];
 /// let pool = Candidates::builder().output(1..=1, 1).build()?;
 /// let rows = Rows::usable(&[&y], &[0..5], pool.factors())?;
-/// let gram = Moments::accumulate(&[&y], &rows, &pool)?.gram(&pool)?;
+/// let gram = Moments::accumulate(&[&y], &rows, &pool)?.gram()?;
 /// assert_eq!(gram.rows(), 4);
 /// assert_eq!(gram.target_product(0), 2.0 * gram.product(0, 0)); // ⟨y(n)·y(n-1)⟩ = 2⟨y(n-1)²⟩
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Moments {
-    layout: Arc<Layout>,
+    layout: Layout,
     rows: usize,
     /// Sums, one per product of the layout.
     sums: Vec<f64>,
@@ -66,26 +63,7 @@ impl Moments {
     /// Signals of unequal length, inputs missing, or `rows` made for shorter lags than the pool has.
     pub fn accumulate(signals: &[&[f64]], rows: &Rows, pool: &Candidates) -> Result<Self, SignalsError> {
         rows.check(signals, pool.factors())?;
-        let layout = Arc::new(Layout::new(pool, kernel::tile_shape()));
-        Ok(Self::over(layout, signals, rows))
-    }
-
-    /// Sums separately over the rows whose target lies in each of `blocks`, for cross-validation: `all -= &blocks[i]`.
-    ///
-    /// # Errors
-    /// Errors of [`accumulate`](Self::accumulate).
-    pub fn accumulate_blocks(
-        signals: &[&[f64]],
-        rows: &Rows,
-        blocks: &[Range<usize>],
-        pool: &Candidates,
-    ) -> Result<Vec<Self>, SignalsError> {
-        rows.check(signals, pool.factors())?;
-        let layout = Arc::new(Layout::new(pool, kernel::tile_shape()));
-        Ok(blocks.iter().map(|block| Self::over(layout.clone(), signals, &rows.within(block))).collect())
-    }
-
-    fn over(layout: Arc<Layout>, signals: &[&[f64]], rows: &Rows) -> Self {
+        let layout = Layout::new(pool, kernel::tile_shape());
         let mut sums = vec![0.0; layout.products.len()];
         let mut workspace = Workspace::new(&layout);
         for range in rows.ranges() {
@@ -103,12 +81,7 @@ impl Moments {
                 *sum += shared[shape.sum];
             }
         }
-        Self { layout, rows: rows.count(), sums }
-    }
-
-    /// Number of rows summed over.
-    pub fn rows(&self) -> usize {
-        self.rows
+        Ok(Self { layout, rows: rows.count(), sums })
     }
 
     /// Number of sums that take a pass over the data; all others follow from these.
@@ -125,41 +98,9 @@ impl Moments {
             + Workspace::new(layout).bytes()
     }
 
-    /// Returns the Gram matrix of a pool: the one of the moments, or any part of it.
-    ///
-    /// # Errors
-    /// There are no rows, or a candidate is not in the pool of the moments.
-    pub fn gram(&self, pool: &Candidates) -> Result<Gram, GramError> {
-        Gram::new(self.rows, &self.layout, &self.sums, pool)
-    }
-
-    /// # Panics
-    /// If the moments were made for different pools.
-    fn assert_same_pool(&self, other: &Self) {
-        let same = Arc::ptr_eq(&self.layout, &other.layout) || self.layout.pool == other.layout.pool;
-        assert!(same, "only moments of the same pool add");
-    }
-}
-
-impl AddAssign<&Moments> for Moments {
-    /// # Panics
-    /// If the moments were made for different pools.
-    fn add_assign(&mut self, other: &Moments) {
-        self.assert_same_pool(other);
-        self.rows += other.rows;
-        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
-    }
-}
-
-impl SubAssign<&Moments> for Moments {
-    /// Excludes rows that are part of these moments.
-    ///
-    /// # Panics
-    /// If the moments were made for different pools, or `other` has more rows.
-    fn sub_assign(&mut self, other: &Moments) {
-        self.assert_same_pool(other);
-        self.rows = self.rows.checked_sub(other.rows).expect("the excluded rows are part of these moments");
-        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a -= b);
+    /// Returns the Gram matrix.
+    pub fn gram(&self) -> Result<Gram, NoRows> {
+        Gram::new(self.rows, &self.layout, &self.sums)
     }
 }
 

@@ -112,13 +112,6 @@ impl Rows {
         self.ranges.iter().map(ExactSizeIterator::len).sum()
     }
 
-    /// Returns the rows whose target lies in `block`; their lagged values may lie before it.
-    pub fn within(&self, block: &Range<usize>) -> Self {
-        let cut = |r: &Range<usize>| r.start.max(block.start)..r.end.min(block.end);
-        let ranges = self.ranges.iter().map(cut).filter(|r| r.start < r.end).collect();
-        Self { ranges, max_lag: self.max_lag }
-    }
-
     /// Checks that these rows can serve products of `factors` of these signals.
     pub(crate) fn check<'f>(
         &self,
@@ -186,7 +179,6 @@ mod tests {
         let rows = Rows::usable(&[&signal], &[0..5, 5..8, 8..20], &[y(1), y(3)]).unwrap();
         assert_eq!(rows.ranges(), [3..5, 11..20]);
         assert_eq!(rows.count(), 11);
-        assert_eq!(rows.within(&(4..12)).ranges(), [4..5, 11..12]);
     }
 
     #[test]

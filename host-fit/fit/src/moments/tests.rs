@@ -16,7 +16,7 @@ fn noise(samples: usize, seed: u64, scale: f64) -> Vec<f64> {
 /// Compares every Gram entry with its definition. The bound is relative to the average magnitude of the summands, to
 /// which rounding is proportional.
 fn assert_matches_definition(signals: &[&[f64]], rows: &Rows, pool: &Candidates) {
-    let gram = Moments::accumulate(signals, rows, pool).unwrap().gram(pool).unwrap();
+    let gram = Moments::accumulate(signals, rows, pool).unwrap().gram().unwrap();
     assert_eq!(gram.rows(), rows.count());
     let check = |value: f64, a: &Monomial, b: &Monomial| {
         let value_at = |m: &Monomial, n: usize| -> f64 {
@@ -77,59 +77,4 @@ fn stop_at_gaps_missing_values_and_short_segments() {
         let rows = Rows::usable(&signals, &segments, pool.factors()).unwrap();
         assert_matches_definition(&signals, &rows, &pool);
     }
-}
-
-#[test]
-fn block_moments_add_and_subtract() {
-    let columns: Vec<_> = (0..2).map(|c| noise(900, 31 + c, 2.0)).collect();
-    let signals: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let pool = Candidates::builder().output(1..=5, 2).input(0, 0..=8, 1).cross_products(2).build().unwrap();
-    let rows = Rows::usable(&signals, &[0..400, 410..900], pool.factors()).unwrap();
-    let blocks = [0..100, 100..104, 104..450, 450..900];
-    let parts = Moments::accumulate_blocks(&signals, &rows, &blocks, &pool).unwrap();
-    let whole = Moments::accumulate(&signals, &rows, &pool).unwrap();
-
-    let mut sum = parts[0].clone();
-    parts[1..].iter().for_each(|part| sum += part);
-    assert_eq!(sum.rows(), whole.rows());
-    // entries are sums of up to 900 products of magnitude ≤ 2·2·2·2: 900·16·ε ≈ 3e-12
-    let close = |a: &Moments, b: &Moments| a.sums.iter().zip(&b.sums).all(|(a, b)| (a - b).abs() < 3e-12);
-    assert!(close(&sum, &whole));
-
-    sum -= &parts[2];
-    let kept = Moments::accumulate(&signals, &rows.within(&(0..104)), &pool).unwrap();
-    let mut rest = Moments::accumulate(&signals, &rows.within(&(450..900)), &pool).unwrap();
-    rest += &kept;
-    assert_eq!(sum.rows(), rest.rows());
-    assert!(close(&sum, &rest));
-}
-
-#[test]
-fn serve_any_pool_they_cover() {
-    let signal = noise(500, 3, 1.0);
-    let wide = Candidates::builder().output(1..=6, 2).build().unwrap();
-    let narrow = Candidates::builder().output(1..=2, 1).monomial(&[y(3), y(5)]).build().unwrap();
-    let rows = Rows::usable(&[&signal], &[0..500], wide.factors()).unwrap();
-    let moments = Moments::accumulate(&[&signal], &rows, &wide).unwrap();
-    let gram = moments.gram(&narrow).unwrap();
-    let (all, place) = (moments.gram(&wide).unwrap(), wide.position(&[y(3), y(5)]).unwrap());
-    assert_eq!(gram.product(2, 2), all.product(place, place));
-
-    let beyond = Candidates::builder().output(1..=7, 1).build().unwrap();
-    assert!(matches!(moments.gram(&beyond), Err(GramError::NotCovered(_))));
-    let none = Moments::accumulate(&[&signal], &rows.within(&(0..0)), &wide).unwrap();
-    assert_eq!(none.gram(&wide).unwrap_err(), GramError::NoRows);
-}
-
-#[test]
-#[should_panic(expected = "same pool")]
-fn moments_of_different_pools_do_not_add() {
-    let signal = noise(50, 3, 1.0);
-    let of = |lags| {
-        let pool = Candidates::builder().output(1..=lags, 1).build().unwrap();
-        let rows = Rows::usable(&[&signal], &[0..50], pool.factors()).unwrap();
-        Moments::accumulate(&[&signal], &rows, &pool).unwrap()
-    };
-    let mut a = of(2);
-    a += &of(3);
 }

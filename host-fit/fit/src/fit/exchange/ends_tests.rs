@@ -16,7 +16,7 @@ const MAX_MOVES: usize = 100;
 fn gram(series: &[f64], lags: u16, degree: usize) -> Gram {
     let pool = Candidates::builder().output(1..=lags, degree).build().unwrap();
     let rows = Rows::usable(&[series], &[0..series.len()], pool.factors()).unwrap();
-    Moments::accumulate(&[series], &rows, &pool).unwrap().gram(&pool).unwrap()
+    Moments::accumulate(&[series], &rows, &pool).unwrap().gram().unwrap()
 }
 
 /// Centred and scaled as for a fit; unchanged if that is impossible.
