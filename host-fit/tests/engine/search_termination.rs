@@ -1,5 +1,8 @@
 //! Every search loop terminates for any data. Steps are counted, not time: each loop calls
 //! [`check`](fos_data::interrupt::check), and the number of calls is limited.
+//!
+//! A refinement once did not terminate on splines of noise: it removed a term below the rounding error of ⟨y²⟩ and added
+//! it again, because its reduction was above the noise of the residual.
 
 use rayon::prelude::*;
 

@@ -22,16 +22,11 @@ use super::fos::{COLLINEAR, Expansion, Open, Selection};
 use super::stop::{EXACT, StopRule, Stopped, Worth};
 use crate::moments::Gram;
 
-#[cfg(test)]
-mod ends_tests;
-#[cfg(test)]
-mod two_rules;
-
 /// Smallest relative decrease of the MSE that justifies a swap: above rounding, below any significant change.
 const WORTH: f64 = 1e-9;
 
-/// Largest number of moves. The argument above bounds them only by the number of sets; on data of every kind
-/// (`ends_tests`) there are ten or fewer, and a thousand would take hours.
+/// Largest number of moves. The argument above bounds them only by the number of sets; on data of every kind there are
+/// ten or fewer, and a thousand would take hours.
 const MAX_MOVES: usize = 1000;
 
 /// Largest number of indistinguishable models that are listed.
