@@ -104,12 +104,11 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     let signal = record(samples);
     let signals = [&signal[..]];
     let rule = StopRule { max_terms: terms, stop: Stop::Never };
-    let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())
-        .map_err(FitError::from)?;
+    let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors());
 
     let prepare = || -> Result<_, FitError> {
-        let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors())?;
-        let moments = Moments::accumulate(&signals, &rows, &pool)?;
+        let rows = Rows::usable(&signals, std::slice::from_ref(&(0..samples)), pool.factors());
+        let moments = Moments::accumulate(&signals, &rows, &pool);
         let gram = moments.gram()?;
         Ok((moments, gram))
     };
@@ -121,9 +120,7 @@ pub fn measure(settings: &Settings) -> Result<Timings, BenchError> {
     refitted.map_err(FitError::from)?;
 
     let twin_s = if twin_repeats > 0 {
-        let (time, twin) = least_time(twin_repeats, || textbook::search(&signals, &rows, &pool, &rule));
-        twin.map_err(FitError::from)?;
-        Some(time)
+        Some(least_time(twin_repeats, || textbook::search(&signals, &rows, &pool, &rule)).0)
     } else {
         None
     };

@@ -45,16 +45,16 @@ pub(super) fn evaluate(
     let (time_s, fitted) = median_time(settings.repeats, || fit(prepared, entry, order, settings));
     let predictor = fitted?;
     // Mean over the rows preceded by as many samples as the largest order, so the same for all orders; in the axis' unit squared.
-    let mse = |samples: &[f64], ranges: &[Range<usize>]| -> Result<f64, CellError> {
-        let rows = Rows::usable(&[samples], ranges, &[y(settings.max_order)])?;
+    let mse = |samples: &[f64], ranges: &[Range<usize>]| {
+        let rows = Rows::usable(&[samples], ranges, &[y(settings.max_order)]);
         let Predictor { constant, terms, coefficients } = &predictor;
-        let mse = refit::mean_square_error(&[samples], &rows, *constant, terms, coefficients)?;
-        Ok(mse * prepared.scale * prepared.scale)
+        let mse = refit::mean_square_error(&[samples], &rows, *constant, terms, coefficients);
+        mse * prepared.scale * prepared.scale
     };
     let Split { evaluate, predict, .. } = &prepared.split;
-    let mse_same_target = mse(&prepared.samples, predict)?;
+    let mse_same_target = mse(&prepared.samples, predict);
     let mse_as_fitted = match entry {
-        Entry::Denoised(_) => mse(&prepared.denoised, predict)?,
+        Entry::Denoised(_) => mse(&prepared.denoised, predict),
         Entry::Raw(_) | Entry::Fos(_) => mse_same_target,
     };
     let below_floor = |mse| prepared.floor.as_ref().is_some_and(|floor| floor.is_beaten_by(mse));
@@ -62,7 +62,7 @@ pub(super) fn evaluate(
         terms: predictor.terms.len(),
         mse_as_fitted,
         mse_same_target,
-        mse_evaluation: mse(&prepared.samples, evaluate)?,
+        mse_evaluation: mse(&prepared.samples, evaluate),
         as_fitted_below_floor: below_floor(mse_as_fitted),
         same_target_below_floor: below_floor(mse_same_target),
         position_error_as_fitted_m: position_error_m(prepared.column, mse_as_fitted),

@@ -77,7 +77,7 @@ fn prompt_mse(recording: &Recording, diagnosis: &Diagnosis) -> f64 {
     signals.extend(regressors.iter().map(|regressor| &regressor[..]));
     let mut terms = vec![vec![y(1)], vec![y(2)]];
     terms.extend((0..regressors.len() as u8).map(|input| vec![u(input, 0)]));
-    let rows = Rows::usable(&signals, &[18..recording.n_rows()], terms.iter().flatten()).unwrap();
+    let rows = Rows::usable(&signals, &[18..recording.n_rows()], terms.iter().flatten());
     refit::refit(&signals, &rows, &terms).unwrap().mse
 }
 

@@ -283,8 +283,8 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let output: Vec<f64> = (0..900).map(|_| random.random::<f64>() - 0.4).collect();
         let pool = Candidates::builder().output(1..=5, 2).build().unwrap();
-        let rows = Rows::usable(&[&output], &[0..900], pool.factors()).unwrap();
-        let gram = Moments::accumulate(&[&output], &rows, &pool).unwrap().gram().unwrap();
+        let rows = Rows::usable(&[&output], &[0..900], pool.factors());
+        let gram = Moments::accumulate(&[&output], &rows, &pool).gram().unwrap();
         let rule = StopRule { max_terms: 12, stop: Stop::Never };
         let chosen: Vec<usize> = search(&gram, &rule).candidates().collect();
         let recursion = Expansion::from_terms(&gram, &chosen).factor;

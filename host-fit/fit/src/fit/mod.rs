@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::candidates::{Candidates, Monomial};
-use crate::moments::{Moments, NoRows, Rows, SignalsError};
+use crate::moments::{Moments, NoRows, Rows};
 pub use autoregression::{Autoregression, AutoregressionError};
 pub use axis::{AxisFit, fit_axes, fit_axis, rest, training_rows};
 pub use axis_error::AxisError;
@@ -75,9 +75,6 @@ impl FromStr for Search {
 
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// The signals do not fit the pool.
-    #[error(transparent)]
-    Signals(#[from] SignalsError),
     /// There are no rows to average over.
     #[error(transparent)]
     NoRows(#[from] NoRows),
@@ -108,8 +105,8 @@ pub enum FitError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Errors
-/// Signals that do not fit the pool, no usable row, or too few for the terms chosen.
+/// # Panics
+/// If the signals do not fit the pool or the segments.
 pub fn fit(
     signals: &[&[f64]],
     segments: &[Range<usize>],
@@ -117,8 +114,8 @@ pub fn fit(
     rule: &StopRule,
     search: Search,
 ) -> Result<Fit, FitError> {
-    let rows = Rows::usable(signals, segments, pool.factors())?;
-    let gram = Moments::accumulate(signals, &rows, pool)?.gram()?;
+    let rows = Rows::usable(signals, segments, pool.factors());
+    let gram = Moments::accumulate(signals, &rows, pool).gram()?;
     let greedy = fos::search(&gram, rule);
     let selection = match search {
         Search::Greedy => greedy,

@@ -81,7 +81,7 @@ fn coefficients(
     // terminates after WHITENING_ROUNDS, converged or not
     loop {
         let columns: Vec<&[f64]> = whitened.iter().map(Vec::as_slice).collect();
-        let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten())?;
+        let rows = Rows::usable(&columns, &regressors.stretches, monomials.iter().flatten());
         let solution = refit::refit(&columns, &rows, &monomials)?;
         if round == WHITENING_ROUNDS {
             let mut terms = solution.terms(&monomials);
@@ -96,7 +96,7 @@ fn coefficients(
                 regressors.remainder[row] - explained.sum::<f64>()
             })
             .collect();
-        let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten())?;
+        let rows = Rows::usable(&[&residual], &regressors.stretches, lags.iter().flatten());
         let colour = refit::refit(&[&residual], &rows, &lags)?.coefficients;
         whitened = all.iter().map(|column| whiten(column, &regressors.stretches, &colour)).collect();
     }

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::least_squares::{self, System};
 use crate::candidates::{MAX_DEGREE, MAX_INPUT, MAX_LAG, Monomial, is_candidate, monomial_text};
 use crate::model::FittedTerm;
-use crate::moments::{Product, Rows, SignalsError};
+use crate::moments::{Product, Rows};
 
 /// A least-squares fit of given terms.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +49,6 @@ impl Refit {
 /// Reason why terms could not be fitted.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RefitError {
-    /// The signals do not fit the terms.
-    #[error(transparent)]
-    Signals(#[from] SignalsError),
     /// A term that no pool can contain.
     #[error(
         "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
@@ -80,11 +77,10 @@ pub enum RefitError {
 
 /// Fits the constant and `terms` to all `rows` of the signals by least squares.
 ///
-/// # Errors
-/// Signals that do not fit the terms, a monomial that cannot be a term, too few rows, or a term collinear with
-/// those before it.
+/// # Panics
+/// If the signals do not fit the terms.
 pub fn refit(signals: &[&[f64]], rows: &Rows, terms: &[Monomial]) -> Result<Refit, RefitError> {
-    rows.check(signals, terms.iter().flatten())?;
+    rows.check(signals, terms.iter().flatten());
     if let Some(term) = terms.iter().position(|m| !is_candidate(m)) {
         return Err(RefitError::Term { term, text: monomial_text(&terms[term]) });
     }
@@ -121,19 +117,19 @@ pub fn working_bytes(terms: usize) -> usize {
 
 /// Returns the mean of e² for given weights, from the residuals; NaN without rows. Unit of y².
 ///
-/// # Errors
-/// Signals that do not fit the terms.
+/// # Panics
+/// If the signals do not fit the terms.
 pub fn mean_square_error(
     signals: &[&[f64]],
     rows: &Rows,
     constant: f64,
     terms: &[Monomial],
     coefficients: &[f64],
-) -> Result<f64, RefitError> {
-    rows.check(signals, terms.iter().flatten())?;
+) -> f64 {
+    rows.check(signals, terms.iter().flatten());
     let weights: Vec<f64> = std::iter::once(constant).chain(coefficients.iter().copied()).collect();
     let system = System { signals, ranges: rows.ranges(), columns: columns(terms) };
-    Ok(least_squares::residual_sum_of_squares(&[system], &weights) / rows.count() as f64)
+    least_squares::residual_sum_of_squares(&[system], &weights) / rows.count() as f64
 }
 
 /// Returns the columns of [X y]: the constant, the terms, the target.

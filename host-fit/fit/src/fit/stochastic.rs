@@ -124,12 +124,10 @@ fn autoregress(
     let monomials: Vec<Monomial> = (1..=options.max_lag).map(|lag| vec![y(lag)]).collect();
     let constant = mean * (1.0 - estimate.coefficients.iter().sum::<f64>());
     let remainder: &[f64] = &regressors.remainder;
-    let search_error = |source: super::FitError| AxisError::Search { column: column.clone(), source };
-    let rows = Rows::usable(&[remainder], &regressors.stretches, monomials.iter().flatten())
-        .map_err(|source| search_error(source.into()))?;
-    let raw = refit::refit(&[remainder], &rows, &monomials).map_err(|source| search_error(source.into()))?;
-    let mse = refit::mean_square_error(&[remainder], &rows, constant, &monomials, &estimate.coefficients)
-        .map_err(|source| search_error(source.into()))?;
+    let rows = Rows::usable(&[remainder], &regressors.stretches, monomials.iter().flatten());
+    let raw = refit::refit(&[remainder], &rows, &monomials)
+        .map_err(|source| AxisError::Search { column: column.clone(), source: source.into() })?;
+    let mse = refit::mean_square_error(&[remainder], &rows, constant, &monomials, &estimate.coefficients);
     let terms = monomials.iter().zip(&estimate.coefficients).zip(&raw.coefficient_errors);
     let terms = terms.map(|((factors, coefficient), error)| FittedTerm {
         coefficient: *coefficient,

@@ -9,21 +9,16 @@ use fos_core::Factor;
 use super::fos::COLLINEAR;
 use super::stop::StopRule;
 use crate::candidates::Candidates;
-use crate::moments::{Rows, SignalsError, column};
+use crate::moments::{Rows, column};
 
 /// Returns terms in the order chosen, with Q of each: (index in the pool, reduction of the mean square error).
 ///
 /// Stops by the same rules as [`super::fos::search`].
 ///
-/// # Errors
-/// Signals that do not fit the pool.
-pub fn search(
-    signals: &[&[f64]],
-    rows: &Rows,
-    pool: &Candidates,
-    rule: &StopRule,
-) -> Result<Vec<(usize, f64)>, SignalsError> {
-    rows.check(signals, pool.factors())?;
+/// # Panics
+/// If the signals do not fit the pool.
+pub fn search(signals: &[&[f64]], rows: &Rows, pool: &Candidates, rule: &StopRule) -> Vec<(usize, f64)> {
+    rows.check(signals, pool.factors());
     let value = |monomial: &[Factor], n: usize| -> f64 {
         monomial.iter().map(|f| signals[column(f)][n - usize::from(f.lag)]).product()
     };
@@ -75,5 +70,5 @@ pub fn search(
             _ => break,
         }
     }
-    Ok(chosen)
+    chosen
 }

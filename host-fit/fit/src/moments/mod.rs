@@ -24,8 +24,8 @@ use std::ops::Range;
 
 pub use gram::{Gram, NoRows};
 pub(crate) use product::Product;
+pub use rows::Rows;
 pub(crate) use rows::column;
-pub use rows::{Rows, SignalsError};
 
 use crate::candidates::Candidates;
 use kernel::Workspace;
@@ -42,8 +42,8 @@ use layout::Layout;
 ///
 /// let y = [1.0, 2.0, 4.0, 8.0, 16.0];
 /// let pool = Candidates::builder().output(1..=1, 1).build()?;
-/// let rows = Rows::usable(&[&y], &[0..5], pool.factors())?;
-/// let gram = Moments::accumulate(&[&y], &rows, &pool)?.gram()?;
+/// let rows = Rows::usable(&[&y], &[0..5], pool.factors());
+/// let gram = Moments::accumulate(&[&y], &rows, &pool).gram()?;
 /// assert_eq!(gram.rows(), 4);
 /// assert_eq!(gram.target_product(0), 2.0 * gram.product(0, 0)); // ⟨y(n)·y(n-1)⟩ = 2⟨y(n-1)²⟩
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -59,10 +59,10 @@ pub struct Moments {
 impl Moments {
     /// Sums over all `rows` of the signals (column 0 the output, column i + 1 input i).
     ///
-    /// # Errors
-    /// Signals of unequal length, inputs missing, or `rows` made for shorter lags than the pool has.
-    pub fn accumulate(signals: &[&[f64]], rows: &Rows, pool: &Candidates) -> Result<Self, SignalsError> {
-        rows.check(signals, pool.factors())?;
+    /// # Panics
+    /// If the signals have unequal lengths, inputs are missing, or `rows` were made for shorter lags than the pool has.
+    pub fn accumulate(signals: &[&[f64]], rows: &Rows, pool: &Candidates) -> Self {
+        rows.check(signals, pool.factors());
         let layout = Layout::new(pool, kernel::tile_shape());
         let mut sums = vec![0.0; layout.products.len()];
         let mut workspace = Workspace::new(&layout);
@@ -81,7 +81,7 @@ impl Moments {
                 *sum += shared[shape.sum];
             }
         }
-        Ok(Self { layout, rows: rows.count(), sums })
+        Self { layout, rows: rows.count(), sums }
     }
 
     /// Number of sums that take a pass over the data; all others follow from these.
