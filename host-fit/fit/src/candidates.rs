@@ -46,30 +46,22 @@ pub struct Candidates {
     monomials: Vec<Monomial>,
 }
 
-/// Error of building a pool.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum CandidatesError {
-    /// Output lag 0, which is the value to be predicted.
     #[error("the output at lag 0 is what the model predicts: output lags start at 1")]
     OutputAtLagZero,
-    /// Degree outside 1..=[`MAX_DEGREE`].
     #[error("degree {0} is outside 1 to {MAX_DEGREE}")]
     Degree(usize),
-    /// Explicit monomial without factors.
     #[error("the constant is in every model and cannot be a candidate")]
     Constant,
-    /// Empty range of lags.
     #[error("the lag range {0} to {1} is empty")]
     EmptyLags(u16, u16),
-    /// Lag beyond [`MAX_LAG`] or input beyond [`MAX_INPUT`].
     #[error("{0} is out of reach: lags go to {MAX_LAG}, inputs to u{MAX_INPUT}")]
     OutOfReach(String),
-    /// More than [`MAX_CANDIDATES`] candidates.
     #[error(
         "more than {MAX_CANDIDATES} candidates: the averages of their products would not fit into memory"
     )]
     TooMany,
-    /// No candidate.
     #[error("the pool is empty: give output lags, input lags or a monomial")]
     Empty,
 }
@@ -183,10 +175,6 @@ impl Builder {
     }
 
     /// Builds the pool.
-    ///
-    /// # Errors
-    /// An output at lag 0, a degree outside 1..=[`MAX_DEGREE`], an explicit constant, an empty pool, or more than
-    /// [`MAX_CANDIDATES`].
     pub fn build(self) -> Result<Candidates, CandidatesError> {
         let degrees = self.groups.iter().map(|g| g.degree).chain(self.cross_degree);
         let explicit_degrees = self.explicit.iter().map(Vec::len);

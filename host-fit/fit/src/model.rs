@@ -112,10 +112,6 @@ pub struct FittedTerm {
 
 impl UnitModel {
     /// Returns a predictor for the model, in f64, or in f32 as on the device.
-    ///
-    /// # Errors
-    ///
-    /// Error of fos-core in the model.
     pub fn predictor<R: Real>(&self) -> Result<HostPredictor<R>, ModelError> {
         self.with(HostPredictor::new)
     }

@@ -62,10 +62,6 @@ const UNKNOWN_TICKS: u64 = 256;
 
 impl<'a> Playback<'a> {
     /// `still` marks the rows in which the true value is known.
-    ///
-    /// # Errors
-    ///
-    /// A column that the model needs is missing.
     pub fn new(
         recording: &'a Recording,
         model: &UnitModel,

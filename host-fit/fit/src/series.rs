@@ -37,7 +37,6 @@ pub enum SeriesError {
     Recording(#[from] RecordingError),
     #[error(transparent)]
     Axis(#[from] AxisError),
-    /// fos-core refuses the model.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
@@ -63,10 +62,6 @@ pub enum SeriesError {
 /// assert!(forecast[19].standard_error > 2.0 * forecast[0].standard_error);
 /// # Ok::<(), fos_fit::series::SeriesError>(())
 /// ```
-///
-/// # Errors
-///
-/// Too few samples for the candidates, a constant series, or a sampling rate of no sensor.
 pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<SeriesFit, SeriesError> {
     let time = (0..values.len()).map(|n| n as f64 / rate_hz).collect();
     let columns = vec![("t_s".to_owned(), time), (COLUMN.to_owned(), values.to_vec())];
@@ -80,10 +75,6 @@ pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<
 
 impl SeriesFit {
     /// Returns the evaluator of the device, in f64, before its first sample.
-    ///
-    /// # Errors
-    ///
-    /// fos-core refuses the model.
     pub fn predictor(&self) -> Result<HostPredictor<f64>, ModelError> {
         self.model.predictor()
     }
@@ -93,10 +84,6 @@ impl SeriesFit {
     /// With ψ_i the change of the forecast i samples after a unit innovation, the variance of the forecast h samples
     /// ahead is σ²·Σ_{i<h} ψ_i² (Box and Jenkins 1976, section 5.1). The ψ are determined by a second run of the
     /// evaluator with the last value increased by σ: exact for a linear model, the slope at the forecast otherwise.
-    ///
-    /// # Errors
-    ///
-    /// fos-core refuses the model.
     pub fn forecast(&self, history: &[f64], steps: usize) -> Result<Vec<Forecast>, ModelError> {
         let mut predictor = self.predictor()?;
         for value in history {

@@ -48,26 +48,18 @@ pub struct ThermalCubic {
     pub coefficients: [f64; 4],
 }
 
-/// Reason why there is no such table.
 #[derive(Debug, thiserror::Error)]
 pub enum ThermalError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(
         "{log}: it has no temperature, temp_c: a table by temperature needs one\nhelp: log the temperature of the sensor's die beside the axes, or map another column to temp_c"
     )]
     NoThermometer { log: String },
-    /// Too few rows at rest have a temperature.
     #[error(
         "{log}: {blocks} blocks at rest with a temperature are too few for a cubic of it; {FEWEST_BLOCKS} are needed\nhelp: let the unit lie still from cold to warm, for half an hour or more"
     )]
-    TooShort {
-        log: String,
-        /// Number of blocks.
-        blocks: usize,
-    },
-    /// The temperature hardly changes.
+    TooShort { log: String, blocks: usize },
     #[error(
         "{log}: on the rows that are fitted the temperature goes from {low_c:.2} to {high_c:.2} °C, less than the {NARROWEST_K} K that a cubic of it needs\nhelp: cool the unit for half an hour, then log it lying still while it warms up as far as it will in use; a larger `train` takes more of this log"
     )]
@@ -76,10 +68,6 @@ pub enum ThermalError {
 
 impl ThermalTable {
     /// Fits every axis on those of `rows` in which the device is at rest.
-    ///
-    /// # Errors
-    ///
-    /// There is no thermometer, the temperature did not change enough, or the device moves all along.
     pub fn fit(
         recording: &Recording,
         stillness: &Stillness,
@@ -163,10 +151,6 @@ pub fn about(coefficients: [f64; 4], reference: f64) -> [f64; 4] {
 }
 
 /// Returns the temperature of every row, °C, held between the values of a slower thermometer.
-///
-/// # Errors
-///
-/// There is no thermometer.
 pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
     match recording.channel(TEMPERATURE) {
         Ok(channel) => Ok(recording.held_from_first(channel).into_owned()),
@@ -177,10 +161,6 @@ pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
 /// Returns the RMS of the 1-s means of an axis minus `correction`, one value per row, over the rows at rest among
 /// `rows`; about their mean, as every stack determines the constant itself, and for an accelerometer about the mean in
 /// each orientation. In the axis' unit; none if fewer than two such means are known.
-///
-/// # Errors
-///
-/// The column is missing.
 pub fn left_by(
     recording: &Recording,
     stillness: &Stillness,

@@ -52,19 +52,11 @@ pub struct AxisTrace {
 
 /// Runs `model` over the recording behind `playback`, from its first row on to warm up, and keeps the residuals in
 /// `rows`.
-///
-/// # Errors
-///
-/// fos-core rejects the model.
 pub fn trace(model: &UnitModel, playback: &Playback<'_>, rows: Range<usize>) -> Result<Trace, ModelError> {
     run::<f64>(model, playback, rows, Coasted::AllRows)
 }
 
 /// Runs `model` like [`trace`], in the numbers of a device with an FPU.
-///
-/// # Errors
-///
-/// fos-core rejects the model.
 pub fn trace_in_f32(
     model: &UnitModel,
     playback: &Playback<'_>,
@@ -74,10 +66,6 @@ pub fn trace_in_f32(
 }
 
 /// Runs `model` like [`trace`], but keeps these free runs.
-///
-/// # Errors
-///
-/// fos-core rejects the model.
 pub fn trace_of(
     model: &UnitModel,
     playback: &Playback<'_>,

@@ -4,7 +4,6 @@ use fos_core::{Axis, Image, Quantity};
 
 use crate::model::{FittedAxis, FittedTerm, LoggedQuantity, NamedInput, UnitModel};
 
-/// An axis or quantity of an image has no name.
 #[derive(Debug, thiserror::Error)]
 #[error("{what} {index} of the image has no column of its own\nhelp: name the columns of the axes (`axes`)")]
 pub struct NoColumn {
@@ -27,11 +26,7 @@ pub(super) fn column_of(axis: Axis) -> Option<&'static str> {
     }
 }
 
-/// Returns the model of an image, with the names of its columns.
-///
-/// # Errors
-///
-/// An axis or a quantity has no name. If `axes` is not empty, it names the axes instead.
+/// Returns the model of an image, with the names of its columns; `axes`, unless empty, names its axes instead.
 pub fn model_of(image: &Image<'_>, axes: &[String]) -> Result<UnitModel, NoColumn> {
     let terms = |terms: fos_core::image::Terms<'_>| -> Vec<FittedTerm> {
         terms

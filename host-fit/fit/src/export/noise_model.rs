@@ -38,7 +38,6 @@ pub struct Worst {
     pub about: String,
 }
 
-/// A log is not sufficient for the file of a filter.
 #[derive(Debug, thiserror::Error)]
 pub enum NoiseModelError {
     #[error(
@@ -49,10 +48,6 @@ pub enum NoiseModelError {
 
 impl NoiseModel {
     /// Combines the axes of a log.
-    ///
-    /// # Errors
-    ///
-    /// One of the six axes is missing.
     pub fn of(log: &str, rate_hz: f64, axes: &[AxisNoise]) -> Result<Self, NoiseModelError> {
         let of = |columns: [&'static str; 3]| -> Result<TriadNoise, NoiseModelError> {
             let mut three = Vec::new();

@@ -73,11 +73,6 @@ pub fn rest(recording: &Recording, train: Train) -> Stillness {
 }
 
 /// Fits `axis` (`gx`, or a column) of `recording`; `stillness` is [`rest`] or further information about the log.
-///
-/// # Errors
-///
-/// A column is missing, the training part is too short or constant, the device moves all along, or the candidates are
-/// indistinguishable.
 pub fn fit_axis(
     recording: &Recording,
     stillness: &Stillness,
@@ -167,10 +162,6 @@ pub fn fit_axis(
 }
 
 /// Fits several axes of a recording in parallel; `done` is called after each.
-///
-/// # Errors
-///
-/// Errors of [`fit_axis`]; the error of the first axis that has one.
 pub fn fit_axes(
     recording: &Recording,
     stillness: &Stillness,

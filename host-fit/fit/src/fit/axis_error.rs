@@ -10,36 +10,25 @@ use crate::candidates::{CandidatesError, MAX_CANDIDATES};
 /// Reason why an axis cannot be fitted.
 #[derive(Debug, thiserror::Error)]
 pub enum AxisError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// Too few rows at rest.
     #[error(
         "{column}: {rows} rows at rest to train on; {needed} are needed for {candidates} candidates\nhelp: a longer log, a larger `train`{}",
         suggestion(", or ", fits)
     )]
     TooShort {
         column: String,
-        /// Number of rows at rest in the training part.
         rows: usize,
-        /// Number of rows needed.
         needed: usize,
         candidates: usize,
         /// Options for which the rows suffice; empty if there are none.
         fits: String,
     },
-    /// Too many candidates for the memory.
     #[error(
         "{column}: {candidates} candidates, of which all products are averaged; {MAX_CANDIDATES} is the most that memory is taken for\nhelp: a smaller `max_lag`, `input_lags` or `degree`{}",
         suggestion(", as ", fits)
     )]
-    TooMany {
-        column: String,
-        candidates: usize,
-        /// Options that give fewer candidates.
-        fits: String,
-    },
-    /// An accelerometer without a reference rests in more than one orientation.
+    TooMany { column: String, candidates: usize, fits: String },
     #[error(
         "{column}: the device rests in several orientations, from {:.1} s on with {} and from {:.1} s on with {} m/s²: gravity differs between them, and the difference would be fitted as an error\nhelp: fit one orientation: `train` {train_s}s ends in the first; or mark one in a column `still`; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; gyros are not affected: `axis` gx,gy,gz",
         first.0, force(&first.1), second.0, force(&second.1)
@@ -53,65 +42,43 @@ pub enum AxisError {
         /// Whole seconds at rest until the end of the first orientation.
         train_s: u64,
     },
-    /// An accelerometer without a reference rests in too many orientations for a fit with physical terms.
     #[error(
         "{column}: the device rests in {poses} orientations, each with its own constant; at most {most} can be fitted together with physical terms\nhelp: a smaller `train`, which contains fewer of them; or log the true values in ref_ax_mps2, ref_ay_mps2, ref_az_mps2; or fit without `physical`; gyros are not affected: `axis` gx,gy,gz"
     )]
-    TooManyPoses {
-        column: String,
-        /// Number of orientations in the training part.
-        poses: usize,
-        /// Largest number of orientations beside the inputs of the model.
-        most: usize,
-    },
+    TooManyPoses { column: String, poses: usize, most: usize },
     /// All values are equal, or at least half of them repeat one value.
     #[error(
         "{column} repeats one value, {value:?}, in the training part: stuck or not connected\nhelp: leave the axis out with `axis`, or fit on rows in which it measures (`train`)"
     )]
     Constant { column: String, value: f64 },
-    /// An input is constant in the fitted rows.
     #[error(
         "{column} is {value:?} in every row that is fitted: nothing can be learnt of what follows it\nhelp: leave it out of `physical` and `input`, or fit on rows in which it changes (`train`)"
     )]
-    Steady {
-        /// Column of the input.
-        column: String,
-        value: f64,
-    },
-    /// An input has no value in the fitted rows.
+    Steady { column: String, value: f64 },
     #[error(
         "{column} has no value in the rows that are fitted\nhelp: leave it out of `physical` and `input`, or fit on rows in which it is logged (`train`)"
     )]
-    NotKnown {
-        /// Column of the input.
-        column: String,
-    },
-    /// The candidates do not form a pool.
+    NotKnown { column: String },
     #[error("{column}: {source}\nhelp: a smaller `max_lag`, `input_lags` or `degree`")]
     Candidates { column: String, source: CandidatesError },
-    /// The search or the final solution failed.
     #[error(
         "{column}: {source}\nhelp: a longer log at rest without empty cells, a larger `train`, a smaller `max_lag`, or fewer inputs (`physical`, `input`)"
     )]
     Search { column: String, source: FitError },
-    /// An autoregression cannot be estimated.
     #[error(
         "{column}: {source}\nhelp: a smaller `max_lag`, a longer log at rest without empty cells, or `method` fos"
     )]
     Autoregression { column: String, source: AutoregressionError },
-    /// The model diverges on the rows that it was fitted to.
     #[error(
         "{column}: the model diverges on the rows that it was fitted to: a prediction is {off:.3e} off, and the error lies between {low:.3e} and {high:.3e} there\nhelp: fewer terms (`max_terms`, `degree` 1), a longer log at rest, or remove inputs that hardly change in it (`physical`, `input`)"
     )]
     Diverges {
         column: String,
-        /// Largest error of a prediction, in the axis' unit.
+        /// These three in the axis' unit.
         off: f64,
-        /// Smallest error in the fitted rows, in the axis' unit.
         low: f64,
         high: f64,
     },
-    /// fos-core refuses the model.
     #[error(
         "{column}: no model for values like these: {source}\nhelp: name the column's unit in the column map, as in {column}=gyro:mdps, and remove rows that are not measurements"
     )]

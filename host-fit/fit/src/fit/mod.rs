@@ -75,10 +75,8 @@ impl FromStr for Search {
 
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum FitError {
-    /// There are no rows to average over.
     #[error(transparent)]
     NoRows(#[from] NoRows),
-    /// The chosen terms cannot be solved for.
     #[error(transparent)]
     Refit(#[from] RefitError),
 }

@@ -26,10 +26,6 @@ pub(super) fn most_levels(regressors: &Regressors) -> usize {
 /// coefficient noise alone might have produced is excluded, the least significant first, and the others are estimated
 /// again: in the model it would follow its input and only do harm. Returns the terms, one input each, and those that
 /// were excluded.
-///
-/// # Errors
-///
-/// Too few rows, or inputs that are indistinguishable in the data.
 pub(super) fn fit(
     model: &UnitModel,
     regressors: &Regressors,

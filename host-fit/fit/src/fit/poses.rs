@@ -32,9 +32,6 @@ pub(super) struct Poses<'a> {
 }
 
 impl<'a> Poses<'a> {
-    /// # Errors
-    ///
-    /// The column is missing, or gravity changes its direction in rows that are marked as rest.
     pub(super) fn of(
         recording: &Recording,
         stillness: &'a Stillness,

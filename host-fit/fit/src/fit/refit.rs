@@ -46,33 +46,21 @@ impl Refit {
     }
 }
 
-/// Reason why terms could not be fitted.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum RefitError {
     /// A term that no pool can contain.
     #[error(
         "{text} cannot be a term: at most {MAX_DEGREE} factors, output lags from 1, lags to {MAX_LAG}, inputs to u{MAX_INPUT}"
     )]
-    Term {
-        term: usize,
-        /// The term in words.
-        text: String,
-    },
-    /// At least as many parameters as rows.
+    Term { term: usize, text: String },
     #[error("{parameters} parameters cannot be fitted to {rows} rows")]
     TooFewRows {
-        /// Number of rows with target and lagged values present.
         rows: usize,
         /// Number of terms and the constant.
         parameters: usize,
     },
-    /// A term is a sum of the constant and the terms before it.
     #[error("term {term}, {text}, is a sum of the constant and the terms before it: leave it out")]
-    Collinear {
-        term: usize,
-        /// The term in words.
-        text: String,
-    },
+    Collinear { term: usize, text: String },
 }
 
 /// Fits the constant and `terms` to all `rows` of the signals by least squares.

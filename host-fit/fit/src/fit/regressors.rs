@@ -22,10 +22,6 @@ pub struct Regressors {
 
 impl Regressors {
     /// Runs `model`, of one axis and without a stochastic part, over the first `n_rows` rows.
-    ///
-    /// # Errors
-    ///
-    /// Error of fos-core in the model.
     pub fn of(model: &UnitModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
         match model.with(SmallPredictor::<f64>::new) {
             Ok(small) => Ok(Self::by(small, model, playback, n_rows)),

@@ -16,7 +16,6 @@ pub struct Gram {
     target_mean_square: f64,
 }
 
-/// There are no rows to average over.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("no row has its target and every lagged value: the segments are too short or hold no data")]
 pub struct NoRows;

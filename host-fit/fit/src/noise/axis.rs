@@ -52,10 +52,8 @@ pub struct AxisNoise {
     pub allan: Vec<AllanPoint>,
 }
 
-/// Reason why the noise of an axis cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum AxisNoiseError {
-    /// A column is missing.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     #[error(
@@ -65,9 +63,7 @@ pub enum AxisNoiseError {
         column: String,
         /// Time at rest in blocks with enough samples, s.
         seconds: f64,
-        /// Length of a block, s.
         block_s: f64,
-        /// Time needed, s.
         needed: f64,
     },
     /// The axis does not change, or is stuck for at least half of the time.
@@ -82,10 +78,6 @@ pub enum AxisNoiseError {
 /// An accelerometer has a separate constant in each orientation, because of gravity. A drift with the logged
 /// temperature is estimated together with the levels (restricted likelihood) and removed. Any other drift counts as
 /// noise, mostly as random walk.
-///
-/// # Errors
-///
-/// The column is missing, too short or constant, or the device moves all along.
 pub fn axis_noise(
     recording: &Recording,
     stillness: &Stillness,

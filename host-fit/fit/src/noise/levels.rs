@@ -88,20 +88,12 @@ impl LevelPrior {
     }
 
     /// Returns the prior with the covariance widened by these variances, since levels differ slightly between logs.
-    ///
-    /// # Errors
-    ///
-    /// The precision is not positive definite.
     pub fn widened(&self, variances: [f64; 3]) -> Result<Self, UnknownLevels> {
         let wider = self.covariance()? + Matrix3::from_diagonal(&variances.into());
         Ok(Self { precision: rows_of(&inverse(wider)?), ..*self })
     }
 
     /// Returns the prior without its information on the random walk, except for a wide scale of `deviation`.
-    ///
-    /// # Errors
-    ///
-    /// The precision is not positive definite.
     pub fn with_free_walk(&self, deviation: f64) -> Result<Self, UnknownLevels> {
         let mut freed = self.covariance()?;
         for i in 0..2 {
@@ -210,10 +202,6 @@ impl Regression<'_> {
 
     /// Draws levels from their posterior: from the normal distribution about the optimum, resampled with weights from
     /// the deviance (Rubin 1988), because the logarithm of an undetected walk is not normal.
-    ///
-    /// # Errors
-    ///
-    /// The curvature at the optimum is not positive definite.
     pub fn draws(
         &self,
         fitted: &Fitted,

@@ -71,10 +71,6 @@ impl LevelPrior {
 
     /// Updates the prior with a reference log, for use with the next log of the device. `given` are regressors that the
     /// model already has.
-    ///
-    /// # Errors
-    ///
-    /// The log does not determine the levels.
     pub fn learnt(&self, blocks: &Blocks, y: &[f64], given: &[Vec<f64>]) -> Result<Self, UnknownLevels> {
         let regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
         let regression = Regression { blocks, y, regressors: &regressors, prior: self };

@@ -34,9 +34,6 @@ use crate::candidates::MAX_LAG;
 /// assert!((fit.coefficients[0] - 0.5).abs() < 1e-12);
 /// # Ok::<(), fos_fit::fit::autoregression::AutoregressionError>(())
 /// ```
-///
-/// # Errors
-/// An order of 0 or too large, too few samples, a sample that is not finite, or an ill-conditioned problem.
 pub fn estimate(
     method: Method,
     stretches: &[&[f64]],

@@ -45,33 +45,20 @@ pub struct Autoregression {
     pub innovation_variance: f64,
 }
 
-/// Error of an estimate.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AutoregressionError {
-    /// Order 0, or beyond the history of a model.
     #[error("order {0} is outside 1 to {MAX_LAG}")]
     Order(usize),
-    /// Too few rows.
     #[error(
         "{rows} rows have {order} samples before them; more than {order} are needed for an order of {order}"
     )]
-    TooShort {
-        /// Number of rows whose lags were all measured.
-        rows: usize,
-        order: usize,
-    },
-    /// NaN or infinite samples.
+    TooShort { rows: usize, order: usize },
     #[error("a sample is not finite: split the series there")]
     NotFinite,
-    /// The coefficients would be dominated by rounding error.
     #[error(
         "{method} at order {order}: rounding alone would change the coefficients by more than {TRUSTED:e} of their size; take the mean off, lower the order, or use another method"
     )]
-    IllConditioned {
-        method: Method,
-        /// Order at which the problem occurs.
-        order: usize,
-    },
+    IllConditioned { method: Method, order: usize },
 }
 
 /// Largest accepted relative error of the coefficients by rounding.
