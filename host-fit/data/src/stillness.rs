@@ -6,8 +6,9 @@ use std::ops::Range;
 
 use fos_core::{StillnessDetector, StillnessLimits};
 
-use crate::disturbance::{self, Disturbance};
+use crate::disturbance;
 use crate::pose;
+pub use crate::recording::{KnownBy, Stillness};
 use crate::recording::{Recording, RecordingError};
 use crate::statistics::{mean, median_of, variance};
 
@@ -25,19 +26,6 @@ const MIN_DETECTED: f64 = 0.5;
 /// Largest share of detected motion in a log that the detector wrongly takes for moving.
 const MAX_MOTION: f64 = 0.1;
 
-/// Rows at rest, and the source of this knowledge.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stillness {
-    pub still: Vec<bool>,
-    pub known_by: KnownBy,
-    /// Detected motion in rows that should be at rest; those rows are not still.
-    pub disturbances: Vec<Disturbance>,
-    /// Rows from which gravity may have a different direction.
-    pub turns: Vec<usize>,
-    /// Limits for the detector on the device, from the quietest windows; `None` without all six axes.
-    pub limits: Option<StillnessLimits<f64>>,
-}
-
 impl Stillness {
     /// Rejects a log in which less than half a minute of `rows` is at rest because the device moves all along.
     pub fn check_rest(&self, recording: &Recording, rows: &Range<usize>) -> Result<(), RecordingError> {
@@ -45,37 +33,11 @@ impl Stillness {
     }
 }
 
-/// Source of the rows at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[cfg_attr(feature = "page-types", derive(ts_rs::TS))]
-#[serde(rename_all = "snake_case")]
-pub enum KnownBy {
-    /// The log has a `still` column.
-    Column,
-    /// The detector of fos-core ran over accelerometers and gyros.
-    Detector,
-    /// The detector finds little rest, but no motion is detected; the whole log is assumed to be still.
-    NoMotion,
-    /// Neither; the whole log is assumed to be still.
-    Assumed,
-}
-
-impl KnownBy {
-    /// Phrase for the middle of a sentence, such as `by its column …`.
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Column => "by its column `still`",
-            Self::Detector => "by the stillness detector",
-            Self::NoMotion => "by the absence of detected motion",
-            Self::Assumed => "by assumption (no column `still`, and not all six axes to detect it from)",
-        }
-    }
-}
-
 /// Finds the rows at rest: by the column `still`, else by the detector, else all of them; without detected motion in any
 /// case.
 pub fn find(recording: &Recording) -> Stillness {
-    Stillness::clone(&recording.cached(|recording| find_uncached(recording, recording.n_rows())))
+    let found = recording.detected.stillness.get_or_find(|| find_uncached(recording, recording.n_rows()));
+    Stillness::clone(&found)
 }
 
 /// The same for fitting on the first `learnt_rows` rows: later rows have no influence on which of them are at rest.

@@ -4,67 +4,8 @@ use std::ops::Range;
 
 use crate::column::GYROS;
 use crate::pose;
-use crate::recording::Recording;
+use crate::recording::{Disturbance, Kind, Recording};
 use crate::statistics::median;
-
-/// Stretch of a log in which the device was moved.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Disturbance {
-    /// Rows of the motion, including the ring-down of the sensor.
-    pub rows: Range<usize>,
-    pub kind: Kind,
-    /// Rotation by the gyros, rad; `None` without all three.
-    pub turned_rad: Option<f64>,
-    /// Gravity may have a different direction afterwards: each rest has its own level.
-    pub is_tilted: bool,
-    /// Logged channel that explains it, of [`Kind::Explained`] only.
-    pub channel: Option<String>,
-}
-
-impl Disturbance {
-    /// A disturbance without rotation or tilt.
-    pub(super) fn level(rows: Range<usize>, kind: Kind) -> Self {
-        Self { rows, kind, turned_rad: None, is_tilted: false, channel: None }
-    }
-
-    /// Returns true if its rows are excluded: neither those of lasting vibration, a state of the surroundings that may
-    /// cause an effect, nor those that a logged channel explains.
-    pub fn is_excluded(&self) -> bool {
-        !matches!(self.kind, Kind::Vibration | Kind::Explained)
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Short: a blow.
-    Knock,
-    /// Seconds of shaking: steps, a motor.
-    Shaking,
-    /// Picked up, or turned.
-    Handling,
-    /// Slow, of small size, for long: a building that sways.
-    Sway,
-    /// Lasting vibration: a machine that runs.
-    Vibration,
-    /// The device moves all along: a vehicle, a body.
-    Motion,
-    /// No motion: a shared step of the axes that a logged channel explains.
-    Explained,
-}
-
-impl Kind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Knock => "knock",
-            Self::Shaking => "shaking",
-            Self::Handling => "handling",
-            Self::Sway => "sway",
-            Self::Vibration => "vibration",
-            Self::Motion => "motion",
-            Self::Explained => "effect of a logged channel",
-        }
-    }
-}
 
 /// Longest ringing of a blow, s.
 const KNOCK_S: f64 = 2.0;

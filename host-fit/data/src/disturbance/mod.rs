@@ -25,13 +25,14 @@ mod verdict_tests;
 
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::column::AXES;
 use crate::pose;
-use crate::recording::{Recording, RecordingError, Reference};
+use crate::recording::{Marks, Recording, RecordingError, Reference};
 use crate::unit::Unit;
 
-pub use kind::{Disturbance, Kind};
+pub use crate::recording::{Disturbance, Kind};
 
 /// Maximum number of disturbances listed individually, the longest first.
 const MAX_LISTED: usize = 12;
@@ -122,14 +123,14 @@ pub fn check_rest(
 
 /// Rejects a log with less than half a minute at rest because the device moves; accepts any log whose motion is kept.
 pub fn check(recording: &Recording) -> Result<(), RecordingError> {
-    let marks = recording.cached(Marks::of);
+    let marks = marks(recording);
     check_rest(recording, &marks.found, &marks.rest, &(0..recording.n_rows()))
 }
 
 /// The same log with the rows of detected motion marked as not at rest, and the detected motion. Without a column
 /// `still` all other rows count as at rest.
 pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
-    let marks = recording.cached(Marks::of);
+    let marks = marks(recording);
     let found = marks.found.clone();
     if marks.turns.is_empty() && !found.iter().any(Disturbance::is_excluded) {
         return (Cow::Borrowed(recording), found);
@@ -137,27 +138,20 @@ pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
     (Cow::Owned(recording.with_rests(marks.rest.clone(), marks.turns.clone())), found)
 }
 
-/// Detected motion within the rows that a recording states are at rest, or within all rows without that statement.
-struct Marks {
-    found: Vec<Disturbance>,
-    /// Rows at rest without detected motion.
-    rest: Vec<bool>,
-    turns: Vec<usize>,
-}
-
-impl Marks {
-    fn of(recording: &Recording) -> Self {
+/// Detected motion of a recording, computed once.
+fn marks(recording: &Recording) -> Arc<Marks> {
+    recording.detected.marks.get_or_find(|| {
         let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
         let found = find(recording, &rest);
         exclude(&mut rest, &found);
         let turns = pose::turns(recording, &rest, &tilted(&found));
-        Self { found, rest, turns }
-    }
+        Marks { found, rest, turns }
+    })
 }
 
 /// Result of [`find`] within the rows that the recording states are at rest, or within all rows.
 pub(crate) fn find_at_rest(recording: &Recording) -> Vec<Disturbance> {
-    recording.cached(Marks::of).found.clone()
+    marks(recording).found.clone()
 }
 
 /// Rows of the motions that tilted the device.

@@ -95,7 +95,7 @@ impl Recording {
             }
             self.segments.push(segment);
         }
-        self.memo = Default::default();
+        self.detected = Default::default();
         self.still = match (self.still.take(), next.still) {
             (Some(mut still), Some(more)) => {
                 still.extend(more);

@@ -260,7 +260,7 @@ fn assemble(
         keeps_moved: options.keep_moved,
         quality,
         alignment: None,
-        memo: Default::default(),
+        detected: Default::default(),
     })
 }
 

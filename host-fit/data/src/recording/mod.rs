@@ -35,6 +35,7 @@ mod coarse;
 mod column_map;
 mod column_words;
 mod csv_file;
+mod detected;
 mod duty_cycle;
 mod error;
 mod error_series;
@@ -51,7 +52,6 @@ mod interleaved;
 mod join;
 mod load;
 mod load_options;
-mod memo;
 mod other_format;
 mod own_rate;
 #[cfg(feature = "parquet")]
@@ -74,21 +74,19 @@ mod unusable;
 mod write;
 
 #[cfg(test)]
+mod detected_tests;
+#[cfg(test)]
 mod gap_tests;
 #[cfg(all(test, feature = "gzip", feature = "parquet"))]
 mod generated_log_tests;
 #[cfg(test)]
 mod load_tests;
 #[cfg(test)]
-mod memo_tests;
-#[cfg(test)]
 mod pause_tests;
 #[cfg(test)]
 mod real_log_tests;
 
-use std::any::Any;
 use std::ops::Range;
-use std::sync::Arc;
 
 use crate::closest::closest;
 use crate::column::{AXES, Column};
@@ -96,6 +94,8 @@ use crate::column::{AXES, Column};
 pub use channel::Channel;
 pub use clock_check::ClockProblem;
 pub use column_map::{ColumnMap, MapError};
+pub(crate) use detected::{Detected, Marks};
+pub use detected::{Disturbance, Kind, KnownBy, Stillness};
 pub use duty_cycle::DutyCycle;
 pub use error::RecordingError;
 pub use error_series::{ErrorSeries, Reference};
@@ -135,7 +135,7 @@ pub struct Recording {
     pub quality: Quality,
     /// Resampling of its streams, if they had separate timestamps.
     pub alignment: Option<Alignment>,
-    memo: memo::Memo,
+    pub(crate) detected: Detected,
 }
 
 impl Recording {
@@ -229,13 +229,13 @@ impl Recording {
             keeps_moved: self.keeps_moved,
             quality: self.quality.clone(),
             alignment: self.alignment.clone(),
-            memo: memo::Memo::default(),
+            detected: Detected::default(),
         }
     }
 
     /// Copy with other values in a channel, one per row; an unchanged copy without such a channel.
     pub fn with_values(&self, name: &str, values: Vec<f64>) -> Self {
-        let mut other = Self { memo: memo::Memo::default(), ..self.clone() };
+        let mut other = Self { detected: Detected::default(), ..self.clone() };
         if let Some(channel) = other.channels.iter_mut().find(|channel| channel.name == name) {
             channel.values = values.into();
         }
@@ -244,12 +244,7 @@ impl Recording {
 
     /// Copy with other rows at rest, and other rows from which gravity may have turned.
     pub fn with_rests(&self, still: Vec<bool>, turns: Vec<usize>) -> Self {
-        Self { still: Some(still), turns, memo: memo::Memo::default(), ..self.clone() }
-    }
-
-    /// Result of `find`, computed once for each type `T`; a derived recording computes it again.
-    pub(crate) fn cached<T: Any + Send + Sync>(&self, find: impl FnOnce(&Self) -> T) -> Arc<T> {
-        self.memo.cached(|| find(self))
+        Self { still: Some(still), turns, detected: Detected::default(), ..self.clone() }
     }
 
     /// Duration by the sample grid, s: timestamps may go back.
