@@ -21,9 +21,9 @@ const MAX_EMPTY_SHARE: f64 = 0.1;
 pub struct Inputs<'a> {
     recording: &'a Recording,
     /// Cached inputs without a parameter, which are needed repeatedly.
-    cached: Memo<String, Arc<[f64]>>,
+    cached: Memo<String, Arc<Vec<f64>>>,
     /// Cached columns as a device sees them, NaN before their first value: the inputs of the transforms.
-    held: Memo<String, Arc<[f64]>>,
+    held: Memo<String, Arc<Vec<f64>>>,
 }
 
 impl<'a> Inputs<'a> {
@@ -72,7 +72,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// Evaluates a regressor over all rows.
-    pub fn regressor(&self, regressor: &Regressor) -> Result<Arc<[f64]>, RecordingError> {
+    pub fn regressor(&self, regressor: &Regressor) -> Result<Arc<Vec<f64>>, RecordingError> {
         regressor.over(|spec| self.input(spec))
     }
 
@@ -130,11 +130,11 @@ impl<'a> Inputs<'a> {
         &self,
         regressor: &Regressor,
         limits: &BTreeMap<String, [f64; 2]>,
-    ) -> Result<Arc<[f64]>, RecordingError> {
+    ) -> Result<Arc<Vec<f64>>, RecordingError> {
         regressor.over(|spec| {
             let values = self.input(spec)?;
             Ok(match limits.get(&spec.to_string()) {
-                Some([low, high]) => values.iter().map(|value| value.clamp(*low, *high)).collect(),
+                Some([low, high]) => Arc::new(values.iter().map(|value| value.clamp(*low, *high)).collect()),
                 None => values,
             })
         })
@@ -142,17 +142,23 @@ impl<'a> Inputs<'a> {
 
     /// Evaluates an input over all rows. A missing value is held. Before the first value the input is constant at its
     /// first value ([`known_rows`](Self::known_rows) marks these rows). A column of empty cells is an error.
-    pub fn input(&self, spec: &InputSpec) -> Result<Arc<[f64]>, RecordingError> {
+    pub fn input(&self, spec: &InputSpec) -> Result<Arc<Vec<f64>>, RecordingError> {
         let name = spec.to_string();
         if let Some(known) = self.cached.get(&name) {
             return Ok(known);
         }
-        let values: Arc<[f64]> = self.evaluate(spec)?.into();
+        if spec.column.is_some() && spec.transform == Transform::Identity {
+            let held = self.held(spec.column.as_deref())?;
+            if !held.iter().any(|value| value.is_nan()) {
+                return Ok(held);
+            }
+        }
+        let values = Arc::new(self.evaluate(spec)?);
         Ok(if is_parametrised(&name) { values } else { self.cached.insert(name, values) })
     }
 
     /// Returns a column as a device sees it. `None` is the clock, whose transforms need no column.
-    fn held(&self, column: Option<&str>) -> Result<Arc<[f64]>, RecordingError> {
+    fn held(&self, column: Option<&str>) -> Result<Arc<Vec<f64>>, RecordingError> {
         let name = column.unwrap_or_default();
         if let Some(known) = self.held.get(name) {
             return Ok(known);
@@ -160,14 +166,14 @@ impl<'a> Inputs<'a> {
         let held = match column {
             Some(column) => {
                 let channel = self.recording.channel(column)?;
-                let held = self.recording.held(channel);
                 // interpolation between the steps is closer to the temperature, and adds no lag of the sensor
                 match self.recording.coarse_step(channel) {
-                    Some(step) => self.recording.between_steps(&held, step),
-                    None => held,
+                    Some(step) => Arc::new(self.recording.between_steps(&self.recording.held(channel), step)),
+                    None if channel.n_missing() == 0 => Arc::clone(&channel.values),
+                    None => Arc::new(self.recording.held(channel)),
                 }
             }
-            None => vec![0.0; self.recording.n_rows()],
+            None => Arc::new(vec![0.0; self.recording.n_rows()]),
         };
         if held.iter().all(|value| value.is_nan()) {
             return Err(RecordingError::NoValues {
@@ -176,7 +182,7 @@ impl<'a> Inputs<'a> {
                 rows: held.len(),
             });
         }
-        Ok(self.held.insert(name.to_owned(), held.into()))
+        Ok(self.held.insert(name.to_owned(), held))
     }
 
     fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {

@@ -21,8 +21,8 @@ impl Product {
     /// Evaluates the product row by row from the values of its inputs.
     pub(super) fn over<E>(
         &self,
-        input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
-    ) -> Result<Arc<[f64]>, E> {
+        input: impl Fn(&InputSpec) -> Result<Arc<Vec<f64>>, E>,
+    ) -> Result<Arc<Vec<f64>>, E> {
         combined(self.inputs.iter().map(input), |a, b| a * b)
     }
 
@@ -76,21 +76,21 @@ impl Regressor {
     /// Evaluates the regressor row by row from the values of its inputs.
     pub(super) fn over<E>(
         &self,
-        input: impl Fn(&InputSpec) -> Result<Arc<[f64]>, E>,
-    ) -> Result<Arc<[f64]>, E> {
+        input: impl Fn(&InputSpec) -> Result<Arc<Vec<f64>>, E>,
+    ) -> Result<Arc<Vec<f64>>, E> {
         combined(self.products.iter().map(|product| product.over(&input)), |a, b| a + b)
     }
 }
 
 /// Combines columns value by value; a single column is returned unchanged.
 fn combined<E>(
-    columns: impl Iterator<Item = Result<Arc<[f64]>, E>>,
+    columns: impl Iterator<Item = Result<Arc<Vec<f64>>, E>>,
     combine: impl Fn(f64, f64) -> f64,
-) -> Result<Arc<[f64]>, E> {
+) -> Result<Arc<Vec<f64>>, E> {
     let mut columns = columns;
-    let Some(first) = columns.next() else { return Ok(Arc::from([])) };
+    let Some(first) = columns.next() else { return Ok(Arc::default()) };
     columns.try_fold(first?, |all, next| {
-        Ok(all.iter().zip(next?.iter()).map(|(a, b)| combine(*a, *b)).collect())
+        Ok(Arc::new(all.iter().zip(next?.iter()).map(|(a, b)| combine(*a, *b)).collect()))
     })
 }
 
