@@ -2,6 +2,7 @@
 //! the error is reduced.
 
 use fos_data::column::Column;
+use fos_data::recording::Recording;
 use serde::Serialize;
 
 use super::offer::{Offer, offers};
@@ -10,7 +11,7 @@ use crate::physical_terms::physical_terms;
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::detect::Diagnosis;
 use fos_diagnose::effects::Library;
-use fos_diagnose::refine::{Logs, RefineError};
+use fos_diagnose::refine::{RefineError, Refiner};
 use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
 use fos_figures::Figure;
@@ -94,12 +95,12 @@ impl AxisSection {
     pub fn diagnosed(
         mut self,
         refinement: &Refinement,
-        logs: &Logs,
+        refiner: &Refiner<'_>,
         library: &Library,
+        field: &Recording,
     ) -> Result<Self, RefineError> {
-        let refiner = logs.refiner(library);
         let diagnosis = refiner.diagnose(refinement)?;
-        self.offers = offers(&refiner, refinement, &diagnosis, library, &logs.log)?;
+        self.offers = offers(refiner, refinement, &diagnosis, library, field)?;
         self.diagnosis = Some(diagnosis);
         Ok(self)
     }

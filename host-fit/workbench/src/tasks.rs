@@ -166,7 +166,8 @@ fn compare(column: &str, known: &Snapshot, progress: &dyn Fn(Job)) -> Result<Cha
 fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change, String> {
     let (study, refinement) = known.fitted(column)?;
     let section = AxisSection::of(study, refinement);
-    let found = section.diagnosed(refinement, &known.read()?.logs, library).map_err(in_text)?;
+    let logs = &known.read()?.logs;
+    let found = section.diagnosed(refinement, &logs.refiner(library), library, &logs.log).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.alone = found.diagnosis.clone();
         (axis.section.diagnosis, axis.section.offers) = (found.diagnosis, found.offers);

@@ -168,7 +168,8 @@ const MIN_SCATTER: f64 = 0.1;
 /// Usual energy of one axis on one time scale, window by window.
 #[derive(Debug)]
 pub(super) struct Usual {
-    level: Vec<f64>,
+    /// Level, window by window.
+    pub(super) level: Vec<f64>,
     /// Windows without and with vibration scatter differently.
     is_shaken: Vec<bool>,
     scatter: [f64; 2],
@@ -194,11 +195,6 @@ impl Usual {
         let scatter = self.scatter[usize::from(self.is_shaken[window])];
         let above = (log_energy - self.level[window]) / scatter;
         if above.is_finite() { above.max(0.0) } else { 0.0 }
-    }
-
-    /// Level, window by window.
-    pub(super) fn level(&self) -> &[f64] {
-        &self.level
     }
 }
 

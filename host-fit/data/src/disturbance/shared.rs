@@ -66,6 +66,7 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_referenc
         let is_vibration = level == 0 || block_s <= VIBRATION_BLOCK_S;
         let usual: Vec<Usual> = match is_vibration {
             true => {
+                leaking.clear();
                 let piece = (PIECE_S / (scale.stride as f64 * period_s)).ceil() as usize;
                 in_parallel(&energies, |energy| {
                     Usual::about(local_level(energy, piece), vec![false; energy.len()], energy)
@@ -84,8 +85,9 @@ pub(super) fn find(recording: &Recording, mut means: Vec<Vec<f64>>, has_referenc
         let axes = Axes { scale, means: &means, energies: &energies, usual: &usual };
         explained.extend(explained::lower_explained_scores(recording, &axes, &causes, &mut score));
         mark(&mut moved, &scale, &score);
+        drop((energies, score));
         if is_vibration {
-            leaking = usual.iter().map(|usual| (scale, above_least(usual.level()))).collect();
+            leaking = usual.into_iter().map(|usual| (scale, above_least(usual.level))).collect();
             mark_shaken(&mut shaken, &scale, &leaking, SHAKEN);
             mark_shaken(&mut violent, &scale, &leaking, VIOLENT);
         }
@@ -155,14 +157,17 @@ fn mark(moved: &mut [bool], scale: &Scale, score: &[f64]) {
 }
 
 /// Excess of a level above that of its quietest tenth.
-fn above_least(level: &[f64]) -> Vec<f64> {
+fn above_least(mut level: Vec<f64>) -> Vec<f64> {
     let mut known: Vec<f64> = level.iter().copied().filter(|level| level.is_finite()).collect();
     let tenth = known.len() / 10;
     let least = match known.is_empty() {
         true => 0.0,
         false => *known.select_nth_unstable_by(tenth, f64::total_cmp).1,
     };
-    level.iter().map(|level| if level.is_finite() { (level - least).max(0.0) } else { 0.0 }).collect()
+    for level in &mut level {
+        *level = if level.is_finite() { (*level - least).max(0.0) } else { 0.0 };
+    }
+    level
 }
 
 /// Marks windows in which at least two axes exceed `least` at once.
@@ -190,7 +195,7 @@ mod tests {
         let energy: Vec<f64> = (0..100).map(|window| 0.01 * f64::from(window % 7)).collect();
         let usual = usual_motion(&scale, &energy, &(scale, leak));
         for window in (0..100).step_by(5) {
-            assert!((usual.level()[window] - 0.03).abs() < 0.011, "{}", usual.level()[window]);
+            assert!((usual.level[window] - 0.03).abs() < 0.011, "{}", usual.level[window]);
             assert!(usual.excess(window, energy[window]) < 1.0);
         }
     }

@@ -57,11 +57,14 @@ impl<'a> Refiner<'a> {
             Some(evaluation) => {
                 let (evaluation, from) = evaluation.led_in_by(log);
                 let rows = from..evaluation.n_rows();
-                (Cow::Borrowed(log), evaluation, rows)
+                (ObservedLog::new(Cow::Borrowed(log)), ObservedLog::new(evaluation), rows)
             }
-            None => (Cow::Owned(log.first_rows(cut)), Cow::Borrowed(log), cut..log.n_rows()),
+            None => {
+                // in this order, for the search for motion in the whole log takes much memory
+                let whole = ObservedLog::new(Cow::Borrowed(log));
+                (ObservedLog::new(Cow::Owned(log.first_rows(cut))), whole, cut..log.n_rows())
+            }
         };
-        let (log, evaluation) = (ObservedLog::new(log), ObservedLog::new(evaluation));
         Self { log, reference, evaluation, evaluation_rows, library }
     }
 
