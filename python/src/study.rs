@@ -179,7 +179,8 @@ impl State {
             return Ok(known);
         }
         let read = read.unwrap_or_else(|| self.study.read_options(column).clone());
-        let logs = named.load(&self.study, column, read.clone(), |wanted| match wanted {
+        let may_be = |log: &Arc<data::Recording>, own: &data::Source| log.sources.first() == Some(own);
+        let logs = named.load(&self.study, column, read.clone(), may_be, |wanted| match wanted {
             Wanted::Named(log) => Ok((**log).clone()),
             Wanted::Stored(source) => self.load(source, &read),
         })?;

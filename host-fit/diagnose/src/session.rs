@@ -32,13 +32,15 @@ pub enum Wanted<'a, L> {
 pub struct NoLog;
 
 impl<L: Sync> NamedLogs<L> {
-    /// Loads the logs of a step on `column`, in parallel; `read` are the options that they are read with. Fails with
+    /// Loads the logs of a step on `column`, in parallel; `read` are the options that they are read with. A log to explain
+    /// that `may_be` the one that the study was fitted to is loaded before that, which is then seldom needed. Fails with
     /// [`NoLog`] or the first error of `load`.
     pub fn load<E: From<NoLog> + Send>(
         &self,
         study: &Study,
         column: &str,
         read: LoadOptions,
+        may_be: impl Fn(&L, &Source) -> bool,
         load: impl Fn(Wanted<'_, L>) -> Result<Recording, E> + Sync,
     ) -> Result<Logs, E> {
         let before = study.refinement_of(column).map(|refinement| &refinement.logs);
@@ -55,12 +57,16 @@ impl<L: Sync> NamedLogs<L> {
         let continued = before.filter(|_| self.log.is_none()).and_then(|logs| logs.evaluation.as_ref());
         let evaluation = wanted(self.evaluation.as_ref(), continued);
         let optional = |wanted: Option<_>| wanted.map(&load).transpose();
+        let (at_once, later) = match (&self.log, &self.reference, own) {
+            (Some(log), None, Some(own)) if may_be(log, own) => (None, reference),
+            _ => (reference, None),
+        };
         let (log, (reference, evaluation)) =
-            rayon::join(|| load(log), || rayon::join(|| optional(reference), || optional(evaluation)));
+            rayon::join(|| load(log), || rayon::join(|| optional(at_once), || optional(evaluation)));
         let log = log?;
         // the model fails on its own log
         let is_own = self.reference.is_none() && own.is_some() && own == log.sources.first();
-        let reference = if is_own { None } else { reference? };
+        let reference = if is_own { None } else { reference?.or(optional(later)?) };
         Ok(Logs { log, reference, evaluation: evaluation?, read })
     }
 }

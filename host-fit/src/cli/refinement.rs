@@ -1,5 +1,6 @@
 //! Functions shared by `add`, `undo`, `history` and `diagnose` of a study: choice of axis and logs, and the table of added effects.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,6 +9,7 @@ use super::arguments::Reading;
 use super::error_table::{error_table, error_unit};
 use super::output::{Failure, percent, print_line, sparkline, table};
 use super::units::{ErrorUnit, Printed, three};
+use fos_data::recording::Source;
 use fos_data::text::counted;
 use fos_data::unit::MG_MPS2;
 use fos_diagnose::refine::Logs;
@@ -42,10 +44,12 @@ pub(super) fn read_logs(
     let read = reading.options_or(study.read_options(column))?;
     let LogArguments { from, reference, evaluate_on } = logs.clone();
     let named = NamedLogs { log: from, reference, evaluation: evaluate_on };
-    let loaded: Result<Logs, Failure> = named.load(study, column, read.clone(), |wanted| match wanted {
+    let may_be = |path: &PathBuf, own: &Source| fs::metadata(path).is_ok_and(|file| file.len() == own.bytes);
+    let load = |wanted: Wanted<'_, PathBuf>| match wanted {
         Wanted::Named(path) => reading.read_named(path, &read),
         Wanted::Stored(source) => Ok(load_again(source, file, &read)?),
-    });
+    };
+    let loaded: Result<Logs, Failure> = named.load(study, column, read.clone(), may_be, load);
     loaded.map_err(|error| match error.downcast_ref::<NoLog>() {
         Some(none) => format!("{none}\nhelp: give it with --from LOG").into(),
         None => error,
