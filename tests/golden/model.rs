@@ -1,27 +1,24 @@
 // host-fit, a model for tests
 #[allow(unused_imports)]
 use fos_core::{
-    Axis::{self, Ax, Ay, Az, Gx, Gy, Gz, Other},
-    AxisModel, AxisParameters, Calibration, CheckedModel,
-    FittedOn::{self, FactoryCorrected, Raw},
-    InnovationStatistics, Input, Model, Quantity, Range, Source, StillnessLimits, Term, Transform,
-    TriadCalibration, u, y,
+    Axis, AxisModel, AxisParameters, Calibration, CheckedModel, FittedOn, InnovationStatistics, Input, Model,
+    Quantity, Range, Source, StillnessLimits, Term, Transform, TriadCalibration, u, y,
 };
 
 static INPUTS: [Input<f32>; 13] = [
-    Input { source: Source::Quantity(0), transform: Transform::Identity, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(0), transform: Transform::LowPass { tau_s: 61.5 }, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(0), transform: Transform::Rate { tau_s: 10.0 }, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(0), transform: Transform::Variance { tau_s: 2.0 }, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(0), transform: Transform::Backlash { half_width: 0.5 }, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(0), transform: Transform::Absolute, centre: 25.0, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Clock, transform: Transform::Decay { tau_s: 120.0 }, centre: 1.5, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Clock, transform: Transform::Time, centre: 1.5, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Clock, transform: Transform::Sine { frequency_hz: 16.37 }, centre: 1.5, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Clock, transform: Transform::Cosine { frequency_hz: 16.37 }, centre: 1.5, scale: 2.5, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Remainder(1), transform: Transform::LowPass { tau_s: 1.0 }, centre: 0.0, scale: 2.0, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(1), transform: Transform::Identity, centre: 3.3, scale: 0.05, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
-    Input { source: Source::Quantity(2), transform: Transform::Identity, centre: 9.85, scale: 0.05, source_range: Range { low: -3.0, high: 3.0 }, range: Range { low: -3.0, high: 3.0 } },
+    Input { source: Source::Quantity(0), transform: Transform::Identity, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(0), transform: Transform::LowPass { tau_s: 61.5 }, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(0), transform: Transform::Rate { tau_s: 10.0 }, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(0), transform: Transform::Variance { tau_s: 2.0 }, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(0), transform: Transform::Backlash { half_width: 0.5 }, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(0), transform: Transform::Absolute, centre: 25.0, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Clock, transform: Transform::Decay { tau_s: 120.0 }, centre: 1.5, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Clock, transform: Transform::Time, centre: 1.5, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Clock, transform: Transform::Sine { frequency_hz: 16.37 }, centre: 1.5, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Clock, transform: Transform::Cosine { frequency_hz: 16.37 }, centre: 1.5, scale: 2.5, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Remainder(1), transform: Transform::LowPass { tau_s: 1.0 }, centre: 0.0, scale: 2.0, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(1), transform: Transform::Identity, centre: 3.3, scale: 0.05, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
+    Input { source: Source::Quantity(2), transform: Transform::Identity, centre: 9.85, scale: 0.05, source_range: Range::new(-3.0, 3.0), range: Range::new(-3.0, 3.0) },
 ];
 
 static PHYSICAL_0: [Term<f32>; 12] = [
@@ -57,12 +54,46 @@ static STOCHASTIC_1: [Term<f32>; 2] = [
 
 static AXES: [AxisModel<'static, f32>; 2] = [
     AxisModel {
-        parameters: AxisParameters { axis: Gx, reference: 0.0, offset: 0.0123, scale: 0.0021, constant: 0.01, range: Range { low: -4.5, high: 4.25 }, physical_range: Range { low: -8.0, high: 7.5 }, full_scale: 4.36, stuck_after_repeats: 40, gap_limit_samples: 20, coast_limit_s: 10.0, innovation: InnovationStatistics { mean: 0.0, variance: 0.8, lag_1_correlation: 0.01 } },
+        parameters: AxisParameters {
+            axis: Axis::Gx,
+            reference: 0.0,
+            offset: 0.0123,
+            scale: 0.0021,
+            constant: 0.01,
+            range: Range::new(-4.5, 4.25),
+            physical_range: Range::new(-8.0, 7.5),
+            full_scale: 4.36,
+            stuck_after_repeats: 40,
+            gap_limit_samples: 20,
+            coast_limit_s: 10.0,
+            innovation: InnovationStatistics {
+                mean: 0.0,
+                variance: 0.8,
+                lag_1_correlation: 0.01,
+            },
+        },
         physical: &PHYSICAL_0,
         stochastic: &STOCHASTIC_0,
     },
     AxisModel {
-        parameters: AxisParameters { axis: Az, reference: 9.8, offset: 0.05, scale: 0.021, constant: 0.01, range: Range { low: -4.5, high: 4.25 }, physical_range: Range { low: -8.0, high: 7.5 }, full_scale: 39.2, stuck_after_repeats: 40, gap_limit_samples: 20, coast_limit_s: 10.0, innovation: InnovationStatistics { mean: 0.0, variance: 0.8, lag_1_correlation: 0.01 } },
+        parameters: AxisParameters {
+            axis: Axis::Az,
+            reference: 9.8,
+            offset: 0.05,
+            scale: 0.021,
+            constant: 0.01,
+            range: Range::new(-4.5, 4.25),
+            physical_range: Range::new(-8.0, 7.5),
+            full_scale: 39.2,
+            stuck_after_repeats: 40,
+            gap_limit_samples: 20,
+            coast_limit_s: 10.0,
+            innovation: InnovationStatistics {
+                mean: 0.0,
+                variance: 0.8,
+                lag_1_correlation: 0.01,
+            },
+        },
         physical: &PHYSICAL_1,
         stochastic: &STOCHASTIC_1,
     },
@@ -71,10 +102,13 @@ static AXES: [AxisModel<'static, f32>; 2] = [
 /// The fitted model: inputs, terms and scaling of 2 axes. The compiler checks it.
 pub static MODEL: CheckedModel<'static> = CheckedModel::new(Model {
     period_s: 0.005,
-    fitted_on: Raw,
+    fitted_on: FittedOn::Raw,
     stillness: Some(StillnessLimits { window: 100, accel_variance: 0.001, gyro_variance: 1e-5, gyro_at_rest: [0.01, -0.02, 0.0], gyro_deviation: 0.02 }),
-    calibration: Some(Calibration { accel: TriadCalibration { matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]], bias: [0.2, -0.1, -0.00756] }, gyro: TriadCalibration { matrix: [[1.01, -0.02, 0.0], [0.01, 0.97, 0.0], [0.0, 0.03, 1.0]], bias: [0.0, 0.0, -0.002] } }),
-    quantities: &[Quantity::Temperature, Quantity::Supply, Quantity::Measured(Az)],
+    calibration: Some(Calibration {
+        accel: TriadCalibration { matrix: [[0.98, 0.01, -0.02], [0.0, 1.03, 0.005], [0.015, -0.01, 0.99]], bias: [0.2, -0.1, -0.00756] },
+        gyro: TriadCalibration { matrix: [[1.01, -0.02, 0.0], [0.01, 0.97, 0.0], [0.0, 0.03, 1.0]], bias: [0.0, 0.0, -0.002] },
+    }),
+    quantities: &[Quantity::Temperature, Quantity::Supply, Quantity::Measured(Axis::Az)],
     inputs: &INPUTS,
     axes: &AXES,
 });
@@ -119,7 +153,14 @@ fn the_model_comes_to_the_bits_of_its_test_vector() {
 /// in gx_rads, term 15 (physical part first) from 4e-2 of it;
 /// in gx_rads, term 16 (physical part first) from 5e-6 of it.
 pub static TEST_VECTOR: TestVector<'static> = TestVector {
-    scales: Scales { accel_mps2: 0.0013, gyro_rads: 0.00014, temperature_k: 0.0053, temperature_zero_c: 25.0, period_s: 0.005, values: Raw },
+    scales: Scales {
+        accel_mps2: 0.0013,
+        gyro_rads: 0.00014,
+        temperature_k: 0.0053,
+        temperature_zero_c: 25.0,
+        period_s: 0.005,
+        values: FittedOn::Raw,
+    },
     channels: &[3, 2],
     given: &[1],
     samples: &SAMPLES,

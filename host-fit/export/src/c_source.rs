@@ -8,7 +8,6 @@ use fos_embedded::raw::Scales;
 use fos_embedded::test_vector::{Expected, TestSample};
 
 use super::refusal::room_in_c;
-use super::rust_source::list;
 use super::test_vector::{self, OwnedTestVector, Room, test_vector};
 use super::{ExportError, Refusal, UnusableImage, description, image};
 use fos_data::escaping::c_comment;
@@ -17,6 +16,10 @@ use fos_fit::model::UnitModel;
 
 /// C99 source of a header. All its identifiers begin with `name`, such as the stem of its file; characters that C does not allow become
 /// underscores.
+///
+/// # Errors
+///
+/// The model has no image, the hub behind fos.h refuses it, or the name is unusable in C.
 pub fn c_source(
     model: &UnitModel,
     name: &str,
@@ -121,7 +124,7 @@ impl Header<'_> {
             c_comment(f, &visible(&format!("Given before it, bits of float: {}.", names.join(", "))))?;
             writeln!(f, "static const uint32_t {name}_given[{upper}_SAMPLES][{}] = {{", vector.given.len())?;
             for row in vector.given_bits.chunks(vector.given.len()) {
-                writeln!(f, "    {{{}}},", list(row.iter().map(hex)))?;
+                writeln!(f, "    {{{}}},", row.iter().map(hex).collect::<Vec<_>>().join(", "))?;
             }
             writeln!(f, "}};\n")?;
         }
@@ -137,7 +140,7 @@ impl Header<'_> {
             let axis = |&Expected { corrected, innovation, validity }: &Expected| {
                 format!("{{{}, {}, {validity:#05x}u}}", hex(&corrected), hex(&innovation))
             };
-            writeln!(f, "    {{{}}},", list(row.iter().map(axis)))?;
+            writeln!(f, "    {{{}}},", row.iter().map(axis).collect::<Vec<_>>().join(", "))?;
         }
         writeln!(f, "}};\n")?;
         let channels = vector.channels.iter().map(|channel| CHANNELS[usize::from(*channel) % AXES]);
