@@ -156,7 +156,7 @@ pub(crate) fn after_pauses(recording: &Recording, still: &[bool]) -> Option<Stri
     };
     let tilt = (change / f64::from(GRAVITY_MPS2)).to_degrees();
     Some(format!(
-        "{after} the accelerometers show another level, by {change:.3} m/s², as a tilt of {tilt:.1}° would: orientation changed or bias step, indistinguishable across a pause; each side has a level of its own"
+        "{after} the accelerometers show another level, by {change:.3} m/s², as a tilt of {tilt:.1}° would: orientation changed or bias step, indistinguishable across a pause; each side has a separate level"
     ))
 }
 

@@ -147,13 +147,7 @@ impl<'a> Inputs<'a> {
         if let Some(known) = self.cached.get(&name) {
             return Ok(known);
         }
-        if spec.column.is_some() && spec.transform == Transform::Identity {
-            let held = self.held(spec.column.as_deref())?;
-            if !held.iter().any(|value| value.is_nan()) {
-                return Ok(held);
-            }
-        }
-        let values = Arc::new(self.evaluate(spec)?);
+        let values = self.evaluate(spec)?;
         Ok(if is_parametrised(&name) { values } else { self.cached.insert(name, values) })
     }
 
@@ -185,12 +179,16 @@ impl<'a> Inputs<'a> {
         Ok(self.held.insert(name.to_owned(), held))
     }
 
-    fn evaluate(&self, spec: &InputSpec) -> Result<Vec<f64>, RecordingError> {
+    fn evaluate(&self, spec: &InputSpec) -> Result<Arc<Vec<f64>>, RecordingError> {
         let held = self.held(spec.column.as_deref())?;
+        let is_column = spec.column.is_some() && spec.transform == Transform::Identity;
+        if is_column && !held.iter().any(|value| value.is_nan()) {
+            return Ok(held);
+        }
         let mut values = Vec::with_capacity(held.len());
         self.transformed(spec, &held, |transformed| values.extend_from_slice(transformed));
         back_filled(&mut values);
-        Ok(values)
+        Ok(Arc::new(values))
     }
 
     /// Transforms a held column; NaN stays NaN. `take` gets the rows in order, some at a time.

@@ -70,7 +70,7 @@ impl Disturbance {
         (Self::Stuck, "stuck", "stuck for 0.1 to 2 s"),
         (Self::Filter, "filter", "noise through the part's digital filter"),
         (Self::Noise, "noise", "noise that is not normal: tails, bounds, coarse steps"),
-        (Self::Streams, "streams", "accelerometer at half of the gyro's rate, on a clock of its own"),
+        (Self::Streams, "streams", "accelerometer at half of the gyro's rate, on a separate clock"),
     ];
 
     /// All disturbances, the clean log first.
