@@ -37,76 +37,84 @@ pub struct Spikes {
 /// their neighbourhood, far beyond the tail of all, and five times as far as their neighbours. `None` if they exceed a
 /// thousandth of the rows, or for too few values.
 pub fn spikes(values: &[f64], stretches: &[Range<usize>]) -> Option<Spikes> {
-    let mut off: Vec<(usize, f64)> = Vec::new();
-    let mut is_inside: Vec<bool> = Vec::new();
+    // row by row, NaN where unknown: all axes may be searched at the same time, and a log is long
+    let mut off = vec![f64::NAN; values.len()];
     for stretch in stretches {
-        let known: Vec<usize> = stretch.clone().filter(|row| values[*row].is_finite()).collect();
-        let inside = REACH..known.len() - REACH.min(known.len());
-        let measured: Vec<f64> = known.iter().map(|row| values[*row]).collect();
-        for (at, (middle, value)) in medians_around(&measured).into_iter().zip(&measured).enumerate() {
-            if let Some(middle) = middle {
-                off.push((known[at], (value - middle).abs()));
-                is_inside.push(inside.contains(&at));
-            }
-        }
+        write_distances(&values[stretch.clone()], &mut off[stretch.clone()]);
     }
-    let mut sizes: Vec<f64> = off.iter().map(|(_, off)| *off).collect();
+    let known = || off.iter().copied().filter(|off| !off.is_nan());
+    let n_known = known().count();
+    let mut sizes = Vec::with_capacity(n_known);
+    sizes.extend(known());
     let mut deviation = MAD_TO_SD * median(&mut sizes);
     if deviation <= 0.0 {
         // coarse steps: most values equal their neighbours, and noise that reaches the next code is no outlier
-        let step = off.iter().map(|(_, off)| *off).filter(|off| *off > 0.0).fold(f64::INFINITY, f64::min);
-        let mean = off.iter().map(|(_, off)| off).sum::<f64>() / off.len().max(1) as f64;
+        let step = known().filter(|off| *off > 0.0).fold(f64::INFINITY, f64::min);
+        let mean = known().sum::<f64>() / n_known.max(1) as f64;
         deviation = if step.is_finite() { mean.max(step / MIN_SIGMAS) } else { 0.0 };
     }
     if deviation <= 0.0 {
         return None;
     }
-    let stands_alone = |at: usize| {
-        let (row, own) = off[at];
-        let near = &off[at.saturating_sub(ISOLATION_ROWS)..(at + ISOLATION_ROWS + 1).min(off.len())];
-        let mut others: Vec<f64> = near
-            .iter()
-            .filter(|(other, _)| other.abs_diff(row) <= ISOLATION_ROWS)
-            .map(|(_, off)| *off)
-            .collect();
+    let stands_alone = |row: usize| {
+        let near = &off[row.saturating_sub(ISOLATION_ROWS)..(row + ISOLATION_ROWS + 1).min(off.len())];
+        let mut others: Vec<f64> = near.iter().copied().filter(|off| !off.is_nan()).collect();
         let place = others.len().saturating_sub(REACH + 1);
-        own > MIN_ISOLATION * *others.select_nth_unstable_by(place, f64::total_cmp).1
+        off[row] > MIN_ISOLATION * *others.select_nth_unstable_by(place, f64::total_cmp).1
     };
     let tail = sizes.len() - 1 - sizes.len() / 1000;
     let tail = *sizes.select_nth_unstable_by(tail, f64::total_cmp).1;
     // a thousandth may be outliers themselves, which then are the tail
     let far = (MIN_SIGMAS * deviation).max((MIN_TAIL_RATIO * tail).min(MIN_SIGMAS_AT_END * deviation));
-    let is_far = |at: &usize| {
-        let (_, own) = off[*at];
-        own > if is_inside[*at] { far } else { MIN_SIGMAS_AT_END * deviation } && stands_alone(*at)
+    let rows_far = |stretch: &Range<usize>| {
+        let measured = || stretch.clone().filter(|row| values[*row].is_finite());
+        let n = measured().count();
+        let is_far = |(at, row): (usize, usize)| {
+            let is_inside = (REACH..n - REACH.min(n)).contains(&at);
+            let limit = if is_inside { far } else { MIN_SIGMAS_AT_END * deviation };
+            (off[row] > limit && stands_alone(row)).then_some(row)
+        };
+        measured().enumerate().filter_map(is_far).collect::<Vec<usize>>()
     };
-    let far: Vec<(usize, f64)> = (0..off.len()).filter(is_far).map(|at| off[at]).collect();
-    let worst = far.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let few = far.len() <= ((MAX_SHARE * off.len() as f64) as usize).max(1);
-    few.then(|| Spikes {
-        rows: far.iter().map(|(row, _)| *row).collect(),
-        worst: (worst.0, values[worst.0], worst.1 / deviation),
-    })
+    let rows: Vec<usize> = stretches.iter().flat_map(rows_far).collect();
+    let worst = rows.iter().copied().max_by(|a, b| off[*a].total_cmp(&off[*b]))?;
+    let few = rows.len() <= ((MAX_SHARE * n_known as f64) as usize).max(1);
+    few.then(|| Spikes { rows, worst: (worst, values[worst], off[worst] / deviation) })
 }
 
-/// Median of each value and of up to [`REACH`] values on either side; `None` for too few.
-fn medians_around(values: &[f64]) -> Vec<Option<f64>> {
+/// Writes the distance of each value from the median of its neighbourhood; NaN for a missing value and among too few.
+fn write_distances(values: &[f64], off: &mut [f64]) {
+    if values.iter().all(|value| value.is_finite()) {
+        write_medians(values, off);
+    } else {
+        let known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let mut medians = vec![f64::NAN; known.len()];
+        write_medians(&known, &mut medians);
+        let places = values.iter().zip(&mut *off).filter(|(value, _)| value.is_finite());
+        places.zip(medians).for_each(|((_, place), median)| *place = median);
+    }
+    off.iter_mut().zip(values).for_each(|(off, value)| *off = (value - *off).abs());
+}
+
+/// Writes the median of each value and of up to [`REACH`] values on either side; nothing among too few.
+fn write_medians(values: &[f64], medians: &mut [f64]) {
     let n = values.len();
-    let mut medians = Vec::with_capacity(n);
-    let at_an_end = |at: usize| {
+    let inside = (n + 1).saturating_sub(LANES + WINDOW - 1).div_ceil(LANES) * LANES;
+    for at in (0..REACH.min(n)).chain(REACH + inside..n) {
         let mut around = values[at.saturating_sub(REACH)..(at + REACH + 1).min(n)].to_vec();
-        (around.len() > REACH).then(|| median(&mut around))
-    };
-    medians.extend((0..REACH.min(n)).map(at_an_end));
-    Arch::new().dispatch(Inside { values, medians: &mut medians });
-    medians.extend((medians.len()..n).map(at_an_end));
-    medians
+        if around.len() > REACH {
+            medians[at] = median(&mut around);
+        }
+    }
+    if inside > 0 {
+        Arch::new().dispatch(Inside { values, medians: &mut medians[REACH..REACH + inside] });
+    }
 }
 
 /// Medians of complete windows, several at once in vector registers, each a value further on.
 struct Inside<'a> {
     values: &'a [f64],
-    medians: &'a mut Vec<Option<f64>>,
+    medians: &'a mut [f64],
 }
 
 impl WithSimd for Inside<'_> {
@@ -116,8 +124,9 @@ impl WithSimd for Inside<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { values, medians } = self;
         let around = values.windows(LANES + WINDOW - 1).step_by(LANES);
-        for around in around.filter_map(<[f64]>::first_chunk) {
-            medians.extend(medians_of(around).map(Some));
+        let around = around.filter_map(<[f64]>::first_chunk);
+        for (medians, around) in medians.chunks_exact_mut(LANES).zip(around) {
+            medians.copy_from_slice(&medians_of(around));
         }
     }
 }
@@ -186,9 +195,11 @@ mod tests {
             let values: Vec<f64> = white_noise(9, length).iter().map(|x| (4.0 * x).round()).collect();
             let expected = (0..length).map(|at| {
                 let mut window = values[at.saturating_sub(REACH)..(at + REACH + 1).min(length)].to_vec();
-                (window.len() > REACH).then(|| median(&mut window))
+                if window.len() > REACH { median(&mut window) } else { f64::INFINITY }
             });
-            assert_eq!(medians_around(&values), expected.collect::<Vec<_>>(), "{length}");
+            let mut medians = vec![f64::INFINITY; length];
+            write_medians(&values, &mut medians);
+            assert_eq!(medians, expected.collect::<Vec<_>>(), "{length}");
         }
     }
 

@@ -36,21 +36,21 @@ impl Stillness {
 /// Finds the rows at rest: by the column `still`, else by the detector, else all of them; without detected motion in any
 /// case.
 pub fn find(recording: &Recording) -> Stillness {
-    let found = recording.detected.stillness.get_or_find(|| find_uncached(recording, recording.n_rows()));
-    Stillness::clone(&found)
+    find_apart(recording, 0)
 }
 
 /// The same for fitting on the first `learnt_rows` rows: later rows have no influence on which of them are at rest.
 /// Without such rows, as in a log that nothing was fitted to, all rows count alike.
 pub fn find_apart(recording: &Recording, learnt_rows: usize) -> Stillness {
-    match (1..recording.n_rows()).contains(&learnt_rows) {
-        true => find_uncached(recording, learnt_rows),
-        false => find(recording),
-    }
+    let n = recording.n_rows();
+    let learnt_rows = if (1..n).contains(&learnt_rows) { learnt_rows } else { n };
+    let found =
+        recording.detected.stillness.get_or_find(learnt_rows, || find_uncached(recording, learnt_rows));
+    Stillness::clone(&found)
 }
 
 fn find_uncached(recording: &Recording, learnt_rows: usize) -> Stillness {
-    let learnt = 0..learnt_rows.min(recording.n_rows());
+    let learnt = 0..learnt_rows;
     let parts = [learnt.clone(), learnt.end..recording.n_rows()];
     let limits = limits(recording, &learnt);
     let detected = || detect(recording, limits?, &parts);

@@ -74,8 +74,8 @@ pub struct AxisComparison {
     pub dependence: Option<Dependence>,
 }
 
-/// Largest memory for traces of rivals at a time, bytes.
-const TRACES_AT_ONCE: usize = 400 << 20;
+/// Largest memory for two traces at a time, bytes; beyond, there is one.
+const TWO_TRACES: usize = 400 << 20;
 
 /// A model and its simpler rivals, evaluated on rows of a log.
 struct Evaluated {
@@ -103,41 +103,43 @@ fn evaluate(
     if !rows.clone().any(|row| playback.is_still(row)) {
         return Err(CompareError::NothingLeft { trained: rows.start });
     }
-    Rival::ALL.iter().for_each(|kind| progress(kind.name()));
     let n_axes = model.axes.len();
     let floors: Vec<Option<NoiseFloor>> = in_parallel(0..n_axes, |axis| {
         let errors = playback.errors_at_rest(axis, rows.clone());
         noise_floor(&errors.iter().map(Vec::as_slice).collect::<Vec<_>>())
     });
-    let of = |name: &str, trace: &Trace| -> Vec<ModelErrors> {
-        in_parallel(0..n_axes, |axis| {
-            ModelErrors::of(trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
-        })
+    let traced = |(name, model): &(&str, Cow<'_, UnitModel>)| -> Result<_, CompareError> {
+        let is_integrated = with_strapdown && [Rival::Mean.name(), MODEL].contains(name);
+        let coasted = if is_integrated { Coasted::AllRowsAndStrapdown } else { Coasted::AllRows };
+        let trace = trace_of(model, &playback, rows.clone(), coasted)?;
+        let errors = in_parallel(0..n_axes, |axis| {
+            ModelErrors::of(&trace, axis, name, &model.axes[axis].column, floors[axis].as_ref())
+        });
+        let strapdown = strapdown_errors(&trace);
+        Ok((errors, strapdown, (*name == MODEL).then_some(trace)))
     };
-    let traced = |model: &UnitModel, with_strapdown: bool| {
-        let coasted = if with_strapdown { Coasted::AllRowsAndStrapdown } else { Coasted::AllRows };
-        trace_of(model, &playback, rows.clone(), coasted)
-    };
-    let rival_errors = |kind: &Rival| -> Result<(Vec<ModelErrors>, Vec<UnaidedError>), CompareError> {
-        let trace = traced(&rival(model, *kind, lag_1), with_strapdown && *kind == Rival::Mean)?;
-        Ok((of(kind.name(), &trace), strapdown_errors(&trace)))
-    };
-    // a trace may be larger than the log; that of the model, which is stored, comes last
-    let at_once = (TRACES_AT_ONCE / Trace::bytes(rows.len(), n_axes).max(1)).clamp(1, Rival::ALL.len());
-    let rivals: Vec<_> =
-        Rival::ALL.chunks(at_once).flat_map(|kinds| in_parallel(kinds, rival_errors)).collect();
-    progress(MODEL);
-    let trace = traced(model, with_strapdown)?;
+    let rivals = Rival::ALL.map(|kind| (kind.name(), Cow::Owned(rival(model, kind, lag_1))));
+    let models: Vec<_> = rivals.into_iter().chain([(MODEL, Cow::Borrowed(model))]).collect();
+    // not on all cores: the memory would depend on their number
+    let at_once = if 2 * Trace::bytes(rows.len(), n_axes) <= TWO_TRACES { 2 } else { 1 };
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
-    let mut before = Vec::new();
-    let after = strapdown_errors(&trace);
-    for of_model in rivals.into_iter().chain([Ok((of(MODEL, &trace), Vec::new()))]) {
-        let (of_axes, strapdown) = of_model?;
-        // of the constant mean alone
-        before.extend(strapdown);
-        errors.iter_mut().zip(of_axes).for_each(|(errors, of_axis)| errors.push(of_axis));
+    let (mut strapdown, mut own_trace) = (Vec::new(), None);
+    for models in models.chunks(at_once) {
+        models.iter().for_each(|(name, _)| progress(name));
+        for evaluated in in_parallel(models, traced) {
+            let (of_axes, ends, trace) = evaluated?;
+            errors.iter_mut().zip(of_axes).for_each(|(errors, of_axis)| errors.push(of_axis));
+            strapdown.extend((!ends.is_empty()).then_some(ends));
+            own_trace = trace;
+        }
     }
-    let strapdown = before.into_iter().zip(after).map(|(before, after)| [before, after]).collect();
+    let trace = own_trace.expect("the model is the last of them");
+    let strapdown = match &strapdown[..] {
+        [before, after] => {
+            before.iter().zip(after).map(|(before, after)| [before.clone(), after.clone()]).collect()
+        }
+        _ => Vec::new(),
+    };
     Ok(Evaluated { floors, errors, strapdown, trace })
 }
 
@@ -165,8 +167,7 @@ pub fn compare(
     let Evaluated { floors, errors, strapdown, mut trace } =
         evaluate(model, lag_1, &recording, stillness, rows.clone(), true, progress)?;
     for axis in &mut trace.axes {
-        // its errors are in the comparison; no figure needs them row by row
-        axis.coast_whole = Vec::new();
+        // in the comparison already; no figure needs them
         axis.horizons = Default::default();
     }
     let dependences = dependence(model, &recording, stillness, rows.clone(), trained.as_ref())?;

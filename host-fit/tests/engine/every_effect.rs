@@ -8,7 +8,6 @@ use fos_diagnose::effects::{Band, Detector, Effect, Library};
 use fos_diagnose::refine::Refiner;
 use fos_diagnose::study::{LogSources, Refinement};
 use fos_export::image;
-use fos_fit::evaluate::trace_in_f32;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, fit_axis, rest};
 use fos_fit::model::UnitModel;
@@ -94,18 +93,18 @@ impl Logs {
         let model = model_of(&Image::parse(&bytes).expect("whole"), &columns).expect("a model");
         let still = vec![true; self.later.n_rows()];
         let playback = Playback::new(&self.later, &model, &still).expect("a playback");
-        let trace = trace_in_f32(&model, &playback, 0..self.later.n_rows()).expect("a trace");
         // in motion the true value is unknown, unless it was logged
         let known = match self.later.channel(&Column::named(&self.target).reference()) {
             Ok(_) => still.clone(),
             Err(_) => self.later.still.clone().unwrap_or(still.clone()),
         };
-        let left: Vec<f64> = trace.axes[0]
-            .coast_whole
-            .iter()
-            .zip(&known)
-            .map(|(left, known)| if *known { *left } else { f64::NAN })
-            .collect();
+        let (mut device, mut feed) = (model.predictor::<f32>().expect("a predictor"), playback.feed());
+        let mut residual = |row: usize| {
+            playback.catch_up(&mut device, row);
+            let predicted = feed.coast(&mut device, row)[0].predicted;
+            if known[row] { playback.error(0, row) - f64::from(predicted) } else { f64::NAN }
+        };
+        let left: Vec<f64> = (0..self.later.n_rows()).map(&mut residual).collect();
         let length = if of == Left::Samples { 1 } else { (1.0 / self.later.rate.period_s).round() as usize };
         let means: Vec<f64> = left
             .chunks_exact(length)

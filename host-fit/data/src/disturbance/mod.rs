@@ -140,7 +140,7 @@ pub fn marked(recording: &Recording) -> (Cow<'_, Recording>, Vec<Disturbance>) {
 
 /// Detected motion of a recording, computed once.
 fn marks(recording: &Recording) -> Arc<Marks> {
-    recording.detected.marks.get_or_find(|| {
+    recording.detected.marks.get_or_find((), || {
         let mut rest = recording.still.clone().unwrap_or_else(|| vec![true; recording.n_rows()]);
         let found = find(recording, &rest);
         exclude(&mut rest, &found);

@@ -1,35 +1,55 @@
 //! Rows at rest and detected motion: results of the detectors, stored with the recording they were computed from.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use fos_core::StillnessLimits;
 
 /// Results of the detectors; none in a derived recording, and a clone has those of the original.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Detected {
-    pub(crate) stillness: Found<Stillness>,
-    pub(crate) marks: Found<Marks>,
+    /// By the number of rows for fitting, from which later rows are separated.
+    pub(crate) stillness: Found<usize, Stillness>,
+    pub(crate) marks: Found<(), Marks>,
 }
 
-/// A result that is computed once.
-#[derive(Clone, Debug)]
-pub(crate) struct Found<T>(OnceLock<Arc<T>>);
+/// Results by key, each computed once.
+#[derive(Debug)]
+pub(crate) struct Found<K, T>(Mutex<Vec<(K, Arc<T>)>>);
 
-impl<T> Found<T> {
-    pub(crate) fn get_or_find(&self, find: impl FnOnce() -> T) -> Arc<T> {
-        let known = self.0.get().cloned();
-        known.unwrap_or_else(|| {
-            // without the lock: `find` takes long, and its threads may come here again
-            let new = Arc::new(find());
-            Arc::clone(self.0.get_or_init(|| new))
-        })
+impl<K: PartialEq, T> Found<K, T> {
+    pub(crate) fn get_or_find(&self, key: K, find: impl FnOnce() -> T) -> Arc<T> {
+        let known =
+            |all: &[(K, Arc<T>)]| all.iter().find(|(of, _)| *of == key).map(|(_, one)| Arc::clone(one));
+        if let Some(known) = known(&self.lock()) {
+            return known;
+        }
+        // without the lock: `find` takes long, and its threads may come here again
+        let new = Arc::new(find());
+        let mut all = self.lock();
+        if let Some(known) = known(&all) {
+            return known;
+        }
+        all.push((key, Arc::clone(&new)));
+        new
     }
 }
 
-impl<T> Default for Found<T> {
+impl<K, T> Found<K, T> {
+    fn lock(&self) -> MutexGuard<'_, Vec<(K, Arc<T>)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<K: Clone, T> Clone for Found<K, T> {
+    fn clone(&self) -> Self {
+        Self(Mutex::new(self.lock().clone()))
+    }
+}
+
+impl<K, T> Default for Found<K, T> {
     fn default() -> Self {
-        Self(OnceLock::new())
+        Self(Mutex::new(Vec::new()))
     }
 }
 

@@ -9,7 +9,7 @@ fn keeps_what_was_detected_until_a_column_changes() {
     let log = Recording::from_columns(Source::made_by("test"), columns, &options).unwrap();
     let detect = |log: &Recording, rows| {
         let new = || Marks { found: Vec::new(), rest: vec![true; rows], turns: Vec::new() };
-        log.detected.marks.get_or_find(new).rest.len()
+        log.detected.marks.get_or_find((), new).rest.len()
     };
     assert_eq!(detect(&log, 1), 1);
     assert_eq!(detect(&log, 2), 1);

@@ -101,7 +101,7 @@ impl ModelErrors {
             model: model.to_owned(),
             one_step_mse,
             coast: horizons.map(|(horizon_s, squares)| CoastError::of(horizon_s, squares)).collect(),
-            coast_whole_mse: mean_square(&trace.stretches_of(&left.coast_whole)),
+            coast_whole_mse: left.coast_whole_mse,
             slow_error_one_step: slow_error(&one_step, trace.period_s, SLOW_BLOCK_S),
             slow_error_coast: slow_error(&coast, trace.period_s, SLOW_BLOCK_S),
             wide_error_one_step: signal::variance(&one_step),

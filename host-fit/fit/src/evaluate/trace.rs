@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fos_core::{Correction, ModelError, Predictor, Real};
+use fos_core::{ModelError, Predictor, Real};
 
 use super::coasts::Coasting;
 use super::origins::Origins;
@@ -29,7 +29,7 @@ pub struct Trace {
 }
 
 /// Residuals of one axis, in its unit; one value per evaluated row, NaN where unknown.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct AxisTrace {
     /// Measured error, offset included.
     pub measured: Vec<f64>,
@@ -37,8 +37,8 @@ pub struct AxisTrace {
     pub one_step: Vec<f64>,
     /// Measured minus prediction of a free run, which restarts from measured history every 60 s.
     pub coast: Vec<f64>,
-    /// Measured minus prediction of a free run that is never restarted.
-    pub coast_whole: Vec<f64>,
+    /// Mean square of measured minus prediction of a free run that is never restarted; NaN without a value.
+    pub coast_whole_mse: f64,
     /// Squared errors after exactly the horizon, one per origin, for each of [`HORIZONS_S`](super::HORIZONS_S).
     pub horizons: [Vec<f64>; 3],
     /// Heading errors, rad, or position errors, m, at the ends of windows without aiding, for each length of
@@ -78,13 +78,13 @@ pub fn trace_of(
 /// Free runs that are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coasted {
-    /// Errors at the horizons: `coast` and `coast_whole` are empty.
+    /// Errors at the horizons: `coast` is empty, `coast_whole_mse` NaN.
     Horizons,
     /// Over all rows, at the horizons, and over windows without aiding.
     AllRows,
     /// The same, and a strapdown of the six axes over the windows.
     AllRowsAndStrapdown,
-    /// Over the windows alone, with a strapdown: `coast`, `coast_whole` and `horizons` are empty.
+    /// Over the windows alone, with a strapdown: `coast` and `horizons` are empty, `coast_whole_mse` is NaN.
     Strapdown,
 }
 
@@ -151,8 +151,7 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
         for row in 0..rows.start {
             let _ = self.feed.step(&mut self.predictor, row);
         }
-        let mut whole =
-            Whole { predictor: self.predictor.clone(), is_held: self.coasting.is_held(), begun: false };
+        let mut whole = Whole::new(self.predictor.clone(), self.coasting.is_held(), self.trace.axes.len());
         let (mut reaches, mut blocks, mut windows) = (
             std::mem::take(&mut self.origins.reaches).into_iter().peekable(),
             std::mem::take(&mut self.origins.blocks).into_iter().peekable(),
@@ -180,17 +179,15 @@ impl<'p, 'a, R: Real, const TERMS: usize, const HISTORY: usize> Run<'p, 'a, R, T
                 self.coasting.begin_window(&self.predictor, window);
             }
             if self.coasted.keeps_rows() {
-                let corrections = whole.coast(&mut self.feed, self.playback, row);
-                if self.playback.is_still(row) {
-                    self.trace.keep(self.playback, row, corrections, |axis| &mut axis.coast_whole);
-                }
+                whole.coast(&mut self.feed, self.playback, row);
             }
             self.step(row);
         }
         let axes = &mut self.trace.axes;
         let (finished, strapdown) =
             self.coasting.finish(|row, axis, errors| keep_block(axes, row, axis, errors));
-        for (axis, finished) in axes.iter_mut().zip(finished) {
+        for ((axis, finished), error) in axes.iter_mut().zip(finished).zip(whole.errors) {
+            axis.coast_whole_mse = error.mean();
             axis.horizons = finished.squares;
             axis.unaided = finished.ends;
         }
@@ -227,31 +224,71 @@ struct Whole<R: Real, const TERMS: usize, const HISTORY: usize> {
     /// True while it holds its first prediction: the model does, and every row so far has a sample.
     is_held: bool,
     begun: bool,
+    /// Squared errors of each axis in the rows at rest.
+    errors: Vec<Squares>,
+}
+
+/// Sum of squares.
+#[derive(Clone, Default)]
+struct Squares {
+    sum: f64,
+    n: usize,
+}
+
+impl Squares {
+    fn add(&mut self, value: f64) {
+        if value.is_finite() {
+            self.sum += value * value;
+            self.n += 1;
+        }
+    }
+
+    /// NaN without a value.
+    fn mean(&self) -> f64 {
+        self.sum / self.n as f64
+    }
 }
 
 impl<R: Real, const TERMS: usize, const HISTORY: usize> Whole<R, TERMS, HISTORY> {
+    fn new(predictor: Predictor<R, AXES, INPUTS, TERMS, HISTORY>, is_held: bool, n_axes: usize) -> Self {
+        Self { predictor, is_held, begun: false, errors: vec![Squares::default(); n_axes] }
+    }
+
     #[inline]
-    fn coast(&mut self, feed: &mut Feed<'_, '_, R>, playback: &Playback<'_>, row: usize) -> &[Correction<R>] {
+    fn coast(&mut self, feed: &mut Feed<'_, '_, R>, playback: &Playback<'_>, row: usize) {
         self.is_held &= playback.missing_before(row) == 0 && playback.is_measured(row..row + 1);
-        if self.is_held && self.begun {
-            return self.predictor.corrections();
+        if !(self.is_held && self.begun) {
+            self.begun = true;
+            playback.catch_up(&mut self.predictor, row);
+            let _ = feed.coast(&mut self.predictor, row);
         }
-        self.begun = true;
-        playback.catch_up(&mut self.predictor, row);
-        feed.coast(&mut self.predictor, row)
+        if playback.is_still(row) {
+            let corrections = self.predictor.corrections();
+            for ((axis, errors), correction) in self.errors.iter_mut().enumerate().zip(corrections) {
+                errors.add(playback.error(axis, row) - correction.predicted.to_f64());
+            }
+        }
+    }
+}
+
+/// No rows.
+impl Default for AxisTrace {
+    fn default() -> Self {
+        Self::with_rows(0, Coasted::Horizons)
     }
 }
 
 impl AxisTrace {
     fn with_rows(n_rows: usize, coasted: Coasted) -> Self {
         let unknown = || vec![f64::NAN; n_rows];
-        let coasted = || if coasted.keeps_rows() { unknown() } else { Vec::new() };
         Self {
             measured: unknown(),
             one_step: unknown(),
-            coast: coasted(),
-            coast_whole: coasted(),
-            ..Self::default()
+            coast: if coasted.keeps_rows() { unknown() } else { Vec::new() },
+            coast_whole_mse: f64::NAN,
+            horizons: Default::default(),
+            unaided: Default::default(),
+            cautions: 0,
         }
     }
 }
@@ -259,23 +296,8 @@ impl AxisTrace {
 impl Trace {
     /// Memory of the series of `n_rows` rows of `n_axes` axes, bytes.
     pub fn bytes(n_rows: usize, n_axes: usize) -> usize {
-        const SERIES: usize = 4;
+        const SERIES: usize = 3;
         n_rows * n_axes * SERIES * size_of::<f64>()
-    }
-
-    /// Stores the residual after `corrections` in `row`, in one series of each axis.
-    #[inline]
-    fn keep<R: Real>(
-        &mut self,
-        playback: &Playback<'_>,
-        row: usize,
-        corrections: &[Correction<R>],
-        series: impl Fn(&mut AxisTrace) -> &mut Vec<f64>,
-    ) {
-        let at = row - self.rows.start;
-        for ((number, axis), correction) in self.axes.iter_mut().enumerate().zip(corrections) {
-            series(axis)[at] = playback.error(number, row) - correction.predicted.to_f64();
-        }
     }
 
     /// Converts the rows to those of a recording that lacks the first `rows`, none of which were evaluated.
@@ -286,8 +308,8 @@ impl Trace {
         self
     }
 
-    /// Returns the part within `rows` of the recording. `coast_whole`, `horizons`, `unaided`, `strapdown` and `cautions`, which
-    /// describe the whole, are empty.
+    /// Returns the part within `rows` of the recording. `coast_whole_mse`, `horizons`, `unaided`, `strapdown` and `cautions`,
+    /// which describe the whole, are empty.
     pub fn within(&self, rows: Range<usize>) -> Self {
         let start = rows.start.clamp(self.rows.start, self.rows.end);
         let rows = start..rows.end.clamp(start, self.rows.end);

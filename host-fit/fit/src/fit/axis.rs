@@ -114,6 +114,7 @@ pub fn fit_axis(
     let search_error = |source| AxisError::Search { column: column.clone(), source };
     let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
+    drop(known);
     let mut left_out = Vec::new();
     let levelled;
     let mut recording = recording;
@@ -155,6 +156,8 @@ pub fn fit_axis(
     };
     set_ranges(&mut model, &regressors);
     model.drop_unused();
+    // every axis may be here at the same time, and a trace is as large
+    drop((regressors, playback, series));
     let playback = Playback::new(recording, &model, &stillness.still)?;
     let trace = set_statistics(&mut model, &playback, training).map_err(model_error)?;
     refuse_divergent(&column, &trace)?;

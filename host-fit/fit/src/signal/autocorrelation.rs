@@ -35,7 +35,10 @@ impl Autocorrelation {
     }
 }
 
-/// Autocorrelation at lags 0 ..= `max_lag`, by FFT:
+/// Largest lag up to which products are summed one by one; an FFT needs more time and many times the memory of the series.
+const LARGEST_DIRECT_LAG: usize = 8;
+
+/// Autocorrelation at lags 0 ..= `max_lag`, beyond a few by FFT:
 ///
 /// ρ(k) = Σ (x(n) − x̄)(x(n−k) − x̄) / Σ (x(n) − x̄)²
 ///
@@ -53,28 +56,43 @@ pub fn autocorrelation(stretches: &[&[f64]], max_lag: usize) -> Option<Autocorre
     let longest = stretches.iter().map(|stretch| stretch.len()).max()?;
     let max_lag = max_lag.min(longest.saturating_sub(1));
     let mut products = vec![0.0; max_lag + 1];
-    for stretch in stretches.iter().filter(|stretch| !stretch.is_empty()) {
-        // zeros behind the stretch keep the circular products of the transform from wrapping around
-        let padded = (stretch.len() + max_lag).next_power_of_two();
-        let forward = transforms::forward(padded);
-        let inverse = transforms::inverse(padded);
-        let mut samples = forward.make_input_vec();
-        let mut bins = forward.make_output_vec();
-        for (target, x) in samples.iter_mut().zip(*stretch) {
-            *target = x - mean;
-        }
-        forward.process(&mut samples, &mut bins).expect("buffers made by this transform fit it");
-        for bin in &mut bins {
-            *bin = (bin.norm_sqr() / padded as f64).into();
-        }
-        inverse.process(&mut bins, &mut samples).expect("a squared modulus is real at 0 and Nyquist");
-        for (sum, product) in products.iter_mut().zip(&samples) {
-            *sum += product;
-        }
-    }
+    let add = if max_lag <= LARGEST_DIRECT_LAG { add_directly } else { add_by_fft };
+    stretches
+        .iter()
+        .filter(|stretch| !stretch.is_empty())
+        .for_each(|stretch| add(&mut products, stretch, mean));
     let mut values: Vec<f64> = products.iter().map(|product| product / products[0]).collect();
     values[0] = 1.0;
     Some(Autocorrelation { values, samples: super::sample_count(stretches) })
+}
+
+/// Adds the sums of products of a stretch at lags 0, 1, 2 …, one by one.
+fn add_directly(products: &mut [f64], stretch: &[f64], mean: f64) {
+    for (lag, sum) in products.iter_mut().enumerate() {
+        let pairs = stretch.iter().skip(lag).zip(stretch);
+        *sum += pairs.map(|(x, past)| (x - mean) * (past - mean)).sum::<f64>();
+    }
+}
+
+/// Adds the same by FFT.
+fn add_by_fft(products: &mut [f64], stretch: &[f64], mean: f64) {
+    // zeros behind the stretch keep the circular products of the transform from wrapping around
+    let padded = (stretch.len() + products.len() - 1).next_power_of_two();
+    let forward = transforms::forward(padded);
+    let inverse = transforms::inverse(padded);
+    let mut samples = forward.make_input_vec();
+    let mut bins = forward.make_output_vec();
+    for (target, x) in samples.iter_mut().zip(stretch) {
+        *target = x - mean;
+    }
+    forward.process(&mut samples, &mut bins).expect("buffers made by this transform fit it");
+    for bin in &mut bins {
+        *bin = (bin.norm_sqr() / padded as f64).into();
+    }
+    inverse.process(&mut bins, &mut samples).expect("a squared modulus is real at 0 and Nyquist");
+    for (sum, product) in products.iter_mut().zip(&samples) {
+        *sum += product;
+    }
 }
 
 #[cfg(test)]
@@ -101,8 +119,8 @@ mod tests {
         let series: Vec<f64> = white_noise(2, 400).iter().map(|x| 9.81 + 0.01 * x).collect();
         for cuts in [[0, 0], [1, 3], [37, 38], [200, 399]] {
             let stretches = [&series[..cuts[0]], &series[cuts[0]..cuts[1]], &series[cuts[1]..]];
-            let found = autocorrelation(&stretches, 60).unwrap();
-            for (lag, value) in found.values.iter().enumerate() {
+            let [few, many] = [LARGEST_DIRECT_LAG, 60].map(|lags| autocorrelation(&stretches, lags).unwrap());
+            for (lag, value) in few.values.iter().enumerate().chain(many.values.iter().enumerate()) {
                 // rounding of 9.81 in a signal of 0.01: 1e-13 relative, times the root of the sample count
                 assert!((value - direct(&stretches, lag)).abs() < 1e-11, "lag {lag}, cuts {cuts:?}");
             }
