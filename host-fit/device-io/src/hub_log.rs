@@ -36,8 +36,7 @@ pub fn hub_log(
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
-    let held =
-        |name: &str| -> Result<Vec<f64>, RecordingError> { Ok(recording.held(recording.channel(name)?)) };
+    let held = |name: &str| recording.channel(name).map(|channel| recording.held(channel));
     let given = given.map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
     let temperature = held("temp_c").unwrap_or_default();
 

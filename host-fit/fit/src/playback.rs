@@ -2,10 +2,11 @@
 
 use fos_data::column::Column;
 use std::ops::Range;
+use std::sync::Arc;
 
 use fos_core::{Axis, AxisParameters, Correction, OTHER_POSE, PoseGate, Predictor, Sample, Scalar};
 
-use crate::model::{AXES, FittedAxis, INPUTS, UnitModel};
+use crate::model::{AXES, FittedAxis, INPUTS, LoggedQuantity, UnitModel};
 use fos_data::recording::{Boundary, Recording, RecordingError, runs};
 
 /// View of a recording through the columns that a model needs. Rows are those of the recording.
@@ -16,7 +17,7 @@ pub struct Playback<'a> {
     gated: Vec<Option<AxisParameters<f64>>>,
     /// True if some axis has another reference than the model's own, or is not always tracked.
     has_reference: bool,
-    quantities: Vec<Vec<f64>>,
+    quantities: Vec<Arc<Vec<f64>>>,
     still: &'a [bool],
     /// Rows that do not follow the row before them, in order.
     breaks: Vec<(usize, Break)>,
@@ -76,11 +77,8 @@ impl<'a> Playback<'a> {
                 Err(_) => Reference::Constant(axis.parameters.reference),
             });
         }
-        let held = |column: &str| -> Result<Vec<f64>, RecordingError> {
-            Ok(recording.held(recording.channel(column)?))
-        };
-        let quantities =
-            model.quantities.iter().map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
+        let held = |logged: &LoggedQuantity| Ok(recording.held(recording.channel(&logged.column)?));
+        let quantities = model.quantities.iter().map(held).collect::<Result<_, RecordingError>>()?;
         let breaks = recording
             .segments
             .iter()

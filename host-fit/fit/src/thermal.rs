@@ -6,6 +6,7 @@
 //! more than a quick one only because it has more samples.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use fos_data::column::AXES;
 use fos_data::observed::ObservedAxis;
@@ -151,9 +152,9 @@ pub fn about(coefficients: [f64; 4], reference: f64) -> [f64; 4] {
 }
 
 /// Returns the temperature of every row, °C, held between the values of a slower thermometer.
-pub fn temperature_of(recording: &Recording) -> Result<Vec<f64>, ThermalError> {
+pub fn temperature_of(recording: &Recording) -> Result<Arc<Vec<f64>>, ThermalError> {
     match recording.channel(TEMPERATURE) {
-        Ok(channel) => Ok(recording.held_from_first(channel).into_owned()),
+        Ok(channel) => Ok(recording.held_from_first(channel)),
         Err(_) => Err(ThermalError::NoThermometer { log: recording.paths() }),
     }
 }

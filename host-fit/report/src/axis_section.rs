@@ -10,7 +10,6 @@ use crate::examine::Examination;
 use crate::physical_terms::physical_terms;
 use fos_diagnose::compare::AxisComparison;
 use fos_diagnose::detect::Diagnosis;
-use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{RefineError, Refiner};
 use fos_diagnose::study::Refinement;
 use fos_diagnose::study::Study;
@@ -91,16 +90,15 @@ impl AxisSection {
         self
     }
 
-    /// Adds the effects missing from the model of `refinement`, and their offers.
+    /// Adds the effects missing from the model of `refinement`, and their offers. `log` is the log to explain.
     pub fn diagnosed(
         mut self,
         refinement: &Refinement,
         refiner: &Refiner<'_>,
-        library: &Library,
-        field: &Recording,
+        log: &Recording,
     ) -> Result<Self, RefineError> {
         let diagnosis = refiner.diagnose(refinement)?;
-        self.offers = offers(refiner, refinement, &diagnosis, library, field)?;
+        self.offers = offers(refiner, refinement, &diagnosis, log)?;
         self.diagnosis = Some(diagnosis);
         Ok(self)
     }

@@ -115,7 +115,7 @@ impl Report {
             let examination = examine(study, &refinement, logs, &mut |_| {})?;
             progress(&format!("{column}: testing effects"));
             let section = AxisSection::of(study, &refinement).examined(&examination);
-            let section = section.diagnosed(&refinement, &refiner, library, &logs.log)?;
+            let section = section.diagnosed(&refinement, &refiner, &logs.log)?;
             let moved = &summaries.log.moved;
             let view = View { axis: &examination.comparison, curves: &examination.curves, moved };
             axes.push(ReportAxis { section, figures: view.all() });

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use fos_data::recording::Recording;
 use fos_diagnose::detect::{Diagnosis, Finding};
-use fos_diagnose::effects::{Effect, Library};
+use fos_diagnose::effects::Effect;
 use fos_diagnose::refine::{RefineError, Refiner, line_evidence};
 use fos_diagnose::study::Refinement;
 use fos_figures::Figure;
@@ -29,23 +29,22 @@ pub struct Offer {
     pub evidence: Option<Figure>,
 }
 
-/// Returns one offer for each finding of a diagnosis of `refinement`, in their order. `field` is the log of the
-/// diagnosis.
+/// Returns one offer for each finding of a diagnosis of `refinement`, in their order. `log` is the log to
+/// explain.
 pub fn offers(
     refiner: &Refiner<'_>,
     refinement: &Refinement,
     diagnosis: &Diagnosis,
-    library: &Library,
-    field: &Recording,
+    log: &Recording,
 ) -> Result<Vec<Offer>, RefineError> {
     let offer = |finding: &Finding| {
-        let effect = library.get(&finding.effect)?;
+        let effect = refiner.library().get(&finding.effect)?;
         let added = refiner.can_add_finding(&refinement.column, effect, finding);
         let price = if added.is_ok() { refiner.price(refinement, finding)? } else { None };
         let found = refiner.evidence(refinement, &diagnosis.findings, finding)?;
         let line = match found {
             Some(_) => None,
-            None => line_evidence(field, &refinement.column, finding)?,
+            None => line_evidence(log, &refinement.column, finding)?,
         };
         let evidence = evidence(&refinement.column, &effect.name, finding, found.as_ref(), line.as_ref());
         Ok(Offer {

@@ -167,7 +167,7 @@ fn diagnose(column: &str, known: &Snapshot, library: &Library) -> Result<Change,
     let (study, refinement) = known.fitted(column)?;
     let section = AxisSection::of(study, refinement);
     let logs = &known.read()?.logs;
-    let found = section.diagnosed(refinement, &logs.refiner(library), library, &logs.log).map_err(in_text)?;
+    let found = section.diagnosed(refinement, &logs.refiner(library), &logs.log).map_err(in_text)?;
     Ok(change(column, move |axis| {
         axis.alone = found.diagnosis.clone();
         (axis.section.diagnosis, axis.section.offers) = (found.diagnosis, found.offers);

@@ -1,6 +1,6 @@
 //! Replacement of missing cells by held values.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::channel::Channel;
 use super::{Boundary, Recording};
@@ -8,7 +8,11 @@ use super::{Boundary, Recording};
 impl Recording {
     /// Values of a channel as a device has them, one per row: a missing value is replaced by the last one before it,
     /// across gaps too. NaN before the first value after power-on, that is, after the start of each joined recording.
-    pub fn held(&self, channel: &Channel) -> Vec<f64> {
+    /// Shared with the channel if that lacks none.
+    pub fn held(&self, channel: &Channel) -> Arc<Vec<f64>> {
+        if channel.n_missing() == 0 {
+            return Arc::clone(&channel.values);
+        }
         let mut values = channel.values.to_vec();
         for rows in self.power_ons() {
             let mut last = f64::NAN;
@@ -19,18 +23,18 @@ impl Recording {
                 }
             }
         }
-        values
+        Arc::new(values)
     }
 
     /// The same with a value in every row: rows before the first value get that value. NaN only if the channel has no
     /// value at all.
-    pub fn held_from_first<'c>(&self, channel: &'c Channel) -> Cow<'c, [f64]> {
-        if channel.n_missing() == 0 {
-            return Cow::Borrowed(&channel.values);
+    pub fn held_from_first(&self, channel: &Channel) -> Arc<Vec<f64>> {
+        let mut held = self.held(channel);
+        if held.iter().any(|value| value.is_nan()) {
+            let values: &mut Vec<f64> = Arc::make_mut(&mut held);
+            back_filled(values);
         }
-        let mut values = self.held(channel);
-        back_filled(&mut values);
-        Cow::Owned(values)
+        held
     }
 
     /// Ranges of rows from one power-on to the next.

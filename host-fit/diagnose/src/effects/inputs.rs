@@ -59,7 +59,7 @@ impl<'a> Inputs<'a> {
         let mut known = vec![true; self.recording.n_rows()];
         for column in columns {
             let held = self.recording.held(self.recording.channel(column)?);
-            known.iter_mut().zip(&held).for_each(|(known, value)| *known &= !value.is_nan());
+            known.iter_mut().zip(&*held).for_each(|(known, value)| *known &= !value.is_nan());
         }
         Ok(known)
     }
@@ -163,8 +163,7 @@ impl<'a> Inputs<'a> {
                 // interpolation between the steps is closer to the temperature, and adds no lag of the sensor
                 match self.recording.coarse_step(channel) {
                     Some(step) => Arc::new(self.recording.between_steps(&self.recording.held(channel), step)),
-                    None if channel.n_missing() == 0 => Arc::clone(&channel.values),
-                    None => Arc::new(self.recording.held(channel)),
+                    None => self.recording.held(channel),
                 }
             }
             None => Arc::new(vec![0.0; self.recording.n_rows()]),

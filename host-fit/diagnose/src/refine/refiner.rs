@@ -68,6 +68,11 @@ impl<'a> Refiner<'a> {
         Self { log, reference, evaluation, evaluation_rows, library }
     }
 
+    /// Returns the effects that can be added.
+    pub fn library(&self) -> &'a Library {
+        self.library
+    }
+
     /// Returns the number of rows from which effects are estimated.
     pub fn fitted_rows(&self) -> usize {
         self.log.whole.n_rows()
