@@ -135,9 +135,7 @@ fn evaluate(
     }
     let trace = own_trace.expect("the model is the last of them");
     let strapdown = match &strapdown[..] {
-        [before, after] => {
-            before.iter().zip(after).map(|(before, after)| [before.clone(), after.clone()]).collect()
-        }
+        [before, after] => before.iter().zip(after).map(|(before, after)| [*before, *after]).collect(),
         _ => Vec::new(),
     };
     Ok(Evaluated { floors, errors, strapdown, trace })

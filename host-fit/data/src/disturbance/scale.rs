@@ -23,6 +23,9 @@ pub(super) const FAR: f64 = 33.0;
 /// Score from which the windows before and after one above [`FAR`] belong to it.
 pub(super) const NEAR: f64 = 7.0;
 
+/// Number of windows whose energies are computed at a time.
+const WINDOWS_AT_ONCE: usize = 512;
+
 /// Number of window starts in the length of one window.
 const OVERLAP: usize = 16;
 
@@ -73,17 +76,31 @@ impl Scale {
 
     /// ln of the mean square of the second differences in each window; NaN where fewer than half are known.
     pub(super) fn log_energy(&self, means: &[f64], segments: &[Segment]) -> Vec<f64> {
-        // sum of squares and number of rows of each stride; numbers of rows are exact in f64
-        let mut pieces = vec![[0.0_f64; 2]; means.len().div_ceil(self.stride)];
-        for segment in segments {
-            let rows = self.inner(segment);
-            let mut start = rows.start;
-            while start < rows.end {
-                let piece = start / self.stride;
-                let end = ((piece + 1) * self.stride).min(rows.end);
+        let (n, width) = (self.windows(means.len()), self.window / self.stride);
+        let mut energies = Vec::with_capacity(n);
+        // some at a time: all axes are here at once, and a log is long
+        for first in (0..n).step_by(WINDOWS_AT_ONCE) {
+            let end = (first + WINDOWS_AT_ONCE).min(n);
+            let sums = sliding_sums(self.pieces(means, segments, first..end + width - 1), width);
+            energies.extend(sums.iter().map(|[sum, count]| log_mean(*sum, *count as usize, self.window)));
+        }
+        energies
+    }
+
+    /// Sum of squares and number of second differences in each of these strides. The numbers are exact in f64.
+    fn pieces(&self, means: &[f64], segments: &[Segment], strides: Range<usize>) -> Vec<[f64; 2]> {
+        let mut pieces = vec![[0.0_f64; 2]; strides.len()];
+        let rows = strides.start * self.stride..strides.end * self.stride;
+        let first = segments.partition_point(|segment| segment.rows.end <= rows.start);
+        for segment in segments[first..].iter().take_while(|segment| segment.rows.start < rows.end) {
+            let inner = self.inner(segment);
+            let (mut start, inner_end) = (inner.start.max(rows.start), inner.end.min(rows.end));
+            while start < inner_end {
+                let stride = start / self.stride;
+                let end = ((stride + 1) * self.stride).min(inner_end);
                 let before = &means[start - self.block..end - self.block];
                 let after = &means[start + self.block..end + self.block];
-                let [sum, count] = &mut pieces[piece];
+                let [sum, count] = &mut pieces[stride - strides.start];
                 for ((at, before), after) in means[start..end].iter().zip(before).zip(after) {
                     let second = second_difference(*before, *at, *after);
                     let is_known = second.is_finite();
@@ -93,9 +110,7 @@ impl Scale {
                 start = end;
             }
         }
-        let windows = sliding_sums(pieces, self.window / self.stride);
-        let windows = windows.iter().take(self.windows(means.len()));
-        windows.map(|[sum, count]| log_mean(*sum, *count as usize, self.window)).collect()
+        pieces
     }
 
     /// Means of blocks twice as long; NaN where a value is missing.
