@@ -71,7 +71,7 @@ fn identifies_a_hidden_effect_from_telemetry() {
     };
     let cable = Cable { bytes: Vec::new(), sent: 0, loses_every: 40_009 };
     let mut recorder: Recorder<_, 128> = Recorder::new(cable);
-    for (tick, (rate, celsius)) in rate.iter().zip(&temperature).enumerate() {
+    for (tick, (rate, celsius)) in rate.iter().zip(temperature.iter()).enumerate() {
         let quantities = [*celsius as f32];
         let sample = Sample { measured: &[*rate as f32], quantities: &quantities };
         let correction = predictor.track(&sample)[0];
