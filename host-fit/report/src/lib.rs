@@ -29,7 +29,6 @@ pub use template::RenderError;
 
 use crate::command_lines::command_lines;
 use crate::examine::examine;
-use fos_data::stillness;
 use fos_diagnose::compare::{CompareError, strapdown};
 use fos_diagnose::effects::Library;
 use fos_diagnose::refine::{Logs, RefineError};
@@ -104,10 +103,6 @@ impl Report {
         library: &Library,
         progress: &mut dyn FnMut(&str),
     ) -> Result<Self, ReportError> {
-        if study.data.is(&logs.log) {
-            // stored with the log; in this order, for the search takes much memory, and a refiner copies a part of the log
-            let _ = stillness::find_apart(&logs.log, study.data.trained_rows);
-        }
         let refiner = logs.refiner(library);
         let summaries = Summaries::of(logs);
         let mut axes = Vec::new();

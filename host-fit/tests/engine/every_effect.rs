@@ -99,12 +99,12 @@ impl Logs {
             Err(_) => self.later.still.clone().unwrap_or(still.clone()),
         };
         let (mut device, mut feed) = (model.predictor::<f32>().expect("a predictor"), playback.feed());
-        let mut residual = |row: usize| {
+        let residual = |row: usize| {
             playback.catch_up(&mut device, row);
             let predicted = feed.coast(&mut device, row)[0].predicted;
             if known[row] { playback.error(0, row) - f64::from(predicted) } else { f64::NAN }
         };
-        let left: Vec<f64> = (0..self.later.n_rows()).map(&mut residual).collect();
+        let left: Vec<f64> = (0..self.later.n_rows()).map(residual).collect();
         let length = if of == Left::Samples { 1 } else { (1.0 / self.later.rate.period_s).round() as usize };
         let means: Vec<f64> = left
             .chunks_exact(length)

@@ -1,5 +1,6 @@
 //! Results of the detectors stay with a recording and reach no other one.
 
+use super::detected::Found;
 use super::{LoadOptions, Marks, Recording, Source};
 
 #[test]
@@ -18,4 +19,11 @@ fn keeps_what_was_detected_until_a_column_changes() {
     assert_eq!(detect(&log.first_rows(2), 2), 2);
     assert_eq!(detect(&log.with_rests(vec![true; 3], Vec::new()), 2), 2);
     assert_eq!(detect(&Recording::join(vec![log.clone(), log]).unwrap(), 2), 2);
+}
+
+#[test]
+fn stores_one_result_for_each_key() {
+    let found = Found::default();
+    let results = [(1, 10), (2, 20), (1, 30)].map(|(key, new)| *found.get_or_find(key, || new));
+    assert_eq!(results, [10, 20, 10]);
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::origins::HORIZONS_S;
-use super::trace::Trace;
+use super::trace::{Squares, Trace};
 use super::unaided::{Integral, UNAIDED_S, UnaidedError};
 use crate::signal;
 use crate::signal::allan::allan_deviation;
@@ -128,11 +128,9 @@ impl CoastError {
 }
 
 fn mean_square(stretches: &[&[f64]]) -> f64 {
-    let n = signal::sample_count(stretches);
-    if n == 0 {
-        return f64::NAN;
-    }
-    stretches.iter().copied().flatten().map(|value| value * value).sum::<f64>() / n as f64
+    let mut squares = Squares::default();
+    stretches.iter().copied().flatten().for_each(|value| squares.add(*value));
+    squares.mean()
 }
 
 #[cfg(test)]

@@ -230,13 +230,14 @@ struct Whole<R: Real, const TERMS: usize, const HISTORY: usize> {
 
 /// Sum of squares.
 #[derive(Clone, Default)]
-struct Squares {
+pub(super) struct Squares {
     sum: f64,
     n: usize,
 }
 
 impl Squares {
-    fn add(&mut self, value: f64) {
+    /// Adds the square of `value` if that is finite.
+    pub(super) fn add(&mut self, value: f64) {
         if value.is_finite() {
             self.sum += value * value;
             self.n += 1;
@@ -244,7 +245,7 @@ impl Squares {
     }
 
     /// NaN without a value.
-    fn mean(&self) -> f64 {
+    pub(super) fn mean(&self) -> f64 {
         self.sum / self.n as f64
     }
 }

@@ -81,8 +81,8 @@ fn search(
         Stopped::MaxTerms => "stopped at the most terms allowed".to_owned(),
         Stopped::Rounding => "stopped: other terms reduce the MSE by less than its rounding error; the signal is so smooth that its lags are nearly sums of one another".to_owned(),
         Stopped::MostMoves => "stopped after as many exchanges as are allowed; another might lower the error further".to_owned(),
-        Stopped::NothingLeft => "stopped: every candidate is in the model".to_owned(),
-        Stopped::Exact => "stopped: the model is exact".to_owned(),
+        Stopped::NothingLeft => "stopped: every candidate is in the model or collinear with it".to_owned(),
+        Stopped::Exact => "stopped: the residual is rounding error".to_owned(),
     };
     Ok(StochasticPart {
         constant: fit.refit.constant,
