@@ -1,6 +1,7 @@
 //! A log reduced to the input of a diagnosis: the rows used, the error in them and its block means.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::faults::Fault;
 use fos_data::observed::ObservedAxis;
@@ -19,7 +20,7 @@ pub struct ErrorInBlocks {
     /// Error of the axis, one value per row, in its unit.
     pub error: Vec<f64>,
     /// Blocks of the rows used.
-    pub blocks: Blocks,
+    pub blocks: Arc<Blocks>,
     /// Block means of the error.
     pub means: Vec<f64>,
     /// True if most samples lie near a clipping limit: the few others do not show the bias.
@@ -102,12 +103,14 @@ impl ErrorInBlocks {
         let counts = if clipped_through { all } else { known };
         let blocks = Blocks::with_levels(recording, length_s, counts, &observed.turns);
         let means = blocks.means(&observed.error.values);
-        Ok(Self { error: observed.error.values.into_owned(), blocks, means, clipped_through })
+        let (error, blocks) = (observed.error.values.into_owned(), Arc::new(blocks));
+        Ok(Self { error, blocks, means, clipped_through })
     }
 
     /// Weights each block by the noise of the shaking in it.
     pub(super) fn shaken(self) -> Self {
-        Self { blocks: self.blocks.with_noise_of(&self.error), ..self }
+        let blocks = Arc::unwrap_or_clone(self.blocks).with_noise_of(&self.error);
+        Self { blocks: Arc::new(blocks), ..self }
     }
 
     /// Returns the standard deviation of the noise, from the differences of adjacent samples.

@@ -57,17 +57,23 @@ impl Hypothesis {
 /// Makes and caches the hypotheses for one target and one recording.
 #[derive(Debug)]
 pub(super) struct Hypotheses<'a> {
-    inputs: &'a Inputs<'a>,
-    blocks: &'a Blocks,
-    target: &'a str,
+    inputs: Inputs<'a>,
+    blocks: Arc<Blocks>,
+    target: String,
     made: Memo<(String, u64), Hypothesis>,
     means: Memo<String, Arc<[f64]>>,
 }
 
 impl<'a> Hypotheses<'a> {
     /// Makes hypotheses for the axis of column `target`.
-    pub(super) fn new(inputs: &'a Inputs<'a>, blocks: &'a Blocks, target: &'a str) -> Self {
+    pub(super) fn new(inputs: Inputs<'a>, blocks: &Arc<Blocks>, target: &str) -> Self {
+        let (blocks, target) = (Arc::clone(blocks), target.to_owned());
         Self { inputs, blocks, target, made: Memo::default(), means: Memo::default() }
+    }
+
+    /// Returns the inputs that the regressors are computed from, and with them the log.
+    pub(super) fn inputs(&self) -> &Inputs<'a> {
+        &self.inputs
     }
 
     /// Returns the first values to try for the parameter; one `None` for an effect without a parameter.
@@ -107,7 +113,7 @@ impl<'a> Hypotheses<'a> {
             return Some(means);
         }
         let logged = self.inputs.logged(&Regressor::parse(column).ok()?)?;
-        let means = self.inputs.block_means(&logged, self.blocks).ok().filter(|means| !means.is_empty())?;
+        let means = self.inputs.block_means(&logged, &self.blocks).ok().filter(|means| !means.is_empty())?;
         Some(self.means.insert(column.to_owned(), means.into()))
     }
 
@@ -153,7 +159,7 @@ impl<'a> Hypotheses<'a> {
     }
 
     fn of_regressors(&self, effect: &Arc<Effect>, value: Option<f64>) -> Result<Hypothesis, RecordingError> {
-        let all = effect.regressors(self.target, value).unwrap_or_default();
+        let all = effect.regressors(&self.target, value).unwrap_or_default();
         let logged: Vec<(usize, Regressor)> = all
             .iter()
             .filter_map(|(term, regressor)| Some((*term, self.inputs.logged(regressor)?)))
@@ -168,7 +174,7 @@ impl<'a> Hypotheses<'a> {
         let (terms, regressors): (Vec<usize>, Vec<Regressor>) = used.into_iter().unzip();
         let columns: Vec<Vec<f64>> = regressors
             .iter()
-            .map(|regressor| Ok(centred(self.inputs.block_means(regressor, self.blocks)?)))
+            .map(|regressor| Ok(centred(self.inputs.block_means(regressor, &self.blocks)?)))
             .collect::<Result<_, RecordingError>>()?;
         Ok(Hypothesis { effect: effect.clone(), value, columns: Arc::new(columns), terms, regressors })
     }

@@ -4,7 +4,7 @@ use fos_fit::noise::{Fitted, LevelPrior, NoiseLevels, Regression};
 
 use super::error_in_blocks::ErrorInBlocks;
 use super::open::{self, Lead};
-use super::question::Question;
+use super::prepared::Prepared;
 use super::shape::{self, Level};
 use super::slow::{ExtraNoise, Found, SlowResult};
 
@@ -25,14 +25,10 @@ pub(super) struct LeftOver {
 /// Score by which a lead must exceed what it replaces: odds of 150 to 1.
 pub(super) const INSTEAD: f64 = 10.0;
 
-pub(super) fn left_over(
-    question: &Question<'_>,
-    column: &str,
-    reduced: &ErrorInBlocks,
-    given: &[Vec<f64>],
-    slow: &SlowResult,
-    (sound, shaken): (bool, bool),
-) -> LeftOver {
+/// Searches in what the regressors `given` and the slow effects leave.
+pub(super) fn left_over(prepared: &Prepared<'_>, given: &[Vec<f64>], slow: &SlowResult) -> LeftOver {
+    let (log, column, reduced, shaken) =
+        (prepared.log(), &prepared.column, &prepared.reduced, prepared.shaken);
     let regressors = |keep: &dyn Fn(&Found) -> bool| -> Vec<&[f64]> {
         let mut regressors: Vec<&[f64]> = given.iter().map(Vec::as_slice).collect();
         for found in slow.found.iter().filter(|found| keep(found)) {
@@ -42,7 +38,7 @@ pub(super) fn left_over(
     };
     let left = |regressors: &[&[f64]], fitted: &Fitted, prior: &LevelPrior| {
         open::Residual {
-            recording: question.log,
+            recording: log,
             blocks: &reduced.blocks,
             target: column,
             y: &reduced.means,
@@ -62,8 +58,8 @@ pub(super) fn left_over(
         let reference = away_from_effects(reduced, slow);
         jumps = shape::jumps(&reference, LEAD_SHARE * explained, slow.noise != ExtraNoise::None);
     }
-    if sound && !shaken {
-        level = shape::level(question.log, &reduced.blocks, column, !slow.found.is_empty());
+    if prepared.faults.is_empty() && !shaken {
+        level = shape::level(log, &reduced.blocks, column, !slow.found.is_empty());
     }
     // findings that follow nothing logged may be stand-ins for a logged cause
     let replaced = slow.unbacked() + slow.noise_score;

@@ -2,11 +2,17 @@
 //! effect, its uncertainty and the effects that are indistinguishable from it, or reports that nothing in the library
 //! explains the log.
 //!
+//! | stage | file |
+//! |---|---|
+//! | the logs are cleaned and reduced to blocks, with the noise to be expected | `prepared` |
+//! | every search runs | `search` |
+//! | what was found becomes findings and a verdict | `findings` |
+//!
 //! The tests are in the order of their evidence (docs/decisions/diagnosis.md): faults of the data, lines in the
 //! spectrum, slow effects in block means, then an open search for effects outside the library.
 
 mod answer;
-mod cleaned;
+mod clean_log;
 mod correction;
 mod dead_zone;
 mod diagnose;
@@ -24,6 +30,7 @@ mod power;
 mod predicted_reduction;
 mod prepared;
 mod question;
+mod search;
 mod shape;
 mod shared_signal;
 mod slow;

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use super::answer::Untested;
-use super::hypothesis::{Hypotheses, Hypothesis};
+use super::hypothesis::Hypothesis;
 use super::prepared::Prepared;
 use super::question::DiagnoseError;
 use super::slow::{Estimate, SlowResult};
 use super::testable::{Testable, followed};
-use crate::effects::{Effect, Inputs};
+use crate::effects::Effect;
 use fos_data::statistics::centred;
 use fos_fit::noise::{Gls, combination, dot};
 
@@ -27,31 +27,20 @@ const LEFT_BY_LEVELS: f64 = 0.02;
 
 /// A log and its noise as inputs of a power computation.
 pub(super) struct Power<'a> {
-    prepared: &'a Prepared,
-    hypotheses: &'a Hypotheses<'a>,
-    slow: &'a SlowResult,
-    inputs: &'a Inputs<'a>,
+    pub(super) prepared: &'a Prepared<'a>,
+    pub(super) slow: &'a SlowResult,
 }
 
-impl<'a> Power<'a> {
-    pub(super) fn of(
-        prepared: &'a Prepared,
-        hypotheses: &'a Hypotheses<'a>,
-        slow: &'a SlowResult,
-        inputs: &'a Inputs<'a>,
-    ) -> Self {
-        Self { prepared, hypotheses, slow, inputs }
-    }
-
+impl Power<'_> {
     /// Returns those of the effects that the log would not have shown, with the data that they need. An effect without
     /// a known typical size is treated as those that follow the same columns.
-    pub(super) fn powerless(&self, effects: &[&Arc<Effect>]) -> Result<Vec<Untested>, DiagnoseError> {
+    pub(super) fn powerless(&self, effects: &[Arc<Effect>]) -> Result<Vec<Untested>, DiagnoseError> {
         let mut shown: Vec<(&Arc<Effect>, Option<bool>)> = Vec::new();
         for effect in effects {
             let is_found = self.slow.found.iter().any(|found| found.hypothesis.effect.id == effect.id);
             shown.push((effect, if is_found { Some(true) } else { self.shows(effect)? }));
         }
-        let columns = |effect: &Effect| followed(effect, self.inputs, &self.prepared.column);
+        let columns = |effect: &Effect| followed(effect, self.prepared.inputs(), &self.prepared.column);
         let follows = |wanted: bool, column: &String| {
             shown.iter().any(|(effect, is)| *is == Some(wanted) && columns(effect).contains(column))
         };
@@ -66,7 +55,7 @@ impl<'a> Power<'a> {
     fn untested(&self, effect: &Arc<Effect>) -> Result<Untested, DiagnoseError> {
         Ok(match self.is_hidden_by_levels(effect)? {
             true => Untested::of(effect, vec!["longer rests in one orientation".to_owned()]),
-            false => Testable::needs_variation(effect, self.inputs, &self.prepared.column),
+            false => Testable::needs_variation(effect, self.prepared.inputs(), &self.prepared.column),
         })
     }
 
@@ -112,9 +101,9 @@ impl<'a> Power<'a> {
         if blocks.restarts().is_empty() {
             return Ok(false);
         }
-        let grid = self.hypotheses.grid(effect);
+        let grid = self.prepared.hypotheses.grid(effect);
         for value in ends_and_middle(&grid) {
-            let Hypothesis { columns, .. } = self.hypotheses.make(effect, *value)?;
+            let Hypothesis { columns, .. } = self.prepared.hypotheses.make(effect, *value)?;
             let is_left = |column: &Vec<f64>| {
                 let left = blocks.about_levels(column, 0..column.len());
                 let all = centred(column.clone());
@@ -133,9 +122,9 @@ impl<'a> Power<'a> {
         if (0..effect.terms.len()).all(|term| typical(term).is_none()) {
             return Ok(None);
         }
-        let grid = self.hypotheses.grid(effect);
+        let grid = self.prepared.hypotheses.grid(effect);
         for value in ends_and_middle(&grid) {
-            let Hypothesis { columns, terms, .. } = self.hypotheses.make(effect, *value)?;
+            let Hypothesis { columns, terms, .. } = self.prepared.hypotheses.make(effect, *value)?;
             let sizes = terms.iter().map(|term| typical(*term));
             let is_visible = |(column, size): (&Vec<f64>, Option<f64>)| {
                 size.is_some_and(|size| size.abs() * self.information(column).sqrt() >= VISIBLE)

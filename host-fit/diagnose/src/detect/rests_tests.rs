@@ -77,7 +77,7 @@ fn short_log_of_many_rests_states_missing_time() {
     let (blocks, needed) = with_question(&log, "az", |question| {
         let prepared = Prepared::new(question).expect("long enough for lines");
         assert!(prepared.is_short());
-        (prepared.reduced.blocks.len(), prepared.time_needed(question).expect("a message"))
+        (prepared.reduced.blocks.len(), prepared.time_needed().expect("a message"))
     });
     assert!(blocks >= super::MIN_BLOCKS, "{blocks}");
     assert!(needed.contains("more than this log has"), "{needed}");

@@ -12,7 +12,6 @@ use super::open::{self, Lead, LeadKind};
 use super::prepared::Prepared;
 use super::slow::{ACCEPT, Found, SlowResult};
 use crate::effects::{Band, Detector};
-use fos_data::recording::Recording;
 use fos_data::statistics::median_of;
 
 /// Least number of transitions in each direction: one up and one down may be a temporary fault.
@@ -51,7 +50,7 @@ pub(super) struct Telegraph {
 
 /// Returns random telegraph noise if it explains the residual better than steps, other functions of the clock, excess
 /// noise and leads together.
-pub(super) fn instead(prepared: &Prepared, slow: &SlowResult, left: &LeftOver) -> Option<Telegraph> {
+pub(super) fn instead(prepared: &Prepared<'_>, slow: &SlowResult, left: &LeftOver) -> Option<Telegraph> {
     let mut regressors: Vec<&[f64]> = prepared.given.iter().map(Vec::as_slice).collect();
     for found in slow.found.iter().filter(|found| found.is_backed()) {
         regressors.extend(found.hypothesis.columns());
@@ -78,9 +77,9 @@ impl Telegraph {
 }
 
 /// Returns the lead to a logged quantity whose threshold decides the level: what another quantity switches is not random.
-pub(super) fn decided(found: &Telegraph, prepared: &Prepared, recording: &Recording) -> Option<Lead> {
+pub(super) fn decided(found: &Telegraph, prepared: &Prepared<'_>) -> Option<Lead> {
     let reduced = &prepared.reduced;
-    let follows = open::threshold_of(recording, &reduced.blocks, &prepared.column, &found.course)?;
+    let follows = open::threshold_of(prepared.log(), &reduced.blocks, &prepared.column, &found.course)?;
     let explained = found.difference[0].powi(2) * variance(&[&found.course]);
     let share = (explained / variance(&[&reduced.means])).min(1.0);
     let lead = Lead::new(LeadKind::Course, follows, Band::Slow, found.score);

@@ -61,7 +61,6 @@ impl Testable {
     pub(super) fn attitude_effects(
         &self,
         hypotheses: &Hypotheses<'_>,
-        inputs: &Inputs<'_>,
         target: &str,
     ) -> Result<Vec<Untested>, RecordingError> {
         let mut attitude_effects = Vec::new();
@@ -73,7 +72,7 @@ impl Testable {
             });
             let at_rest: Vec<bool> = axes.collect();
             if !at_rest.is_empty() && !at_rest.contains(&false) {
-                attitude_effects.push(Self::needs_variation(effect, inputs, target));
+                attitude_effects.push(Self::needs_variation(effect, hypotheses.inputs(), target));
             }
         }
         Ok(attitude_effects)

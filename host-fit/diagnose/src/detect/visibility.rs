@@ -111,7 +111,7 @@ pub fn visibility(
         }
     }
     let prior = prior_of(None, &reduced, Some(&reference))?;
-    let hypotheses = Hypotheses::new(&inputs, &reduced.blocks, &column);
+    let hypotheses = Hypotheses::new(inputs, &reduced.blocks, &column);
     let given = vec![vec![1.0; reduced.blocks.len()]];
     let search = SlowSearch {
         blocks: &reduced.blocks,

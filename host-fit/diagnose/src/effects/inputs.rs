@@ -1,5 +1,6 @@
 //! Inputs of a recording, evaluated by fos-core, and the row from which each is known.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ const MAX_EMPTY_SHARE: f64 = 0.1;
 /// Evaluates inputs over a recording, one value per row, as fos-core does on the device.
 #[derive(Debug)]
 pub struct Inputs<'a> {
-    recording: &'a Recording,
+    recording: Cow<'a, Recording>,
     /// Cached inputs without a parameter, which are needed repeatedly.
     cached: Memo<String, Arc<Vec<f64>>>,
     /// Cached columns as a device sees them, NaN before their first value: the inputs of the transforms.
@@ -28,12 +29,17 @@ pub struct Inputs<'a> {
 
 impl<'a> Inputs<'a> {
     pub fn new(recording: &'a Recording) -> Self {
+        Self::of(Cow::Borrowed(recording))
+    }
+
+    /// Inputs of a log that is only needed for them, or is shared.
+    pub fn of(recording: Cow<'a, Recording>) -> Self {
         Self { recording, cached: Memo::default(), held: Memo::default() }
     }
 
     /// Returns the log that the inputs are computed from.
-    pub fn recording(&self) -> &'a Recording {
-        self.recording
+    pub fn recording(&self) -> &Recording {
+        &self.recording
     }
 
     /// Describes why a column cannot be used: it is missing, empty, or begins too late. `None` if it can.

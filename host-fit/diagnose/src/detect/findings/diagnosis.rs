@@ -1,6 +1,6 @@
 //! Composition of a diagnosis from findings and leads.
 
-use super::assembly::Assembly;
+use super::Findings;
 use super::doubt::{beyond_typical, doubt};
 use super::verdict::{faults, sentence, verdict};
 use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
@@ -17,11 +17,11 @@ const MAX_STEPS: usize = 2;
 /// Least duty cycle of interference that affects the verdict.
 const LEAST_DUTY: f64 = 0.01;
 
-impl Assembly<'_> {
-    pub(crate) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
+impl Findings<'_> {
+    pub(in crate::detect) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
         let mut findings = self.line_findings()?;
         // what hides slow effects also raises the noise
-        if self.lacks.is_none() {
+        if self.results.lacks.is_none() {
             findings.extend(self.noise_finding()?);
         }
         findings.extend(self.telegraph_finding()?);
@@ -38,13 +38,13 @@ impl Assembly<'_> {
         // a fault of the data explains no drift, so it comes after the effects
         findings.extend(self.fault_findings()?);
 
-        let mut leads = self.left.leads.clone();
-        leads.extend(self.left.jumps.clone());
+        let mut leads = self.results.left.leads.clone();
+        leads.extend(self.results.left.jumps.clone());
         // an effect of the library describes a level that follows the temperature
-        let level = self.left.level.as_ref().filter(|level| level.temperature_slope().is_none());
+        let level = self.results.left.level.as_ref().filter(|level| level.temperature_slope().is_none());
         leads.extend(level.map(Level::lead));
-        if self.left.instead {
-            let library = self.question.library;
+        if self.results.left.instead {
+            let library = self.prepared.library();
             findings.retain(|finding| {
                 let effect = library.get(&finding.effect);
                 finding.band != Band::Stochastic
@@ -53,19 +53,19 @@ impl Assembly<'_> {
             });
         }
         let is_step = |id: &str| {
-            let effect = self.question.library.get(id);
+            let effect = self.prepared.library().get(id);
             effect.is_ok_and(|effect| effect.search == Detector::Step)
         };
         let step_findings = findings.iter().filter(|finding| is_step(&finding.effect));
         let gains: Vec<f64> = step_findings.filter_map(|finding| finding.gain).collect();
         let steps = gains.len();
-        let given = self.question.given.iter().filter(|given| is_step(&given.effect)).count();
+        let given = self.prepared.effects_in_model().iter().filter(|given| is_step(&given.effect)).count();
         if steps > 0 && steps + given > MAX_STEPS {
             let follows = format!("{steps} jumps of the bias");
             leads.push(Lead::new(LeadKind::Jumps, follows, Band::Slow, gains.iter().sum()));
             findings.retain(|finding| !is_step(&finding.effect));
         }
-        for line in self.lines.iter().filter(|line| line.duty < lines::STEADY) {
+        for line in self.results.lines.iter().filter(|line| line.duty < lines::STEADY) {
             let share = match line.duty {
                 duty if duty < LEAST_DUTY => "less than 1 %".to_owned(),
                 duty => format!("{:.0} %", 100.0 * duty),
@@ -80,18 +80,19 @@ impl Assembly<'_> {
         findings.sort_by_key(|finding| (finding.band == Band::Data, finding.doubt.is_some()));
         let all_findings = findings.clone();
         leads.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let verdict = verdict(&mut findings, &leads, !self.tested.is_empty());
+        let verdict = verdict(&mut findings, &leads, !self.results.tested.is_empty());
         let rejected = self.rejected(&findings, &all_findings, &leads);
-        let mut cautions = beyond_typical(&findings, self.question.library, self.column);
-        if self.question.reference.is_none() {
+        let mut cautions = beyond_typical(&findings, self.prepared.library(), &self.prepared.column);
+        if !self.prepared.has_reference() {
             cautions
                 .push("no reference log: the noise was estimated from this log, so slow drift of the sensor may be mistaken for an effect, and a spectral line of the sensor for interference; record 10 min at rest with the same device and pass it as `reference`".to_owned());
         }
+        cautions.extend(self.prepared.cautions());
         Ok(Diagnosis {
-            target: self.column.to_owned(),
-            unit: Column::named(self.column).unit().label().to_owned(),
+            target: self.prepared.column.clone(),
+            unit: Column::named(&self.prepared.column).unit().label().to_owned(),
             verdict,
-            sentence: match (verdict, &self.lacks) {
+            sentence: match (verdict, &self.results.lacks) {
                 (Verdict::NotEnoughData, Some(lacks)) => {
                     format!("Not enough data to test any slow effect: {lacks}.{}", faults(&findings))
                 }
@@ -100,17 +101,17 @@ impl Assembly<'_> {
             findings,
             leads,
             rejected,
-            tested: self.tested,
-            untested: self.untested,
+            tested: self.results.tested,
+            untested: self.results.untested,
             noise: NoiseReport {
-                levels: self.slow.fitted.levels,
-                learnt_from: self.learnt_from,
-                block_s: self.reduced.blocks.length_s,
-                blocks: self.reduced.blocks.len(),
+                levels: self.results.slow.fitted.levels,
+                learnt_from: self.prepared.learnt_from().to_owned(),
+                block_s: self.prepared.reduced.blocks.length_s,
+                blocks: self.prepared.reduced.blocks.len(),
             },
             cautions,
-            notes: Vec::new(),
-            moved: Vec::new(),
+            notes: self.prepared.duty_cycle().into_iter().collect(),
+            moved: self.prepared.motion(),
             shared_signal: None,
         })
     }
@@ -118,12 +119,12 @@ impl Assembly<'_> {
     /// Returns the slow effects ordered by what they reduce, those that are not conclusive last. Predicted reductions
     /// depend on the order and doubts on the reductions, so each new order is predicted again.
     fn slow_findings_with_doubts(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let blocks = &self.reduced.blocks;
+        let blocks = &self.prepared.reduced.blocks;
         let span_s = blocks.blocks.last().map_or(0.0, |last| (last.index + 1) as f64 * blocks.length_s);
         let mut order = self.by_reduction();
         for _ in 0..order.len() {
             let mut findings = self.slow_findings(&order)?;
-            doubt(&mut findings, self.question.library, self.column, span_s);
+            doubt(&mut findings, self.prepared.library(), &self.prepared.column, span_s);
             if findings.is_sorted_by_key(|finding| finding.doubt.is_some()) {
                 return Ok(findings);
             }
@@ -132,7 +133,7 @@ impl Assembly<'_> {
             order = conclusive.into_iter().chain(doubtful).map(|(found, _)| found).collect();
         }
         let mut findings = self.slow_findings(&order)?;
-        doubt(&mut findings, self.question.library, self.column, span_s);
+        doubt(&mut findings, self.prepared.library(), &self.prepared.column, span_s);
         Ok(findings)
     }
 }

@@ -1,6 +1,7 @@
 //! Spectral lines as findings: amplitude, frequency, the two terms of the correction, and the predicted reduction.
 
-use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
+use super::Findings;
+use super::plain::{TWO_SIDED_95, bare, param};
 use crate::detect::answer::{CorrectionTerm, Finding, Size};
 use crate::detect::lines;
 use crate::detect::question::DiagnoseError;
@@ -13,18 +14,25 @@ const TWO_SIDED_90: f64 = 1.645;
 /// Relative uncertainty of the variance of the samples of another log, due to its drift.
 const SPREAD_OF_VARIANCE: f64 = 0.01;
 
-impl Assembly<'_> {
-    pub(crate) fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
-        let known = self.reduced.blocks.known();
-        let samples: Vec<f64> =
-            self.reduced.error.iter().zip(known).filter(|(_, known)| **known).map(|(e, _)| *e).collect();
+impl Findings<'_> {
+    pub(super) fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let known = self.prepared.reduced.blocks.known();
+        let samples: Vec<f64> = self
+            .prepared
+            .reduced
+            .error
+            .iter()
+            .zip(known)
+            .filter(|(_, known)| **known)
+            .map(|(e, _)| *e)
+            .collect();
         let variance = fos_fit::signal::variance(&[&samples]);
-        let steady = self.lines.iter().filter(|line| line.duty >= lines::STEADY);
+        let steady = self.results.lines.iter().filter(|line| line.duty >= lines::STEADY);
         steady
             .map(|line| {
                 let search = if line.coherent { Detector::Line } else { Detector::WanderingLine };
                 let effect = self.found_as(search, line.frequency_hz)?;
-                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let unit = SizeUnit::of_axis(Column::named(&self.prepared.column));
                 let half = TWO_SIDED_95 * line.amplitude_error;
                 let mut finding = Finding {
                     params: param(effect, line.frequency_hz),

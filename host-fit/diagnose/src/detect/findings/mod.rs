@@ -1,23 +1,42 @@
-//! Findings from the results of the searches: sizes in data-sheet units, predicted reductions, rivals and experiments,
+//! Third stage of a diagnosis, findings from the results of the searches: sizes in data-sheet units, predicted reductions, rivals and experiments,
 //! and the verdict in a sentence.
 //!
 //! | file | subject |
 //! |---|---|
-//! | `assembly` | all parts of a diagnosis; the findings of faults and of noise |
+//! | `plain` | faults and noise as findings |
 //! | `lines`, `slow` | lines and slow effects as findings |
 //! | `powers` | coefficients of a polynomial about the mean of its input |
 //! | `verdict` | the findings that remain beside an unexplained residual; the outcome in a sentence |
 //! | `diagnosis` | composition of findings and leads |
 
-mod assembly;
 mod diagnosis;
 mod doubt;
 mod lines;
+mod plain;
 mod powers;
 mod rejected;
 mod slow;
 mod verdict;
 
-pub(super) use assembly::Assembly;
 pub(crate) use doubt::not_identifiable;
 pub(super) use verdict::{is_confirmed, listed, sentence, verdict};
+
+use super::answer::Finding;
+use super::prepared::Prepared;
+use super::question::DiagnoseError;
+use super::search::SearchResults;
+
+/// Writes down what the searches found in a prepared log.
+pub(super) struct Findings<'a> {
+    pub(super) prepared: &'a Prepared<'a>,
+    pub(super) results: SearchResults,
+}
+
+impl Findings<'_> {
+    /// Returns the slow effects in the order of the search, then the lines.
+    pub(super) fn estimates(&self) -> Result<Vec<Finding>, DiagnoseError> {
+        let mut findings = self.slow_findings(&self.results.slow.found.iter().collect::<Vec<_>>())?;
+        findings.extend(self.line_findings()?);
+        Ok(findings)
+    }
+}

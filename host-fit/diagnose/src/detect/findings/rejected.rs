@@ -1,6 +1,6 @@
 //! Effects that were tried and rejected, with reasons.
 
-use super::assembly::Assembly;
+use super::Findings;
 use crate::detect::answer::{Finding, Rejected};
 use crate::detect::open::Lead;
 use crate::detect::slow::MAX_FOUND;
@@ -9,7 +9,7 @@ use crate::effects::Band;
 /// Least score of an effect alone for which a reason is given.
 const LEAST_SCORE: f64 = 9.0;
 
-impl Assembly<'_> {
+impl Findings<'_> {
     /// Returns the effects that were tried and rejected, with reasons. `all_findings` holds all findings before they were
     /// compared with the leads.
     pub(super) fn rejected(
@@ -47,11 +47,12 @@ impl Assembly<'_> {
             }
         };
         // the score of an effect that the log could not have shown means nothing
-        let is_untested = |id: &str| self.untested.iter().any(|untested| untested.effect == id);
-        let tried = self.slow.tried.iter().filter(|(id, _)| !is_found(id) && !is_untested(id));
+        let is_untested = |id: &str| self.results.untested.iter().any(|untested| untested.effect == id);
+        let tried = self.results.slow.tried.iter().filter(|(id, _)| !is_found(id) && !is_untested(id));
         tried
             .map(|(id, score)| {
-                let left = self.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);
+                let left =
+                    self.results.slow.beside.iter().find(|(other, _)| other == id).map(|(_, score)| *score);
                 Rejected { effect: id.clone(), score: *score, why: why(id, *score, left) }
             })
             .collect()

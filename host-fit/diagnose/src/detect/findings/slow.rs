@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::assembly::{Assembly, TWO_SIDED_95, bare, param};
+use super::Findings;
 use super::doubt::{beyond_fitted_range, shows_at_motion};
+use super::plain::{TWO_SIDED_95, bare, param};
 use super::powers;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::{mean_at_fit, step_share};
@@ -17,24 +18,24 @@ use crate::detect::predicted_reduction::{PredictedReduction, PredictedReductions
 use crate::detect::question::{DiagnoseError, keeps_bias};
 use crate::detect::slow::{Estimate, Found};
 use crate::effects::{Detector, Effect, Inputs, Regressor};
-use fos_data::recording::{Recording, RecordingError};
+use fos_data::recording::RecordingError;
 use fos_data::text::rounded;
 use fos_fit::noise::{Regression, combination};
 use nalgebra::DMatrix;
 
-impl Assembly<'_> {
+impl Findings<'_> {
     /// Returns the slow effects ordered by what they reduce: each next one reduces the variance of the block means most
     /// while those after it are still in the error. The score of an effect does not give this order: with a lag in the
     /// error, the subtraction of a smaller effect may raise it.
     pub(super) fn by_reduction(&self) -> Vec<&Found> {
-        let gls = &self.slow.fitted.gls;
+        let gls = &self.results.slow.fitted.gls;
         let coefficients = gls.coefficients();
-        let n = self.reduced.means.len();
+        let n = self.prepared.reduced.means.len();
         let course =
             |found: &Found| combination(&found.hypothesis.columns(), &coefficients[found.place.clone()], n);
         let mut left: Vec<(&Found, Vec<f64>)> =
-            self.slow.found.iter().map(|found| (found, course(found))).collect();
-        let mut error = gls.unexplained(&self.reduced.means, &self.regressors());
+            self.results.slow.found.iter().map(|found| (found, course(found))).collect();
+        let mut error = gls.unexplained(&self.prepared.reduced.means, &self.regressors());
         for (_, course) in &left {
             error.iter_mut().zip(course).for_each(|(error, value)| *error += value);
         }
@@ -43,7 +44,7 @@ impl Assembly<'_> {
             let without = |course: &[f64]| -> Vec<f64> {
                 error.iter().zip(course).map(|(error, value)| error - value).collect()
             };
-            let variance = |course: &[f64]| self.reduced.variance_in(&without(course), 0..n);
+            let variance = |course: &[f64]| self.prepared.reduced.variance_in(&without(course), 0..n);
             let variances: Vec<f64> = left.iter().map(|(_, course)| variance(course)).collect();
             let next = (0..left.len()).min_by(|a, b| variances[*a].total_cmp(&variances[*b])).unwrap_or(0);
             let (found, course) = left.remove(next);
@@ -55,8 +56,8 @@ impl Assembly<'_> {
 
     /// Returns the regressors of the fit: those given, then those of the effects.
     fn regressors(&self) -> Vec<&[f64]> {
-        let mut regressors: Vec<&[f64]> = self.given.iter().map(Vec::as_slice).collect();
-        for found in &self.slow.found {
+        let mut regressors: Vec<&[f64]> = self.results.given.iter().map(Vec::as_slice).collect();
+        for found in &self.results.slow.found {
             regressors.extend(found.hypothesis.columns());
         }
         regressors
@@ -64,17 +65,13 @@ impl Assembly<'_> {
 
     /// Returns the names, coefficients and standard errors of an effect that consists of powers of one input, about its
     /// mean in the log; empty for any other effect.
-    fn about_mean(
-        &self,
-        inputs: &Inputs<'_>,
-        found: &Found,
-    ) -> Result<Vec<(String, f64, f64)>, DiagnoseError> {
-        let gls = &self.slow.fitted.gls;
+    fn about_mean(&self, found: &Found) -> Result<Vec<(String, f64, f64)>, DiagnoseError> {
+        let gls = &self.results.slow.fitted.gls;
         let Some(input) = powers::input_of(&found.hypothesis.regressors) else { return Ok(Vec::new()) };
         let at: Option<Vec<usize>> =
             found.place.clone().map(|place| gls.kept.iter().position(|index| *index == place)).collect();
         let Some(at) = at else { return Ok(Vec::new()) };
-        let mean = rounded(mean_at_fit(inputs, input)?, 3);
+        let mean = rounded(mean_at_fit(self.prepared.inputs(), input)?, 3);
         let value: f64 = mean.parse().unwrap_or(0.0);
         let all = gls.covariance();
         let covariance = DMatrix::from_fn(at.len(), at.len(), |row, column| all[(at[row], at[column])]);
@@ -84,30 +81,30 @@ impl Assembly<'_> {
     }
 
     /// Returns the slow effects in this order, each with the reduction predicted with those before it in the model.
-    pub(crate) fn slow_findings(&self, order: &[&Found]) -> Result<Vec<Finding>, DiagnoseError> {
-        let slow = self.slow;
+    pub(super) fn slow_findings(&self, order: &[&Found]) -> Result<Vec<Finding>, DiagnoseError> {
+        let slow = &self.results.slow;
         if order.is_empty() {
             return Ok(Vec::new());
         }
         let coefficients = slow.fitted.gls.coefficients();
         let covariance = slow.fitted.gls.covariance();
         let kept = &slow.fitted.gls.kept;
-        let inputs = Inputs::new(self.question.log);
+        let inputs = self.prepared.inputs();
         let estimates: Vec<Estimate> =
             order.iter().map(|found| Estimate::of(&slow.fitted.gls, found.place.clone())).collect();
         let mut limits = Vec::new();
         for (found, own) in order.iter().zip(&estimates) {
             let regressors = &found.hypothesis.regressors;
-            limits.push(limits::limits(&inputs, regressors, &own.coefficients, &own.covariance)?);
+            limits.push(limits::limits(inputs, regressors, &own.coefficients, &own.covariance)?);
         }
-        let reductions = self.reductions(&inputs, order, estimates, &limits)?;
+        let reductions = self.reductions(order, estimates, &limits)?;
         let mut findings = Vec::new();
         for (own, (found, reduction)) in order.iter().zip(reductions).enumerate() {
             let effect: &Arc<Effect> = &found.hypothesis.effect;
             let value = found.hypothesis.value;
             let mut sizes = Vec::new();
             let mut correction = Vec::new();
-            let centred = self.about_mean(&inputs, found)?;
+            let centred = self.about_mean(found)?;
             for ((column, &term), place) in found.hypothesis.terms.iter().enumerate().zip(found.place.clone())
             {
                 let Some(at) = kept.iter().position(|index| *index == place) else { continue };
@@ -116,7 +113,7 @@ impl Assembly<'_> {
                     Detector::Terms => found.hypothesis.regressors[column].to_string(),
                     _ => format!("clock:step({})", value.unwrap_or(0.0)),
                 };
-                if let Some(unit) = effect.unit(term, self.column) {
+                if let Some(unit) = effect.unit(term, &self.prepared.column) {
                     let own = || (product.clone(), coefficient, error);
                     let (of, value, error) = centred.get(column).cloned().unwrap_or_else(own);
                     sizes.push(Size::around(of, value, TWO_SIDED_95 * error, unit.si, unit));
@@ -161,8 +158,8 @@ impl Assembly<'_> {
 
     fn separations(&self, id: &str, rivals: &[String]) -> Vec<Separation> {
         let experiment = |rival: &String| {
-            let effect = self.question.library.get(rival).ok();
-            let known = self.question.library.separation(id, rival).map(str::to_owned);
+            let effect = self.prepared.library().get(rival).ok();
+            let known = self.prepared.library().separation(id, rival).map(str::to_owned);
             known.or_else(|| effect.map(|effect| effect.experiment.clone()))
         };
         rivals
@@ -174,7 +171,7 @@ impl Assembly<'_> {
     /// Returns the blocks in which an effect shows most: the twentieth of the log in which it is furthest from its mean,
     /// or about a step.
     fn shows(&self, found: &Found, coefficients: &[f64]) -> Option<Range<usize>> {
-        let blocks = &self.reduced.blocks;
+        let blocks = &self.prepared.reduced.blocks;
         let length = (blocks.len() / 20).max(1);
         if found.hypothesis.effect.search == Detector::Step {
             let time_s = found.hypothesis.value?;
@@ -194,13 +191,13 @@ impl Assembly<'_> {
 
     /// Returns the rows of these blocks and of all between them.
     fn rows(&self, blocks: &Range<usize>) -> Range<usize> {
-        let all = &self.reduced.blocks.blocks;
+        let all = &self.prepared.reduced.blocks.blocks;
         all[blocks.start].rows.start..all[blocks.end - 1].rows.end
     }
 
     /// Returns begin and end of these blocks, s.
     fn times(&self, blocks: &Range<usize>) -> [f64; 2] {
-        let (rows, time) = (self.rows(blocks), &self.question.log.time_s);
+        let (rows, time) = (self.rows(blocks), &self.prepared.log().time_s);
         [time[rows.start], time[rows.end - 1]]
     }
 
@@ -208,32 +205,30 @@ impl Assembly<'_> {
     fn shows_at_motion(&self, found: &Found, shows: &Option<Range<usize>>) -> Option<String> {
         let blocks = shows.as_ref().filter(|_| !found.is_backed())?;
         let rows = self.rows(blocks);
-        let known = self.reduced.blocks.known();
+        let known = self.prepared.reduced.blocks.known();
         let excluded = rows.clone().filter(|row| !known[*row]).count() as f64 / rows.len().max(1) as f64;
         shows_at_motion(self.times(blocks), excluded)
     }
 
-    /// Predicts the reduction by each effect with those before it in the model. `fitted` are the inputs of the log that
-    /// the effects were found in.
+    /// Predicts the reduction by each effect with those before it in the model.
     fn reductions(
         &self,
-        fitted: &Inputs<'_>,
         order: &[&Found],
         estimates: Vec<Estimate>,
         limits: &[BTreeMap<String, [f64; 2]>],
     ) -> Result<Vec<PredictedReduction>, DiagnoseError> {
-        let evaluation = self.question.evaluation.filter(|evaluation| {
+        let fitted = self.prepared.inputs();
+        let evaluation = self.prepared.evaluation().filter(|(evaluation, _)| {
             let inputs = Inputs::new(evaluation);
             let mut regressors = order.iter().flat_map(|found| &found.hypothesis.regressors);
             regressors.all(|regressor| is_logged(&inputs, regressor))
         });
-        let log: &Recording = evaluation.unwrap_or(self.question.log);
-        let from = if evaluation.is_some() { self.question.evaluation_from } else { 0 };
-        let continues = keeps_bias(log, self.column, from);
-        let mut in_blocks = PredictedReductions::blocks(log, self.column, from)?;
-        in_blocks.blocks.flicker_from_s = self.reduced.blocks.flicker_from_s;
+        let (log, from) = evaluation.unwrap_or((self.prepared.log(), 0));
+        let continues = keeps_bias(log, &self.prepared.column, from);
+        let mut in_blocks = PredictedReductions::blocks(log, &self.prepared.column, from)?;
+        Arc::make_mut(&mut in_blocks.blocks).flicker_from_s = self.prepared.reduced.blocks.flicker_from_s;
         let blocks = &in_blocks.blocks;
-        let other = evaluation.map(Inputs::new);
+        let other = evaluation.map(|(evaluation, _)| Inputs::new(evaluation));
         let inputs = other.as_ref().unwrap_or(fitted);
         // about the mean of the fitted log, as in `correction`: a step is compared in mean squares, in which 25 °C times
         // a temperature coefficient would count as error
@@ -263,14 +258,14 @@ impl Assembly<'_> {
             if effect.search == Detector::Step {
                 let time_s = found.hypothesis.value.unwrap_or(0.0);
                 // a past step is a constant in another log, relative to the mean of its own log
-                let share = step_share(self.question.log, time_s);
+                let share = step_share(self.prepared.log(), time_s);
                 let after = |block: usize| evaluation.is_some() || blocks.middle_s(block) > time_s;
                 let column: Vec<f64> =
                     (0..blocks.len()).map(|block| f64::from(u8::from(after(block))) - share).collect();
                 found_so.columns.push(column.clone());
                 corrected.push(column);
             }
-            let is_step = effect.search == Detector::Step && log.is_bias_known(self.column);
+            let is_step = effect.search == Detector::Step && log.is_bias_known(&self.prepared.column);
             let mut alternatives = Vec::new();
             for other in &found.alternatives {
                 if !other.hypothesis.regressors.iter().all(|regressor| is_logged(inputs, regressor)) {
@@ -292,16 +287,16 @@ impl Assembly<'_> {
         }
         let regressors = self.regressors();
         let regression = Regression {
-            blocks: &self.reduced.blocks,
-            y: &self.reduced.means,
+            blocks: &self.prepared.reduced.blocks,
+            y: &self.prepared.reduced.means,
             regressors: &regressors,
-            prior: &self.slow.prior,
+            prior: &self.results.slow.prior,
         };
         let reductions = PredictedReductions {
             log: &in_blocks,
             regression: &regression,
-            fitted: &self.slow.fitted,
-            continues_s: continues.then(|| self.question.log.duration_s()),
+            fitted: &self.results.slow.fitted,
+            continues_s: continues.then(|| self.prepared.log().duration_s()),
         };
         let reduction = |at: usize| {
             let learnt = order[at].hypothesis.columns();

@@ -1,44 +1,23 @@
-//! All parts of a diagnosis, and the findings of faults and noise, which have a name and a size only.
+//! Findings of faults and noise, which have a name and a size only.
 
 use std::collections::BTreeMap;
 
-use crate::detect::answer::{Finding, Size, Untested};
-use crate::detect::error_in_blocks::ErrorInBlocks;
+use super::Findings;
+use crate::detect::answer::{Finding, Size};
 use crate::detect::faults::Fault;
-use crate::detect::left_over::LeftOver;
-use crate::detect::lines::Line;
-use crate::detect::question::{DiagnoseError, Question};
+use crate::detect::question::DiagnoseError;
 use crate::detect::shape::TEMPERATURE;
-use crate::detect::slow::{ExtraNoise, SlowResult};
-use crate::detect::telegraph::Telegraph;
+use crate::detect::slow::ExtraNoise;
 use crate::effects::{Detector, Effect, SizeUnit};
 use fos_data::column::Column;
 
 /// Quantile of 95 % intervals.
 pub(super) const TWO_SIDED_95: f64 = 1.96;
 
-/// All parts of a diagnosis.
-pub(crate) struct Assembly<'a> {
-    pub(crate) question: &'a Question<'a>,
-    pub(crate) column: &'a str,
-    pub(crate) reduced: &'a ErrorInBlocks,
-    pub(crate) given: &'a [Vec<f64>],
-    pub(crate) faults: &'a [Fault],
-    pub(crate) lines: &'a [Line],
-    pub(crate) slow: &'a SlowResult,
-    pub(crate) left: LeftOver,
-    pub(crate) telegraph: Option<&'a Telegraph>,
-    pub(crate) tested: Vec<String>,
-    pub(crate) untested: Vec<Untested>,
-    /// Data that the log lacks for a test of any slow effect.
-    pub(crate) lacks: Option<String>,
-    pub(crate) learnt_from: String,
-}
-
-impl Assembly<'_> {
+impl Findings<'_> {
     /// Returns the effect with this search method at this value of its parameter.
     pub(super) fn found_as(&self, search: Detector, value: f64) -> Result<&Effect, DiagnoseError> {
-        Ok(self.question.library.found_as(search, self.column, value)?)
+        Ok(self.prepared.library().found_as(search, &self.prepared.column, value)?)
     }
 
     pub(super) fn fault_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
@@ -46,27 +25,29 @@ impl Assembly<'_> {
             let effect = self.found_as(search, value)?;
             Ok(Finding { params: param(effect, value), ..bare(effect) })
         };
-        self.faults
+        self.prepared
+            .faults
             .iter()
             .map(|fault| match fault {
                 Fault::Saturation { share, .. } => of(Detector::Saturation, *share),
                 Fault::Dropped { share } => of(Detector::DroppedSamples, *share),
                 Fault::Coarse { multiple, step } if multiple.is_nan() => {
                     let effect = self.found_as(Detector::CoarseSteps, 1.0)?;
-                    let unit = SizeUnit::of_axis(Column::named(self.column));
+                    let unit = SizeUnit::of_axis(Column::named(&self.prepared.column));
                     let sizes = vec![Size::around("step", *step, f64::NAN, unit.si, &unit)];
                     Ok(Finding { sizes, ..bare(effect) })
                 }
                 Fault::Coarse { multiple, .. } => of(Detector::CoarseSteps, *multiple),
-                Fault::DeadZone(zone) => {
-                    of(Detector::DeadZone, zone.half_width / SizeUnit::of_axis(Column::named(self.column)).si)
-                }
+                Fault::DeadZone(zone) => of(
+                    Detector::DeadZone,
+                    zone.half_width / SizeUnit::of_axis(Column::named(&self.prepared.column)).si,
+                ),
             })
             .collect()
     }
 
     pub(super) fn noise_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
-        let slow = self.slow;
+        let slow = &self.results.slow;
         Ok(match slow.noise {
             ExtraNoise::None => None,
             ExtraNoise::Walk => {
@@ -75,7 +56,7 @@ impl Assembly<'_> {
             }
             ExtraNoise::GaussMarkov(process) => {
                 let effect = self.found_as(Detector::GaussMarkov, process.tau_s)?;
-                let unit = SizeUnit::of_axis(Column::named(self.column));
+                let unit = SizeUnit::of_axis(Column::named(&self.prepared.column));
                 let size = Size::around("standard deviation", process.deviation, f64::NAN, unit.si, &unit);
                 Some(Finding {
                     params: param(effect, process.tau_s),
@@ -89,13 +70,13 @@ impl Assembly<'_> {
     }
 }
 
-impl Assembly<'_> {
+impl Findings<'_> {
     /// Returns the finding of a bias that jumps between two levels.
     pub(super) fn telegraph_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
-        let Some(telegraph) = self.telegraph else { return Ok(None) };
+        let Some(telegraph) = &self.results.telegraph else { return Ok(None) };
         let [lower_s, upper_s] = telegraph.dwell_s;
         let effect = self.found_as(Detector::Telegraph, 0.5 * (lower_s + upper_s))?;
-        let unit = SizeUnit::of_axis(Column::named(self.column));
+        let unit = SizeUnit::of_axis(Column::named(&self.prepared.column));
         let [difference, error] = telegraph.difference.map(|value| value / unit.si);
         let difference =
             Size::around("difference of the two levels", difference, TWO_SIDED_95 * error, 1.0, &unit);
@@ -122,7 +103,7 @@ impl Assembly<'_> {
 
     /// Returns the finding of a noise level that follows the temperature.
     pub(super) fn level_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
-        let Some(level) = &self.left.level else { return Ok(None) };
+        let Some(level) = &self.results.left.level else { return Ok(None) };
         let Some([slope, error]) = level.temperature_slope() else { return Ok(None) };
         let effect = self.found_as(Detector::NoiseLevel, 0.0)?;
         let half = 100.0 * TWO_SIDED_95 * error;

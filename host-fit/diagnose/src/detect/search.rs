@@ -1,0 +1,175 @@
+//! Second stage of a diagnosis: every search in the prepared log, in the order faults of the data (found with the
+//! preparation), spectral lines, slow effects, open search.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use fos_data::column::{AXES, Column};
+
+use super::answer::Untested;
+use super::error_in_blocks::ErrorInBlocks;
+use super::left_over::{LeftOver, left_over};
+use super::lines::{self, Line};
+use super::power::Power;
+use super::prepared::Prepared;
+use super::question::DiagnoseError;
+use super::slow::SlowResult;
+use super::telegraph::{self, Telegraph};
+use super::testable::Testable;
+use crate::effects::{Detector, Effect};
+
+/// What the searches found in a log.
+pub(super) struct SearchResults {
+    pub(super) lines: Vec<Line>,
+    pub(super) slow: SlowResult,
+    /// Regressors of every model: the constant, the effects that the model already has, and a course of two levels.
+    pub(super) given: Vec<Vec<f64>>,
+    pub(super) left: LeftOver,
+    pub(super) telegraph: Option<Telegraph>,
+    /// Identifiers of the slow effects that the log could have shown.
+    pub(super) tested: Vec<String>,
+    pub(super) untested: Vec<Untested>,
+    /// Data that the log lacks for a test of any slow effect.
+    pub(super) lacks: Option<String>,
+}
+
+impl SearchResults {
+    /// Runs every search. Slow effects are searched for in block means without the lines.
+    pub(super) fn of(prepared: &mut Prepared<'_>) -> Result<Self, DiagnoseError> {
+        let lines = if prepared.hides_slow_effects() { Vec::new() } else { lines(prepared)? };
+        // in block means a line of a few hertz is an oscillation of minutes
+        prepared.reduced.means = lines::means_without(&lines, &prepared.reduced, prepared.log());
+        let mut found = match prepared.lacks()? {
+            None => Self { lines, ..Self::among_slow_effects(prepared)? },
+            Some(lacks) => Self { lines, ..Self::without_test(prepared, lacks)? },
+        };
+        if prepared.hides_dead_zone() {
+            let effects = prepared.library().effects().iter();
+            let zones = effects
+                .filter(|effect| effect.search == Detector::DeadZone && effect.strikes(&prepared.column));
+            let needs = || vec!["slow turns about the axis to both sides".to_owned()];
+            found.untested.extend(zones.map(|effect| Untested::of(effect, needs())));
+        }
+        Ok(found)
+    }
+
+    /// Estimates these effects together, whether or not they are missing, and the lines.
+    pub(super) fn of_effects(prepared: &Prepared<'_>, wanted: &[Arc<Effect>]) -> Result<Self, DiagnoseError> {
+        let slow = prepared.slow_search(&prepared.given, &prepared.testable.effects).estimate(wanted)?;
+        Ok(Self { lines: lines(prepared)?, ..Self::only(prepared, slow) })
+    }
+
+    /// Slow effects alone, with the regressors of the model.
+    fn only(prepared: &Prepared<'_>, slow: SlowResult) -> Self {
+        Self {
+            lines: Vec::new(),
+            slow,
+            given: prepared.given.clone(),
+            left: LeftOver::default(),
+            telegraph: None,
+            tested: Vec::new(),
+            untested: prepared.testable.untested.clone(),
+            lacks: None,
+        }
+    }
+
+    /// The noise of a log that cannot show a slow effect.
+    fn without_test(prepared: &Prepared<'_>, lacks: String) -> Result<Self, DiagnoseError> {
+        let slow = prepared.slow_search(&prepared.given, &[]).run()?;
+        let mut found = Self::only(prepared, slow);
+        let effects = prepared.testable.effects.iter();
+        found.untested.extend(effects.map(|effect| Untested::of(effect, vec![lacks.clone()])));
+        Ok(Self { lacks: Some(lacks), ..found })
+    }
+
+    fn among_slow_effects(prepared: &Prepared<'_>) -> Result<Self, DiagnoseError> {
+        let mut effects = prepared.testable.effects.clone();
+        let mut untested = prepared.testable.untested.clone();
+        // leaves out effects that the log cannot show
+        let mut leave_out = |effects: &mut Vec<Arc<Effect>>, others: Vec<Untested>| {
+            effects.retain(|effect| !is_among(&others, effect));
+            untested.extend(others);
+        };
+        leave_out(&mut effects, prepared.testable.attitude_effects(&prepared.hypotheses, &prepared.column)?);
+        // terminates: each iteration leaves out an effect, or is the last
+        let (mut slow, mut left) = loop {
+            let (slow, left) = search_beside(prepared, &prepared.given, &effects)?;
+            let implausible = Power { prepared, slow: &slow }.implausible()?;
+            if implausible.is_empty() {
+                break (slow, left);
+            }
+            leave_out(&mut effects, implausible);
+        };
+
+        let mut given = prepared.given.clone();
+        let mut telegraph = match prepared.shaken {
+            true => None,
+            false => telegraph::instead(prepared, &slow, &left),
+        };
+        if let Some(lead) = telegraph.as_ref().and_then(|found| telegraph::decided(found, prepared)) {
+            telegraph = None;
+            left = LeftOver { leads: vec![lead], instead: true, ..LeftOver::default() };
+        }
+        if let Some(found) = &telegraph {
+            let with_telegraph = [given.as_slice(), std::slice::from_ref(&found.course)].concat();
+            let again = search_beside(prepared, &with_telegraph, &effects)?;
+            match found.leaves_noise(&again.0) {
+                true => (given, (slow, left)) = (with_telegraph, again),
+                false => telegraph = None,
+            }
+        }
+
+        let adds_nothing =
+            |effect: &Arc<Effect>| Testable::adds_nothing(effect, prepared.inputs(), &prepared.column);
+        untested.extend(slow.silent.iter().map(adds_nothing));
+        let was_tried = |effect: &Arc<Effect>| slow.tried.iter().any(|(id, _)| *id == effect.id);
+        effects.retain(was_tried);
+        let powerless = Power { prepared, slow: &slow }.powerless(&effects)?;
+        effects.retain(|effect| !is_among(&powerless, effect));
+        untested.extend(powerless);
+        let lacks = effects.is_empty().then(|| {
+            let needs: BTreeSet<&str> = untested.iter().flat_map(Untested::needs).collect();
+            format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", "))
+        });
+        let tested = effects.iter().map(|effect| effect.id.clone()).collect();
+        Ok(Self { lines: Vec::new(), slow, given, left, telegraph, tested, untested, lacks })
+    }
+}
+
+/// Searches for slow effects beside the regressors `given`, then in what they leave.
+fn search_beside(
+    prepared: &Prepared<'_>,
+    given: &[Vec<f64>],
+    effects: &[Arc<Effect>],
+) -> Result<(SlowResult, LeftOver), DiagnoseError> {
+    let slow = prepared.slow_search(given, effects).run()?;
+    let left = left_over(prepared, given, &slow);
+    Ok((slow, left))
+}
+
+fn is_among(untested: &[Untested], effect: &Effect) -> bool {
+    untested.iter().any(|other| other.effect == effect.id)
+}
+
+/// Finds spectral lines that are errors of the sensor. Motion is excluded: on a shaker or near a machine, lines that
+/// another axis shows too; anywhere, intermittent or wandering lines that several axes show.
+fn lines(prepared: &Prepared<'_>) -> Result<Vec<Line>, DiagnoseError> {
+    let (log, column, shaken) = (prepared.log(), prepared.column.as_str(), prepared.shaken);
+    let mut lines = lines::of(&prepared.reduced, log);
+    if shaken {
+        lines.retain(|line| line.duty >= lines::STEADY);
+    }
+    let may_be_motion = |line: &Line| shaken || !line.coherent || line.duty < lines::STEADY;
+    for other in AXES.into_iter().filter(|other| *other != column) {
+        if !lines.iter().any(may_be_motion) {
+            break;
+        }
+        if log.channel(other).is_ok() {
+            let same_unit = Column::named(other).unit() == Column::named(column).unit();
+            let other = ErrorInBlocks::of(log, other)?;
+            let mut shared = lines::shared(log, &other, &lines, same_unit).into_iter();
+            lines.retain(|line| !(shared.next().unwrap_or(false) && may_be_motion(line)));
+        }
+    }
+    Ok(lines)
+}
