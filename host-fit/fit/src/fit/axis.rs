@@ -1,6 +1,7 @@
 //! Fits one axis: offset and scale, the physical part, then the stochastic part by Fast Orthogonal Search.
 
 use fos_data::column::Column;
+use std::borrow::Cow;
 use std::ops::Range;
 
 use fos_core::{
@@ -9,7 +10,7 @@ use fos_core::{
 };
 
 use super::axis_error::AxisError;
-use super::axis_report::AxisReport;
+use super::axis_report::{AxisReport, LeftOut};
 use super::options::{FitOptions, InputSpec, Train};
 use super::physical;
 use super::physical_range::{Part, physical_range};
@@ -21,7 +22,7 @@ use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use fos_data::interrupt::in_parallel;
-use fos_data::recording::{Recording, Reference};
+use fos_data::recording::{Recording, RecordingError, Reference};
 use fos_data::stillness::{self, Stillness};
 
 /// Wide enough for any scaled value until the ranges are known.
@@ -90,8 +91,9 @@ pub fn fit_axis(
     }
     let (cleaned, spikes) = recording.without_outliers(&column, training.clone(), &stillness.still);
     let poses = Poses::of(&cleaned, stillness, &column, &training)?;
-    let in_first_pose = poses.in_first(&cleaned, &vec![0.0; cleaned.n_rows()]);
-    let recording = in_first_pose.as_ref().unwrap_or(&cleaned);
+    // until the physical part is known, an orientation counts as one level
+    let levelled = poses.in_first(&cleaned, &vec![0.0; cleaned.n_rows()]);
+    let mut recording = levelled.map_or(cleaned, Cow::Owned);
     let series = recording.error_series(&column)?;
     let known: Vec<f64> = training
         .clone()
@@ -108,46 +110,36 @@ pub fn fit_axis(
             fits: String::new(),
         });
     }
-    let mut model = start(recording, stillness, (&column, &series.reference), &training, &known, options)?;
-    let playback = Playback::new(recording, &model, &stillness.still)?;
-
-    let search_error = |source| AxisError::Search { column: column.clone(), source };
-    let mut regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
+    let reference = series.reference;
+    let mut model = start(&recording, stillness, (&column, &reference), &training, &known, options)?;
+    let regressors_of = |model: &UnitModel, recording: &Recording| -> Result<Regressors, AxisError> {
+        let playback = Playback::new(recording, model, &stillness.still)?;
+        Regressors::of(model, &playback, training.end).map_err(model_error)
+    };
+    let mut regressors = regressors_of(&model, &recording)?;
     model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
     drop(known);
     let mut left_out = Vec::new();
-    let levelled;
-    let mut recording = recording;
     if !options.physical.is_empty() {
-        let inputs = (0..options.physical.len() as u8).collect();
-        let levels = poses.columns(recording)?;
-        let most = physical::most_levels(&regressors);
-        if levels.len() > most {
-            return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
-        }
-        (model.axes[0].physical, left_out) =
-            physical::fit(&model, &regressors, inputs, &levels).map_err(search_error)?;
-        regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
-        let scale = model.axes[0].parameters.scale;
-        let left = regressors.remainder.iter().map(|left| scale * left).chain(std::iter::repeat(f64::NAN));
-        let explained: Vec<f64> = series.values.iter().zip(left).map(|(error, left)| error - left).collect();
-        if let Some(in_first_pose) = poses.in_first(recording, &explained) {
-            levelled = in_first_pose;
-            recording = &levelled;
-            let playback = Playback::new(recording, &model, &stillness.still)?;
-            regressors = Regressors::of(&model, &playback, training.end).map_err(model_error)?;
+        left_out =
+            fit_physical(&mut model, options.physical.len(), &regressors, &poses.columns(&recording)?)?;
+        regressors = regressors_of(&model, &recording)?;
+        let explained = explained(&model, &recording, &regressors)?;
+        if let Some(levelled) = poses.in_first(&recording, &explained) {
+            recording = Cow::Owned(levelled);
+            regressors = regressors_of(&model, &recording)?;
         }
         if options.offset.is_none() {
-            subtract_mean(&mut model.axes[0].parameters, &mut regressors, &series.reference);
+            subtract_mean(&mut model.axes[0].parameters, &mut regressors, &reference);
         }
     }
     let part = stochastic::fit(&model, &regressors, options)?;
     model.axes[0].parameters.constant = part.constant;
     model.axes[0].stochastic = part.terms;
     let report = AxisReport {
-        reference_column: match &series.reference {
+        reference_column: match reference {
             Reference::Constant => None,
-            Reference::Channel(name) => Some(name.clone()),
+            Reference::Channel(name) => Some(name),
         },
         left_out,
         spikes,
@@ -157,8 +149,8 @@ pub fn fit_axis(
     set_ranges(&mut model, &regressors);
     model.drop_unused();
     // every axis may be here at the same time, and a trace is as large
-    drop((regressors, playback, series));
-    let playback = Playback::new(recording, &model, &stillness.still)?;
+    drop(regressors);
+    let playback = Playback::new(&recording, &model, &stillness.still)?;
     let trace = set_statistics(&mut model, &playback, training).map_err(model_error)?;
     refuse_divergent(&column, &trace)?;
     Ok(AxisFit { model, report })
@@ -291,6 +283,39 @@ fn logged_input(
     };
     let input = Input { source, transform: spec.transform, centre, scale, source_range: ANY, range: ANY };
     Ok(NamedInput { name: spec.to_string(), input })
+}
+
+/// Fits the physical part, the first `n_inputs` inputs beside a constant for each orientation but the first; returns those
+/// that were left out.
+fn fit_physical(
+    model: &mut UnitModel,
+    n_inputs: usize,
+    regressors: &Regressors,
+    levels: &[Vec<f64>],
+) -> Result<Vec<LeftOut>, AxisError> {
+    let column = model.axes[0].column.clone();
+    let most = physical::most_levels(regressors);
+    if levels.len() > most {
+        return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
+    }
+    let inputs = (0..n_inputs as u8).collect();
+    let (terms, left_out) = physical::fit(model, regressors, inputs, levels)
+        .map_err(|source| AxisError::Search { column, source })?;
+    model.axes[0].physical = terms;
+    Ok(left_out)
+}
+
+/// Returns the part of the error that the physical part explains, one value per row; NaN after the training part.
+fn explained(
+    model: &UnitModel,
+    recording: &Recording,
+    regressors: &Regressors,
+) -> Result<Vec<f64>, RecordingError> {
+    let axis = &model.axes[0];
+    let scale = axis.parameters.scale;
+    let left = regressors.remainder.iter().map(|left| scale * left).chain(std::iter::repeat(f64::NAN));
+    let series = recording.error_series(&axis.column)?;
+    Ok(series.values.iter().zip(left).map(|(error, left)| error - left).collect())
 }
 
 /// Moves the mean of the physical part's residual into the offset, so that the remainder has mean 0, to which a coast
