@@ -1,13 +1,15 @@
 //! Checks the paths of a command line before anything is read or computed: no input is overwritten, and no file is written twice. Files
-//! named elsewhere, such as the logs of a study, are protected by the writer (`inputs.rs`).
+//! named elsewhere, such as the logs of a study, are checked when they are written (`fos_data::file::inputs`).
 
 use std::any::TypeId;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Command};
 
 use super::arguments::{OutputFile, OutputFolder};
-use fos_data::file::process_reads::{Identity, Place};
+use super::output::Failure;
+use fos_data::file::check_output;
+use fos_data::file::inputs::{Place, protect};
 
 /// Role of a path in the arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,63 +33,37 @@ pub fn role_of(argument: &Arg) -> Option<Role> {
     roles.into_iter().find(|(of, _)| kind == *of).map(|(_, role)| role)
 }
 
-/// A conflict of paths that would lose a file.
+/// Two outputs of a command line are one file.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum PathConflict {
-    /// An output is an input.
-    #[error("{output} {}: it is what {input} reads, {}, and would be lost\nhelp: write to another file", at.display(), read.display())]
-    OutputIsInput {
-        /// Argument of the output.
-        output: String,
-        /// Path of the output.
-        at: PathBuf,
-        /// Argument of the input.
-        input: String,
-        /// Path of the input.
-        read: PathBuf,
-    },
-    /// Two outputs are the same.
-    #[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
-    TwoOutputs {
-        /// First argument.
-        first: String,
-        /// Second argument.
-        second: String,
-        /// Common path.
-        at: PathBuf,
-    },
+#[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
+struct TwoOutputs {
+    /// Arguments of the outputs.
+    first: String,
+    second: String,
+    /// Common path.
+    at: PathBuf,
 }
 
 /// # Errors
 ///
 /// An output is an input, or another output.
-pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), PathConflict> {
-    let mut inputs: Vec<(String, &Path)> = Vec::new();
-    let mut outputs: Vec<(String, &Path)> = Vec::new();
-    for argument in command.get_arguments() {
-        let paths = match role_of(argument) {
-            Some(Role::Input) => &mut inputs,
-            Some(Role::OutputFile) => &mut outputs,
-            Some(Role::OutputFolder) | None => continue,
-        };
+pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), Failure> {
+    let paths = |argument: &Arg| {
         let values = matches.get_raw(argument.get_id().as_str()).into_iter().flatten();
-        paths.extend(values.map(|value| (name_of(argument), Path::new(value))));
-    }
-    for (index, (name, output)) in outputs.iter().enumerate() {
-        let place = Place::of(output);
-        if let Some((first, _)) = outputs[..index].iter().find(|(_, other)| Place::of(other) == place) {
-            let (first, second) = (first.clone(), name.clone());
-            return Err(PathConflict::TwoOutputs { first, second, at: output.to_path_buf() });
-        }
-        let Place::Taken(identity) = place else { continue };
-        let is_output = |(_, input): &&(String, &Path)| Identity::of(input).as_ref() == Some(&identity);
-        if let Some((input, read)) = inputs.iter().find(is_output) {
-            return Err(PathConflict::OutputIsInput {
-                output: name.clone(),
-                at: output.to_path_buf(),
-                input: input.clone(),
-                read: read.to_path_buf(),
-            });
+        values.map(PathBuf::from).collect::<Vec<_>>()
+    };
+    let of_role =
+        |role: Role| command.get_arguments().filter(move |argument| role_of(argument) == Some(role));
+    of_role(Role::Input).flat_map(paths).for_each(|input| protect(&input));
+    let mut outputs: Vec<(String, Place)> = Vec::new();
+    for argument in of_role(Role::OutputFile) {
+        for at in paths(argument) {
+            let (second, place) = (name_of(argument), Place::of(&at));
+            if let Some((first, _)) = outputs.iter().find(|(_, other)| *other == place) {
+                return Err(TwoOutputs { first: first.clone(), second, at }.into());
+            }
+            check_output(&at)?;
+            outputs.push((second, place));
         }
     }
     Ok(())

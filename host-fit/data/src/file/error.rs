@@ -3,6 +3,8 @@
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use super::inputs::OwnInput;
+
 /// A file that could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot {action}: {source}{}", path.display(), help(action, source))]
@@ -20,6 +22,9 @@ pub(super) const MAKE: &str = "make the folder";
 
 fn help(action: &str, error: &io::Error) -> &'static str {
     let reads = [OPEN, READ].contains(&action);
+    if error.get_ref().is_some_and(|error| error.is::<OwnInput>()) {
+        return "\nhelp: write to another file";
+    }
     match error.kind() {
         ErrorKind::StorageFull if action == COPY => {
             "\nhelp: the disk with temporary files is full: set TMPDIR to a folder with more room"

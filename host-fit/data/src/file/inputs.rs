@@ -1,7 +1,8 @@
 //! Protects the inputs of this process from being overwritten by its outputs.
 //!
-//! The guarantee covers the whole process, so there is one list for all of it. The functions that open user files
-//! ([`open`](crate::file::open), [`read`](crate::file::read)) record them, and the only writer
+//! One list for the whole process, since an input may be named by a study or found in a folder, and an output may be one of
+//! many in a folder. The command line adds its paths ([`protect`]), the functions that open user files
+//! ([`open`](crate::file::open), [`read`](crate::file::read)) what they open, and the only writer
 //! ([`TemporarySibling::put`](crate::file::TemporarySibling)) checks the list before it renames. A file is identified by
 //! device and inode rather than by path: other spellings, symbolic and hard links lead to the same one.
 //!
@@ -44,7 +45,7 @@ impl Identity {
     }
 
     /// Identity of the target of `path`, if it is a file or folder.
-    pub fn of(path: &Path) -> Option<Self> {
+    fn of(path: &Path) -> Option<Self> {
         fs::metadata(path).ok().map(|about| Self::new(&about, path))
     }
 }
@@ -72,19 +73,15 @@ impl Place {
 
 /// Reason why a file is not replaced.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "{}, which was read: it would be lost\nhelp: write to another file",
-    if read == asked { "it is the very file".to_owned() } else { format!("it is {}", read.display()) }
-)]
-struct OwnInput<'a> {
-    asked: &'a Path,
-    read: &'a Path,
+#[error("it is {}, an input, and would be lost", input.display())]
+pub(super) struct OwnInput {
+    input: PathBuf,
 }
 
 #[derive(Default)]
 struct Known {
-    /// Files that were read, with the paths used.
-    read: HashMap<Identity, PathBuf>,
+    /// Files that are read, with the paths used.
+    inputs: HashMap<Identity, PathBuf>,
     written: HashSet<Identity>,
 }
 
@@ -94,35 +91,44 @@ fn known() -> MutexGuard<'static, Known> {
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Records that the file at `path`, if there is one, will be read.
+pub fn protect(path: &Path) {
+    if let Ok(about) = fs::metadata(path) {
+        note(&about, path);
+    }
+}
+
 /// Records that `file` was opened as `path` for reading.
-pub fn note_read(file: &File, path: &Path) -> io::Result<()> {
-    let about = file.metadata()?;
+pub(super) fn note_read(file: &File, path: &Path) -> io::Result<()> {
+    file.metadata().map(|about| note(&about, path))
+}
+
+fn note(about: &Metadata, path: &Path) {
     // a pipe or a device is never replaced
     if about.is_file() {
-        let identity = Identity::new(&about, path);
+        let identity = Identity::new(about, path);
         let mut known = known();
         if !known.written.contains(&identity) {
-            known.read.entry(identity).or_insert_with(|| path.to_owned());
+            known.inputs.entry(identity).or_insert_with(|| path.to_owned());
         }
     }
-    Ok(())
 }
 
 /// Records that `file`, written by this process, is now at `path`.
-pub fn note_written(file: &File, path: &Path) -> io::Result<()> {
+pub(super) fn note_written(file: &File, path: &Path) -> io::Result<()> {
     let identity = Identity::new(&file.metadata()?, path);
     let mut known = known();
-    known.read.remove(&identity);
+    known.inputs.remove(&identity);
     known.written.insert(identity);
     Ok(())
 }
 
-/// Rejects a path that leads to a file that was read.
-pub fn refuse_to_replace(path: &Path) -> io::Result<()> {
+/// Rejects a path that leads to an input.
+pub(super) fn refuse_to_replace(path: &Path) -> io::Result<()> {
     let Some(identity) = Identity::of(path) else { return Ok(()) };
-    match known().read.get(&identity) {
+    match known().inputs.get(&identity) {
         None => Ok(()),
-        Some(read) => Err(io::Error::other(OwnInput { asked: path, read }.to_string())),
+        Some(input) => Err(io::Error::other(OwnInput { input: input.clone() })),
     }
 }
 
@@ -142,8 +148,10 @@ mod tests {
         read(&at("log.csv")).unwrap();
         for name in ["log.csv", "./log.csv", "hard.csv", "link.csv"] {
             let message = write_atomically(&at(name), b"made").unwrap_err().to_string();
-            assert!(message.contains("which was read") || message.contains("very file"), "{name}: {message}");
-            assert!(message.contains("\nhelp: write to another file"), "{name}: {message}");
+            assert!(
+                message.ends_with("log.csv, an input, and would be lost\nhelp: write to another file"),
+                "{message}"
+            );
         }
         assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
         write_atomically(&at("copy.csv"), b"made").unwrap();

@@ -7,8 +7,8 @@ mod read;
 mod replace;
 
 pub mod compare_and_swap;
+pub mod inputs;
 pub mod keyed_rows;
-pub mod process_reads;
 
 pub use error::FileError;
 pub use paths::{folder_of, followed, name_of, sync_folder};

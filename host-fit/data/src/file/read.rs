@@ -1,11 +1,11 @@
-//! Functions that open user files; each records the file it opened (`process_reads`).
+//! Functions that open user files; each records the file it opened (`inputs`).
 
 use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::path::Path;
 
 use super::error::{COPY, FileError};
-use super::process_reads::note_read;
+use super::inputs::note_read;
 
 /// Reads the whole of `path`.
 pub fn read(path: &Path) -> Result<Vec<u8>, FileError> {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::error::{FileError, MAKE};
+use super::inputs::{note_read, note_written, refuse_to_replace};
 use super::paths::{folder_of, followed, is_linked, sync_folder};
-use super::process_reads::{note_read, note_written, refuse_to_replace};
 
 /// A temporary sibling is named `.fos-…….tmp`, with random letters.
 const SIBLING: (&str, &str) = (".fos-", ".tmp");

@@ -10,8 +10,7 @@ use serde::Serialize;
 
 use crate::cli::arguments::OutputFolder;
 use crate::cli::output::{Failure, Written, print_line, print_warning, print_written};
-use fos_data::file::process_reads::Identity;
-use fos_data::file::write_atomically;
+use fos_data::file::{check_output, write_atomically};
 use fos_data::text::counted;
 
 /// Write the image of a part, and a record of some 100 bytes for each device
@@ -74,18 +73,8 @@ impl Export {
     }
 
     pub(super) fn run(&self) -> Result<(), Failure> {
-        // Checked before any error about missing rows.
-        let population = Identity::of(&self.population);
-        let is_population = |path: &PathBuf| population.is_some() && Identity::of(path) == population;
-        if let Some(path) =
-            [IMAGE, UNITS].map(|name| self.output.join(name)).iter().find(|path| is_population(path))
-        {
-            return Err(format!(
-                "{}: it is the population, and would be lost\nhelp: another folder to write to, or the population in another file",
-                path.display()
-            )
-            .into());
-        }
+        // before any error about missing rows
+        [IMAGE, UNITS].iter().try_for_each(|name| check_output(&self.output.join(name)))?;
         let (fleet, rows) = fos_fleet::Fleet::read(&self.population)?;
         let part = self.part_of(&fleet.parts)?;
         let values = self.values(part, &rows)?;
