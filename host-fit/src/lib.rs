@@ -8,9 +8,13 @@
 // All output goes through cli/output.rs, which escapes characters that act on a terminal.
 #![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
 
+#[cfg(feature = "development")]
 pub mod bench;
+#[cfg(feature = "development")]
 pub mod calibration;
 pub mod cli;
+#[cfg(feature = "development")]
 pub mod paper;
 mod program;
+#[cfg(feature = "development")]
 mod timing;

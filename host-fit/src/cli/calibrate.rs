@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::{OutputFile, library};
 use super::numbers::count;
 use super::output::{Failure, number, print_json, print_line, progress, table};
-use super::world::{Worlds, worlds};
+use super::world::possible_worlds;
 use crate::calibration::{Calibration, Cases, Goal, Statistic, StoredOutcomes, calibrate, in_world};
 use fos_data::file::write_atomically;
 use fos_diagnose::effects::Library;
@@ -43,6 +44,15 @@ pub(super) struct Calibrate {
     /// Print the figures as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// A disturbance, or all.
+#[derive(Debug, Clone, Copy)]
+struct Worlds(Option<Disturbance>);
+
+fn worlds() -> impl TypedValueParser<Value = Worlds> {
+    let all = PossibleValue::new("all").help("each of them, the same cases in all");
+    PossibleValuesParser::new(possible_worlds().chain([all])).map(|name| Worlds(Disturbance::named(&name)))
 }
 
 impl Calibrate {

@@ -3,7 +3,9 @@
 mod add;
 mod arguments;
 mod batch;
+#[cfg(feature = "development")]
 mod bench;
+#[cfg(feature = "development")]
 mod calibrate;
 mod calibrate_imu;
 mod calibration_summary;
@@ -37,6 +39,7 @@ mod report;
 mod serve;
 mod simulate;
 mod simulate_case;
+#[cfg(feature = "development")]
 mod table;
 mod temperature_tables;
 mod undo;
@@ -65,6 +68,7 @@ enum Command {
     Noise(noise::Noise),
     Plan(plan::Plan),
     CalibrateImu(calibrate_imu::CalibrateImu),
+    #[cfg(feature = "development")]
     Table(table::Table),
     Fit(fit::Fit),
     Compare(compare::Compare),
@@ -77,6 +81,7 @@ enum Command {
     Convert(convert::Convert),
     Batch(batch::Batch),
     Fleet(fleet::Fleet),
+    #[cfg(feature = "development")]
     Calibrate(calibrate::Calibrate),
     Export(export::Export),
     Inspect(inspect::Inspect),
@@ -85,6 +90,7 @@ enum Command {
     Report(report::Report),
     #[cfg(feature = "workbench")]
     Serve(serve::Serve),
+    #[cfg(feature = "development")]
     Bench(bench::Bench),
     Completions(completions::Completions),
     Man(man::Man),
@@ -123,7 +129,9 @@ pub fn command() -> clap::Command {
                 let about = one.get_about().map(ToString::to_string).unwrap_or_default();
                 format!("  {:<14} {about}\n", one.get_name())
             };
-            format!("{title}:\n{}\n", known.map(line).collect::<String>())
+            let lines: String = known.map(line).collect();
+            // built without the feature `development`, a group is empty
+            if lines.is_empty() { lines } else { format!("{title}:\n{lines}\n") }
         })
         .collect();
     let template = format!(
@@ -187,6 +195,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Simulate(command) => command.run(),
         Command::Noise(command) => command.run(),
         Command::CalibrateImu(command) => command.run(),
+        #[cfg(feature = "development")]
         Command::Table(command) => command.run(),
         Command::Fit(command) => command.run(),
         Command::Compare(command) => command.run(),
@@ -200,6 +209,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Convert(command) => command.run(),
         Command::Batch(command) => command.run(),
         Command::Fleet(command) => command.run(),
+        #[cfg(feature = "development")]
         Command::Calibrate(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Inspect(command) => command.run(),
@@ -208,6 +218,7 @@ fn run_checked(matches: &ArgMatches, command: Command) -> Result<(), Failure> {
         Command::Report(command) => command.run(),
         #[cfg(feature = "workbench")]
         Command::Serve(command) => command.run(),
+        #[cfg(feature = "development")]
         Command::Bench(command) => command.run(),
         Command::Completions(command) => command.run(all),
         Command::Man(command) => command.run(all),
