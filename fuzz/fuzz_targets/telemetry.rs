@@ -3,7 +3,7 @@
 #![no_main]
 
 use fos_embedded::telemetry::{Frame, decode};
-use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord};
 use fos_fuzz::sealed_frame;
 use fos_device_io::record::{RecordError, record};
 use libfuzzer_sys::fuzz_target;
@@ -64,14 +64,6 @@ fn files(bytes: &[u8]) {
         let record = header.record_length().min(bytes.len());
         for chunk in bytes[bytes.len() - record..].chunks(header.record_length().max(1)) {
             let _ = HubLogRecord::decode(chunk, &mut given);
-        }
-    }
-    if let Ok(header) = PredictorLogHeader::decode(bytes) {
-        let (mut measured, mut quantities) = ([0.0; 256], [0.0; 256]);
-        let measured = &mut measured[..usize::from(header.n_axes)];
-        let quantities = &mut quantities[..usize::from(header.n_quantities)];
-        for chunk in bytes.chunks(header.record_length().max(1)) {
-            let _ = PredictorLogRecord::decode(chunk, measured, quantities);
         }
     }
 }

@@ -2,9 +2,7 @@
 
 use core::fmt;
 
-use super::PredictorLogHeader;
-
-/// Reason why a log cannot be read, or does not fit a model.
+/// Reason why a log cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -27,13 +25,6 @@ pub enum TestLogError {
     },
     /// The field of this name has an invalid value.
     Field(&'static str),
-    /// Log and model have different numbers of axes or quantities.
-    Mismatch {
-        /// Header of the log.
-        log: PredictorLogHeader,
-        /// Header that the model needs.
-        model: PredictorLogHeader,
-    },
 }
 
 impl fmt::Display for TestLogError {
@@ -45,11 +36,6 @@ impl fmt::Display for TestLogError {
                 write!(f, "log version {found}; this program reads version {read}")
             }
             Self::Field(name) => write!(f, "{name} has a value that it cannot have"),
-            Self::Mismatch { log, model } => write!(
-                f,
-                "the log has {} axes and {} quantities, the model {} and {}",
-                log.n_axes, log.n_quantities, model.n_axes, model.n_quantities
-            ),
         }
     }
 }

@@ -3,15 +3,19 @@
 use fos_core::Image;
 use fos_data::column::ACCELEROMETERS;
 use fos_data::column::GYROS;
-use fos_embedded::hub::{Motion, is_given};
+use fos_embedded::hub::{Hub, Motion, is_given};
 use fos_embedded::raw::{RawSample, Scales};
-use fos_embedded::test_log::{HubLogHeader, HubLogRecord};
+use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 
+use super::replay::ReplayError;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
 use fos_fit::model::UnitModel;
 use fos_fit::playback::Playback;
 use fos_fit::signal::quantisation::quantisation;
+
+/// A hub that holds every model of the host.
+type HostHub = Hub<32, 512, 4096>;
 
 /// Codes used for the largest value if the log does not show the sensor's own steps; those up to 32767 are a margin.
 const CODES: f64 = 32_000.0;
@@ -23,6 +27,15 @@ const TEMPERATURE_ZERO_C: f64 = 25.0;
 /// Samples per read of the application's clock: 50 ms at 200 Hz.
 const SAMPLES_A_BATCH: usize = 10;
 
+/// A log of raw codes, and what a hub computes from it.
+#[derive(Debug, Clone)]
+pub struct HubLog {
+    /// The log: `fos_embedded::test_log`.
+    pub bytes: Vec<u8>,
+    /// Digest of the outputs of a hub in f32, the same on every machine.
+    pub outputs: u64,
+}
+
 /// Converts the recording into the samples of a hub, with the scale of their codes. Codes are the steps of the sensor's converter if the
 /// log shows them; missing columns are 0, but those of the model are required. A row with an empty cell on an axis is a tick without a
 /// sample. If the image has limits of stillness, the hub's own detector decides, otherwise `rest`.
@@ -31,13 +44,13 @@ pub fn hub_log(
     model: &UnitModel,
     recording: &Recording,
     stillness: &Stillness,
-) -> Result<(HubLogHeader, Vec<u8>), RecordingError> {
+) -> Result<HubLog, ReplayError> {
     let playback = Playback::new(recording, model, &stillness.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
     let given = model.quantities.iter().filter(|logged| is_given(logged.quantity));
     let held = |name: &str| recording.channel(name).map(|channel| recording.held(channel));
-    let given = given.map(|logged| held(&logged.column)).collect::<Result<Vec<_>, _>>()?;
+    let given = given.map(|logged| held(&logged.column)).collect::<Result<Vec<_>, RecordingError>>()?;
     let temperature = held("temp_c").unwrap_or_default();
 
     let scales = Scales {
@@ -51,6 +64,8 @@ pub fn hub_log(
     let header = HubLogHeader { scales, n_given: given.len() as u8 };
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
+    let (mut hub, mut digest) = (HostHub::new(scales), HubDigest::default());
+    model.with::<f32, _>(|model| hub.load_model(model))?;
     let codes = |columns: [&[f64]; 3], row: usize, scale: f32| {
         columns.map(|column| column.get(row).map_or(0, |value| (value / f64::from(scale)).round() as i16))
     };
@@ -78,9 +93,11 @@ pub fn hub_log(
         let looks = (row + 1).is_multiple_of(SAMPLES_A_BATCH);
         let clock_us = if looks { (recording.time_s[row] * 1e6).max(0.0) as u64 + 1 } else { 0 };
         let values: Vec<f32> = given.iter().map(|column| column[row] as f32).collect();
-        bytes.extend(HubLogRecord { raw, motion, clock_us, given: &values }.encode());
+        let record = HubLogRecord { raw, motion, clock_us, given: &values };
+        digest.update(record.step(&mut hub));
+        bytes.extend(record.encode());
     }
-    Ok((header, bytes))
+    Ok(HubLog { bytes, outputs: digest.outputs() })
 }
 
 /// Value of one code: the step of the converter if the columns show it and 16 bits suffice for their range.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use fos_core::{Axis, Correction, Fixed, Image, ImageError, Sample, Scalar, Validity};
-use fos_embedded::hub::{GRAVITY_MPS2, Motion, PERIOD_TOLERANCE, is_near_period, leads_away};
-use fos_embedded::test_log::{PredictorDigest, PredictorLogHeader, PredictorLogRecord};
+use fos_core::{Axis, Correction, Fixed, Image, ImageError, Scalar, Validity};
+use fos_embedded::hub::{GRAVITY_MPS2, HubError, PERIOD_TOLERANCE, is_near_period, leads_away};
+use fos_embedded::test_log::PredictorDigest;
 use serde::Serialize;
 
 use fos_data::recording::{Recording, RecordingError};
@@ -28,10 +28,8 @@ pub enum ReplayError {
     Period { path: String, model_s: f64, log_s: f64 },
     #[error(transparent)]
     NoColumn(#[from] NoColumn),
-    #[error(
-        "the firmware in the loop knows only the model's own reference, but the log has ref_ columns, or an accelerometer rests in another orientation than in the fit\nhelp: exclude the columns with --map '!ref_gx_rads', or export gyros only"
-    )]
-    Reference,
+    #[error("a hub refuses the model: {0}")]
+    Hub(#[from] HubError),
 }
 
 /// Result of a replay.
@@ -404,32 +402,6 @@ impl Tally {
             errors: None,
         }
     }
-}
-
-/// Converts the recording into the log of the firmware in the loop (`fos_embedded::test_log`).
-pub fn device_log(
-    model: &UnitModel,
-    recording: &Recording,
-    stillness: &Stillness,
-) -> Result<Vec<u8>, ReplayError> {
-    let playback = Playback::new(recording, model, &stillness.still)?;
-    if playback.has_reference() {
-        return Err(ReplayError::Reference);
-    }
-    // A predictor of the host has at most 6 axes and 16 inputs.
-    let header =
-        PredictorLogHeader { n_axes: model.axes.len() as u8, n_quantities: model.quantities.len() as u8 };
-    let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
-    bytes.extend(header.encode());
-    let mut feed = playback.feed::<f32>();
-    for row in 0..recording.n_rows() {
-        let motion = if playback.is_still(row) { Motion::Still } else { Motion::Moving };
-        let Sample { measured, quantities } = feed.sample(row);
-        let record =
-            PredictorLogRecord { skipped: playback.missing_before(row), motion, measured, quantities };
-        bytes.extend(record.encode());
-    }
-    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use fos_data::recording::write_columns;
 use fos_data::stillness;
 use fos_data::text::counted;
 use fos_device_io::hub_log::hub_log;
-use fos_device_io::replay::{CostOfScalar, Replay as Replayed, device_log, replay};
+use fos_device_io::replay::{CostOfScalar, Replay as Replayed, replay};
 use fos_fit::export::model_of;
 
 /// Run an image over a log as on the device, and write the corrected log
@@ -29,10 +29,7 @@ pub(super) struct Replay {
     /// The corrected log to write: .csv, .csv.gz or .parquet
     #[arg(short, long)]
     output: Option<OutputFile>,
-    /// Write the log for firmware in the loop
-    #[arg(long, value_name = "FILE")]
-    device_log: Option<OutputFile>,
-    /// Write the log as raw samples for a hub, for the firmware example and the C program
+    /// Write the log as raw samples for test firmware with a hub, in Rust or C, and print the digest of its outputs
     #[arg(long, value_name = "FILE")]
     hub_log: Option<OutputFile>,
     /// Columns of the axes and quantities, if the names in the image do not fit: gx_rads,gy_rads
@@ -57,27 +54,25 @@ impl Replay {
         let spinner = spinner("replaying");
         let replayed = replay(&image, &recording, &stillness, &self.axes)?;
         spinner.finish_and_clear();
-        if let Some(path) = &self.device_log {
-            file::write_atomically(
-                path,
-                &device_log(&model_of(&image, &self.axes)?, &recording, &stillness)?,
-            )?;
-        }
-        if let Some(path) = &self.hub_log {
-            let (_, bytes) = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &stillness)?;
-            file::write_atomically(path, &bytes)?;
-        }
+        let hub_outputs = match &self.hub_log {
+            None => None,
+            Some(path) => {
+                let log = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &stillness)?;
+                file::write_atomically(path, &log.bytes)?;
+                Some(log.outputs)
+            }
+        };
         if let Some(path) = &self.output {
             write_columns(path, &replayed.columns(&recording))?;
         }
         if self.json {
             return print_json(&replayed.summary);
         }
-        self.print(&replayed);
+        self.print(&replayed, hub_outputs);
         Ok(())
     }
 
-    fn print(&self, replayed: &Replayed) {
+    fn print(&self, replayed: &Replayed, hub_outputs: Option<u64>) {
         let summary = &replayed.summary;
         print_line!(
             "{} rows: {} tracked at rest, {} coasted in motion; rest known {}",
@@ -163,11 +158,11 @@ impl Replay {
         if let Some(path) = &self.output {
             print_line!("corrected log written to {}", path.display());
         }
-        if let Some(path) = &self.device_log {
-            print_line!("log for the firmware written to {}", path.display());
-        }
-        if let Some(path) = &self.hub_log {
-            print_line!("raw samples for a hub written to {}", path.display());
+        if let Some((path, outputs)) = self.hub_log.as_ref().zip(hub_outputs) {
+            print_line!(
+                "raw samples for a hub written to {}; digest of its outputs {outputs:016x}",
+                path.display()
+            );
         }
     }
 }

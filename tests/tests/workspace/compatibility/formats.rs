@@ -11,9 +11,7 @@ use fos_device_io::record::record;
 use fos_diagnose::study::{self, Study};
 use fos_embedded::hub::{Hub, HubError};
 use fos_embedded::telemetry;
-use fos_embedded::test_log::{
-    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
-};
+use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use fos_fit::evaluate::ModelErrors;
 
 use super::digest::Digest;
@@ -73,16 +71,6 @@ pub(crate) const FORMATS: &[Format] = &[
         as_version: Some(with_version_in_header),
         payload: all_but_absent_temperatures,
         make: make::hub_log,
-    },
-    Format {
-        title: "replay log",
-        name: "replay_log",
-        extension: "fosr",
-        version: PredictorLogHeader::VERSION as u32,
-        outputs: of_replay_log,
-        as_version: Some(with_version_in_header),
-        payload: all_but_absent_values,
-        make: make::replay_log,
     },
     Format {
         title: "image store in flash",
@@ -225,31 +213,6 @@ fn of_hub_log(bytes: &[u8]) -> Result<String, String> {
     Ok(format!("records {records}\ncontent {digest}\n"))
 }
 
-/// Results of the log with the axes of the stored image.
-fn of_replay_log(bytes: &[u8]) -> Result<String, String> {
-    let header = PredictorLogHeader::decode(bytes).map_err(|error| error.to_string())?;
-    let model = fs::read(folder().join("model_v1.fosm")).map_err(|error| error.to_string())?;
-    let image = Image::parse(&model).map_err(|error| error.to_string())?;
-    let mut predictor = image.predictor::<f32, 6, 16, 128, 256>().map_err(|error| error.to_string())?;
-    let n_quantities = image.quantities().count() as u8;
-    header
-        .check(PredictorLogHeader { n_axes: predictor.n_axes() as u8, n_quantities })
-        .map_err(|error| error.to_string())?;
-    let (mut measured, mut quantities) =
-        (vec![0.0; header.n_axes.into()], vec![0.0; header.n_quantities.into()]);
-    let (mut corrected, mut content, mut records) = (PredictorDigest::default(), Digest::new(), 0);
-    for bytes in bytes[PredictorLogHeader::LENGTH..].chunks(header.record_length()) {
-        let record = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities)
-            .map_err(|error| error.to_string())?;
-        content.number(f64::from(record.skipped));
-        content.bytes(format!("{:?}", record.motion).as_bytes());
-        content.numbers(record.measured.iter().chain(record.quantities).copied());
-        corrected.update(record.step(&mut predictor));
-        records += 1;
-    }
-    Ok(format!("records {records}\ncontent {content}\ncorrections {:016x}\n", corrected.corrections()))
-}
-
 /// A file with this content, for readers of files; in a folder that lives as long as the second value.
 fn as_file(name: &str, bytes: &[u8]) -> Result<(std::path::PathBuf, tempfile::TempDir), String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
@@ -354,18 +317,6 @@ fn all_but_absent_temperatures(bytes: &[u8]) -> Vec<usize> {
         let (record, field) = (place / header.record_length(), place % header.record_length());
         let has_temperature = bytes[HubLogHeader::LENGTH + record * header.record_length() + 7];
         has_temperature == 0 && (28..30).contains(&field)
-    };
-    every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
-}
-
-/// All but the bits of missing values, any NaN of which is accepted.
-fn all_but_absent_values(bytes: &[u8]) -> Vec<usize> {
-    let is_absent = |place: usize| {
-        let word = place / 4 * 4;
-        bytes
-            .get(word..word + 4)
-            .and_then(<[u8]>::first_chunk)
-            .is_some_and(|word| f32::from_le_bytes(*word).is_nan())
     };
     every_byte(bytes).into_iter().filter(|place| !is_absent(*place)).collect()
 }

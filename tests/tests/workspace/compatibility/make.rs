@@ -14,7 +14,7 @@ use fos_embedded::blocking::poll_once;
 use fos_embedded::hub::{Hub, MAX_LOGGED, Motion};
 use fos_embedded::raw::{Faults, RawSample, Scales};
 use fos_embedded::telemetry::{Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode};
-use fos_embedded::test_log::{HubLogHeader, HubLogRecord, PredictorLogHeader, PredictorLogRecord};
+use fos_embedded::test_log::{HubLogHeader, HubLogRecord};
 use fos_fit::fit::{FitOptions, fit_axis};
 use fos_simulate::{Axis, CasePlan, Effect, Plant, Setup, SimulatedCase, Simulation};
 
@@ -81,21 +81,6 @@ pub(crate) fn hub_log() -> Vec<u8> {
         let clock_us = if tick % 10 == 9 { 5000 * (tick as u64 + 1) } else { 0 };
         let supply = [3.3 + 0.01 * (tick as f32 / 8.0)];
         bytes.extend(HubLogRecord { raw, motion, clock_us, given: &supply }.encode());
-    }
-    bytes
-}
-
-/// The z axis of the accelerometer and the x axis of the gyro, temperature and supply: the inputs of the stored image.
-pub(crate) fn replay_log() -> Vec<u8> {
-    let mut bytes = PredictorLogHeader { n_axes: 2, n_quantities: 2 }.encode().to_vec();
-    for (tick, (axes, celsius)) in simulated().into_iter().enumerate() {
-        let skipped = if tick == 60 { 3 } else { 0 };
-        let motion = if (80..100).contains(&tick) { Motion::Moving } else { Motion::Still };
-        let measured = [axes[2] as f32, if tick == 40 { f32::NAN } else { axes[3] as f32 }];
-        let quantities = [celsius as f32, 3.3];
-        bytes.extend(
-            PredictorLogRecord { skipped, motion, measured: &measured, quantities: &quantities }.encode(),
-        );
     }
     bytes
 }

@@ -52,7 +52,6 @@ fn writers_give_the_bytes_of_the_fixtures() {
     for (name, make) in [
         ("kinds", kinds::image as fn() -> Vec<u8>),
         ("hub_log", make::hub_log),
-        ("replay_log", make::replay_log),
         ("telemetry", make::telemetry),
     ] {
         let format = FORMATS.iter().find(|format| format.name == name).expect("a format");

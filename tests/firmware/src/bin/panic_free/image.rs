@@ -14,9 +14,7 @@ use fos_embedded::raw::{Faults, RawSample, Scales, SiSample};
 use fos_embedded::telemetry::{
     AlarmRecorder, Frame, HUB_AXES, Recorder, Snapshot, StartFrame, VERSION, encode as encode_frame,
 };
-use fos_embedded::test_log::{
-    HubDigest, HubLogHeader, HubLogRecord, PredictorDigest, PredictorLogHeader, PredictorLogRecord,
-};
+use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord, PredictorDigest};
 use fos_embedded::test_vector::TestVector;
 
 /// A model as `fos export --rust` writes it.
@@ -42,7 +40,6 @@ pub(crate) fn exercise() {
     from_model();
     stillness();
     joined();
-    log(black_box(&[0; 64]));
     written();
     hubs(black_box(&[0; 64]));
 }
@@ -197,26 +194,6 @@ fn joined() {
     for stream in [Stream::Lead, Stream::Follower(index), Stream::Slow(index)] {
         black_box(aligner.counts(stream));
     }
-}
-
-fn log(bytes: &[u8]) {
-    let Ok(header) = PredictorLogHeader::decode(bytes) else { return };
-    let (mut measured, mut quantities) = (black_box([0.0; 6]), black_box([0.0; 2]));
-    let model = black_box(PredictorLogHeader { n_axes: 6, n_quantities: 2 });
-    black_box((header.check(model).is_ok(), header.encode(), header.record_length()));
-    if let Ok(record) = PredictorLogRecord::decode(bytes, &mut measured, &mut quantities) {
-        for byte in record.encode() {
-            black_box(byte);
-        }
-        with_model(|model| {
-            if let Ok(mut predictor) = Device::new(model) {
-                let _ = black_box(record.step(&mut predictor));
-            }
-        });
-    }
-    let record =
-        black_box(PredictorLogRecord { skipped: 0, motion: Motion::Still, measured: &[], quantities: &[] });
-    black_box(record.encode().count());
 }
 
 /// A writer that accepts part of its input.
