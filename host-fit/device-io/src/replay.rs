@@ -12,7 +12,7 @@ use fos_data::stillness::{KnownBy, Stillness};
 use fos_fit::calibration::{Calibrated, hub_columns};
 use fos_fit::evaluate::{ModelErrors, trace_in_f32};
 use fos_fit::export::{NoColumn, model_of};
-use fos_fit::model::{HostPredictor, UnitModel};
+use fos_fit::model::{HostPredictor, SingleAxisModel, UnitModel};
 use fos_fit::playback::Playback;
 
 /// An image cannot be run over a recording.
@@ -257,14 +257,14 @@ fn run(
 /// Remaining errors of an axis at rest, in f32; none if they are never known. Called for one axis at a time, because a trace is as large as
 /// four channels of the log.
 fn errors(
-    alone: &UnitModel,
+    alone: &SingleAxisModel,
     recording: &Recording,
     stillness: &Stillness,
 ) -> Result<Option<ModelErrors>, ReplayError> {
     let playback = Playback::new(recording, alone, &stillness.still)?;
     let left = trace_in_f32(alone, &playback, 0..recording.n_rows());
     let left = left.map_err(|error| ReplayError::Image(ImageError::Model(error)))?;
-    let errors = ModelErrors::of(&left, 0, "image", &alone.axes[0].column, None);
+    let errors = ModelErrors::of(&left, 0, "image", &alone.axis().column, None);
     // An accelerometer that lies in another orientation throughout the log has none.
     Ok(Some(errors).filter(|errors| errors.one_step_mse.is_finite()))
 }

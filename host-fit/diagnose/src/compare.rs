@@ -334,7 +334,7 @@ pub fn study_of(
 ) -> Result<Study, CompareError> {
     let trained_rows = fos_fit::fit::training_rows(recording, settings.train).end;
     let (mut models, reports): (Vec<UnitModel>, Vec<_>) =
-        fits.into_iter().map(|fit| (fit.model, fit.report)).unzip();
+        fits.into_iter().map(|fit| (fit.model.into(), fit.report)).unzip();
     let mut model = models.remove(0);
     models.into_iter().for_each(|other| model.absorb(other));
     let lag_1: Vec<f64> = reports.iter().map(|report| report.lag_1).collect();

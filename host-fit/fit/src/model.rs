@@ -10,6 +10,8 @@ use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use crate::unit_calibration::UnitCalibration;
 
+pub use crate::single_axis::{NotOneAxis, SingleAxisModel};
+
 /// Largest number of axes of a model on the host.
 pub const AXES: usize = 6;
 
@@ -191,7 +193,7 @@ impl UnitModel {
     /// # Panics
     ///
     /// If there is no such axis.
-    pub fn only(&self, index: usize) -> Self {
+    pub fn only(&self, index: usize) -> SingleAxisModel {
         let mut alone = Self { axes: vec![self.axes[index].clone()], calibration: None, ..self.clone() };
         alone.drop_unused();
         for named in &mut alone.inputs {
@@ -200,7 +202,7 @@ impl UnitModel {
                 *axis = 0;
             }
         }
-        alone
+        SingleAxisModel::of(alone)
     }
 
     /// Returns the model of the axes of these indices, as [`UnitModel::only`] does for one; none without an index.
@@ -209,7 +211,7 @@ impl UnitModel {
     ///
     /// If there is no such axis.
     pub fn of_axes(&self, indices: impl IntoIterator<Item = usize>) -> Option<Self> {
-        Self::joined(indices.into_iter().map(|index| self.only(index)))
+        Self::joined(indices.into_iter().map(|index| self.only(index).into()))
     }
 
     /// Joins models of one device, each with axes of its own; none without any.

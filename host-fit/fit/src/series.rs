@@ -4,7 +4,7 @@ use fos_core::{ModelError, Sample};
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 
 use crate::fit::{AxisError, AxisFit, AxisReport, FitOptions, fit_axis, rest};
-use crate::model::{HostPredictor, UnitModel};
+use crate::model::{HostPredictor, SingleAxisModel};
 
 /// Column name of a plain series.
 const COLUMN: &str = "series";
@@ -13,7 +13,7 @@ const COLUMN: &str = "series";
 #[derive(Debug, Clone)]
 pub struct SeriesFit {
     /// Model with one axis, the column `series`.
-    pub model: UnitModel,
+    pub model: SingleAxisModel,
     /// Report of the fit: every step of the search, its error, and the reason why it stopped.
     pub report: AxisReport,
     /// Standard deviation of the innovation e(n) on the fitted rows, in the series' unit.
@@ -69,7 +69,7 @@ pub fn fit_series(values: &[f64], rate_hz: f64, options: &FitOptions) -> Result<
     let recording = Recording::from_columns(Source::made_by("a series"), columns, &read)?;
     let stillness = rest(&recording, options.train);
     let AxisFit { model, report } = fit_axis(&recording, &stillness, COLUMN, options)?;
-    let innovation_deviation = report.mse.sqrt() * model.axes[0].parameters.scale;
+    let innovation_deviation = report.mse.sqrt() * model.axis().parameters.scale;
     Ok(SeriesFit { model, report, innovation_deviation })
 }
 

@@ -34,7 +34,7 @@ pub fn examine(
     // A refinement recalibrates its first model on the log to explain; that model is exported only after an effect is added.
     let added = refinement.last().filter(|last| last.added.is_some());
     let alone = study.axis_alone(&refinement.column).ok();
-    let model: &UnitModel = added.map(|last| &last.model).or(alone.as_ref()).unwrap_or(&study.model);
+    let model: &UnitModel = added.map(|last| &*last.model).or(alone.as_deref()).unwrap_or(&study.model);
     let report = study.axes.iter().find(|report| report.column == refinement.column);
     let lag_1: Vec<f64> = report.map(|report| report.lag_1).into_iter().collect();
     let (field, own) = (&logs.log, logs.reference.as_ref());

@@ -65,7 +65,7 @@ fn identifies_adds_and_removes_a_hidden_effect() {
     assert!(done(folder, &["undo", "unit.json"]).contains("removed: temp_linear"));
     assert_eq!(refinement(folder).steps, std::slice::from_ref(&before));
     let study = Study::read(&folder.join("unit.json")).expect("a study");
-    assert_eq!(study.model, before.model, "the model is what it was");
+    assert_eq!(study.model, *before.model, "the model is what it was");
     assert!(fails(folder, 1, &["undo", "unit.json"]).contains("nothing was added"));
 
     let best = done(folder, &["add", "unit.json", "--best", "--figures", "figures"]);

@@ -199,7 +199,7 @@ fn outcome(effect: &Effect, seed: u64) -> Outcome {
     let added = step.added.as_ref().expect("added");
     let wrong = (effect.search == Detector::Step).then(|| {
         let mut model = step.model.clone();
-        model.axes[0].parameters.offset =
+        model.axis_mut().parameters.offset =
             refinement.steps[0].model.axes[0].parameters.offset + added.finding.correction[0].coefficient;
         logs.residual_on_the_device(&model, of) / before
     });

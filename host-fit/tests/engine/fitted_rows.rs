@@ -121,8 +121,8 @@ fn range_of_p_covers_the_fitted_rows() {
     assert_eq!(fit.model.axes[0].physical.len(), 2, "{:?}", fit.report.left_out);
     let parameters = fit.model.axes[0].parameters;
     let mut physical = fit.model.clone();
-    physical.axes[0].stochastic.clear();
-    physical.axes[0].parameters.constant = 0.0;
+    physical.axis_mut().stochastic.clear();
+    physical.axis_mut().parameters.constant = 0.0;
     let p = |model: &UnitModel| -> Vec<(f64, Validity)> {
         let playback = Playback::new(&recording, model, &stillness.still).expect("a playback");
         let mut predictor = model.predictor::<f64>().expect("a model");
@@ -145,7 +145,7 @@ fn range_of_p_covers_the_fitted_rows() {
     );
     assert!(fitted.iter().all(|(_, validity)| !validity.contains(Validity::INPUT_OUT_OF_RANGE)));
     // warm and cold: neither input beyond its own range by more than a twentieth, and limited together
-    physical.axes[0].parameters.physical_range = Range::unlimited();
+    physical.axis_mut().parameters.physical_range = Range::unlimited();
     let after = ROWS / 2 + 10..ROWS;
     let without = p(&physical)[after.clone()].iter().map(|(p, _)| p.abs()).fold(0.0, f64::max);
     let with = limited[after.clone()].iter().map(|(p, _)| p.abs()).fold(0.0, f64::max);

@@ -73,11 +73,8 @@ fn of_poses(columns: Columns) -> (Recording, Stillness) {
 
 fn fitted(recording: &Recording, options: &FitOptions) -> UnitModel {
     let stillness = rest_of(recording, options);
-    let mut models =
-        AXES.map(|axis| fit_axis(recording, &stillness, axis, options).unwrap().model).into_iter();
-    let mut model = models.next().unwrap();
-    models.for_each(|other| model.absorb(other));
-    model
+    let fitted = |axis| fit_axis(recording, &stillness, axis, options).unwrap().model.into();
+    UnitModel::joined(AXES.map(fitted)).unwrap()
 }
 
 /// Model of two orientations without the guard: the mean of both as a reference, which is the effect of a constant.

@@ -13,6 +13,7 @@ use fos_export::image;
 use fos_fit::evaluate::MODEL;
 use fos_fit::export::model_of;
 use fos_fit::fit::{FitOptions, Stop, Train, fit_axis, training_rows};
+use fos_fit::model::UnitModel;
 use fos_simulate::{Simulation, simulate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -146,11 +147,10 @@ fn simulated_unit() -> (Recording, Vec<u8>) {
         max_terms: 6,
         ..FitOptions::default()
     };
-    let mut fits = ["ax", "ay", "az", "gx", "gy", "gz"]
-        .map(|axis| fit_axis(&recording, &stillness, axis, &options).expect("fits").model);
-    let (first, others) = fits.split_first_mut().expect("six");
-    others.iter().for_each(|other| first.absorb(other.clone()));
-    let bytes = image(first, "simulated", "test").expect("exported");
+    let fits = ["ax", "ay", "az", "gx", "gy", "gz"]
+        .map(|axis| fit_axis(&recording, &stillness, axis, &options).expect("fits").model.into());
+    let model = UnitModel::joined(fits).expect("six");
+    let bytes = image(&model, "simulated", "test").expect("exported");
     (recording, bytes)
 }
 

@@ -9,7 +9,7 @@ use crate::detect::{ErrorInBlocks, Finding};
 use crate::effects::{Band, Effect};
 use fos_data::column::Column;
 use fos_data::text::rounded;
-use fos_fit::model::UnitModel;
+use fos_fit::model::SingleAxisModel;
 use fos_fit::signal;
 
 /// Number of equal parts of a log whose means scatter like the mean of the whole log: with flicker noise a longer
@@ -34,7 +34,7 @@ impl Refiner<'_> {
     /// increases the error. The reference log is not used, since by its purpose it may lack the effect.
     pub(super) fn check_errors(
         &self,
-        base: &UnitModel,
+        base: &SingleAxisModel,
         findings: &[Finding],
         place: usize,
         effect: &Effect,
@@ -45,7 +45,7 @@ impl Refiner<'_> {
         }
         let (before, after) =
             (self.errors(base, &without, effect.band)?, self.errors(base, findings, effect.band)?);
-        let unit = Column::named(&base.axes[0].column).unit().label();
+        let unit = Column::named(&base.axis().column).unit().label();
         let worse = |what: &'static str, values: [f64; 3]| {
             let [before, after, margin] = values.map(|value| rounded(value, 3));
             let growth =
@@ -67,8 +67,13 @@ impl Refiner<'_> {
     }
 
     /// Returns the errors of the evaluation log after the physical part of `base` and `findings` are subtracted.
-    fn errors(&self, base: &UnitModel, findings: &[Finding], band: Band) -> Result<Errors, RefineError> {
-        let (column, rows) = (&base.axes[0].column, self.evaluation_rows());
+    fn errors(
+        &self,
+        base: &SingleAxisModel,
+        findings: &[Finding],
+        band: Band,
+    ) -> Result<Errors, RefineError> {
+        let (column, rows) = (&base.axis().column, self.evaluation_rows());
         let log = self.reduced_without(base, findings, self.log())?;
         let evaluation = self.reduced_without(base, findings, self.evaluation())?;
         let left = self.left_in(column, &log, &evaluation);

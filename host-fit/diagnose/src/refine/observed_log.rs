@@ -8,7 +8,7 @@ use fos_data::disturbance;
 use fos_data::observed::ObservedAxis;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{self, KnownBy};
-use fos_fit::model::UnitModel;
+use fos_fit::model::SingleAxisModel;
 
 use super::error::RefineError;
 use crate::physical::physical;
@@ -63,11 +63,11 @@ impl<'a> ObservedLog<'a> {
     /// that of `rows`.
     pub(super) fn levelled<'l>(
         &self,
-        model: &UnitModel,
+        model: &SingleAxisModel,
         log: &'l Recording,
         rows: Range<usize>,
     ) -> Result<Levelled<'l>, RefineError> {
-        let column = &model.axes[0].column;
+        let column = &model.axis().column;
         let known = self.known_rows(column)?;
         let turns = if log.is_bias_known(column) { &[][..] } else { &self.at_rest().turns };
         let observed = ObservedAxis { error: log.error_series(column)?, known, turns: Cow::Borrowed(turns) };

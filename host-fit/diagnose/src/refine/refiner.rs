@@ -10,7 +10,7 @@ use fos_fit::cost::Cost;
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::fit::physical_range::{Part, physical_range};
 use fos_fit::fit::regressors::Regressors;
-use fos_fit::model::{FittedAxis, Plain, UnitModel};
+use fos_fit::model::{FittedAxis, Plain, SingleAxisModel};
 use fos_fit::playback::Playback;
 
 use super::error::RefineError;
@@ -79,9 +79,9 @@ impl<'a> Refiner<'a> {
     }
 
     /// Returns the state before any effect is added: the fitted axis of the study with the bias of the log to explain.
-    pub fn first_step(&self, model: &UnitModel) -> Result<RefinementStep, RefineError> {
+    pub fn first_step(&self, model: &SingleAxisModel) -> Result<RefinementStep, RefineError> {
         let left = self.left(model, &[])?;
-        let log = self.measured(&model.axes[0].column);
+        let log = self.measured(&model.axis().column);
         self.step(self.recalibrated(model.clone(), &[], &log)?, None, left)
     }
 
@@ -321,7 +321,7 @@ impl<'a> Refiner<'a> {
         found: &[Finding],
         log: &'l Recording,
     ) -> Result<Cow<'l, Recording>, RefineError> {
-        let has_base = refinement.steps.first().is_some_and(|first| !first.model.axes[0].physical.is_empty());
+        let has_base = refinement.steps.first().is_some_and(|first| !first.model.axis().physical.is_empty());
         if found.is_empty() && !has_base {
             return Ok(Cow::Borrowed(log));
         }
@@ -340,26 +340,26 @@ impl<'a> Refiner<'a> {
     /// terms, effect by effect.
     fn recalibrated(
         &self,
-        mut model: UnitModel,
+        mut model: SingleAxisModel,
         effects: &[Range<usize>],
         log: &Recording,
-    ) -> Result<UnitModel, RefineError> {
-        let column = model.axes[0].column.clone();
-        let before = model.axes[0].parameters.physical_limits();
-        model.axes[0].parameters.physical_range = fos_core::Range::unlimited();
+    ) -> Result<SingleAxisModel, RefineError> {
+        let column = model.axis().column.clone();
+        let before = model.axis().parameters.physical_limits();
+        model.axis_mut().parameters.physical_range = fos_core::Range::unlimited();
         let is_bias_known = log.is_bias_known(&column);
         let Levelled { log, known, level } = self.log.levelled(&model, log, 0..log.n_rows())?;
-        let parameters = &mut model.axes[0].parameters;
+        let parameters = &mut model.axis_mut().parameters;
         match is_bias_known {
             true => parameters.offset = level,
             false => (parameters.reference, parameters.offset) = (level, 0.0),
         }
         let playback = Playback::new(&log, &model, &known)?;
         let mut alone = model.clone();
-        alone.axes[0].stochastic.clear();
+        alone.axis_mut().stochastic.clear();
         let regressors = Regressors::of(&alone, &playback, log.n_rows())?;
-        let inputs = &model.inputs;
-        let FittedAxis { parameters, physical, plain, .. } = &mut model.axes[0];
+        let inputs = &alone.inputs;
+        let FittedAxis { parameters, physical, plain, .. } = model.axis_mut();
         let base = &physical[..effects.first().map_or(physical.len(), |first| first.start)];
         let parts = effects.iter().map(|places| (&physical[places.clone()], fos_core::Range::unlimited()));
         let parts = parts.chain([(base, before)]).map(|(terms, within)| Part { terms, within });
@@ -394,11 +394,11 @@ impl<'a> Refiner<'a> {
     /// `findings` are subtracted.
     pub(super) fn reduced_without(
         &self,
-        base: &UnitModel,
+        base: &SingleAxisModel,
         findings: &[Finding],
         log: &Recording,
     ) -> Result<(ErrorInBlocks, Vec<f64>), RefineError> {
-        let reduced = ErrorInBlocks::in_slow_blocks(log, &base.axes[0].column)?;
+        let reduced = ErrorInBlocks::in_slow_blocks(log, &base.axis().column)?;
         let mut left = reduced.error.clone();
         let base = physical(base, log)?.swap_remove(0);
         left.iter_mut().zip(&base).for_each(|(left, base)| *left -= base);
@@ -423,10 +423,10 @@ impl<'a> Refiner<'a> {
     }
 
     /// Returns the errors on the evaluation rows after the physical part of `base` and `findings` are subtracted.
-    fn left(&self, base: &UnitModel, findings: &[Finding]) -> Result<Left, RefineError> {
+    fn left(&self, base: &SingleAxisModel, findings: &[Finding]) -> Result<Left, RefineError> {
         let log = self.reduced_without(base, findings, self.log())?;
         let evaluation = self.reduced_without(base, findings, self.evaluation())?;
-        Ok(self.left_in(&base.axes[0].column, &log, &evaluation))
+        Ok(self.left_in(&base.axis().column, &log, &evaluation))
     }
 
     /// Returns the errors on the evaluation rows of a residual, given for the log to explain and for the evaluation log.
@@ -455,17 +455,18 @@ impl<'a> Refiner<'a> {
 
     fn step(
         &self,
-        model: UnitModel,
+        model: SingleAxisModel,
         added: Option<Added>,
         left: Left,
     ) -> Result<RefinementStep, RefineError> {
-        let (rows, column) = (self.evaluation_rows.clone(), &model.axes[0].column);
+        let (rows, column) = (self.evaluation_rows.clone(), &model.axis().column);
         let Levelled { log, known, level } =
             self.evaluation.levelled(&model, &self.evaluation.whole, rows.clone())?;
         let mut evaluated = model.clone();
         if !log.is_bias_known(column) {
             // another orientation has another constant
-            (evaluated.axes[0].parameters.reference, evaluated.axes[0].parameters.offset) = (level, 0.0);
+            let parameters = &mut evaluated.axis_mut().parameters;
+            (parameters.reference, parameters.offset) = (level, 0.0);
         }
         let playback = Playback::new(&log, &evaluated, &known)?;
         let trace = trace(&evaluated, &playback, rows)?;

@@ -10,25 +10,25 @@ use crate::detect::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
 use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
-use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, UnitModel, position};
+use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, SingleAxisModel, position};
 
 /// Widths of the fitted range by which an input may exceed it before it is limited: a linear term extrapolates well, and
 /// a ramp goes on for as long again as the log. Inputs that occur as powers keep the limits of the finding.
 const WIDTHS: f64 = 1.0;
 
-/// Adds findings to the physical part of the only axis of `model`; `fitted` is the log in which they were found. Steps
+/// Adds findings to the physical part of `model`; `fitted` is the log in which they were found. Steps
 /// become no terms, since they are part of the bias of every later log. Returns the positions of the terms, effect by
 /// effect.
 pub(super) fn add(
-    model: &mut UnitModel,
+    model: &mut SingleAxisModel,
     findings: &[Finding],
     fitted: &Recording,
 ) -> Result<Vec<Range<usize>>, RecordingError> {
     let mut places = Vec::new();
-    let inputs = Inputs::new(fitted);
-    let scale = model.axes[0].parameters.scale;
+    let logged = Inputs::new(fitted);
+    let scale = model.axis().parameters.scale;
     for finding in findings {
-        let first = model.axes[0].physical.len();
+        let first = model.axis().physical.len();
         for CorrectionTerm { regressor, coefficient, standard_error } in &finding.correction {
             if step_time(regressor).is_some() {
                 continue;
@@ -36,44 +36,52 @@ pub(super) fn add(
             // every regressor of a diagnosis can be parsed
             let Ok(Regressor { products }) = Regressor::parse(regressor) else { continue };
             for product in &products {
+                let (quantities, inputs) = model.inputs_mut();
                 let factors = factors(
-                    model,
+                    quantities,
+                    inputs,
                     product,
                     |_| 0.0,
                     &finding.limits,
-                    |spec| inputs.input(spec).map(|values| range(&values)),
+                    |spec| logged.input(spec).map(|values| range(&values)),
                 )?;
-                model.axes[0].physical.push(FittedTerm {
+                model.axis_mut().physical.push(FittedTerm {
                     coefficient: coefficient / scale,
                     standard_error: Some(standard_error / scale),
                     factors,
                 });
             }
         }
-        places.push(first..model.axes[0].physical.len());
+        places.push(first..model.axis().physical.len());
     }
     Ok(places)
 }
 
-/// Returns the factors of a product of inputs in a physical part. Inputs that the model lacks are appended, with the
-/// quantities that they need. They are in the unit of the quantity, so that a coefficient is per kelvin, and count from
+/// Returns the factors of a product of inputs in a physical part. Those that are not among the `inputs` of the model are
+/// appended, and what they need to its `quantities`. They are in the unit of the quantity, so that a coefficient is per kelvin, and count from
 /// the `centre` of its column.
 ///
 /// An input is limited to its `limits`, by its text; without limits, to one width beyond the range that was `seen` of
 /// it. Both count from the centre.
 pub fn factors<E>(
-    model: &mut UnitModel,
+    quantities: &mut Vec<LoggedQuantity>,
+    inputs: &mut Vec<NamedInput>,
     product: &Product,
     centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
     seen: impl Fn(&InputSpec) -> Result<[f64; 2], E>,
 ) -> Result<Vec<Factor>, E> {
-    product.inputs.iter().map(|spec| Ok(u(place(model, spec, &centre, limits, &seen)?, 0))).collect()
+    product
+        .inputs
+        .iter()
+        .map(|spec| Ok(u(place(quantities, inputs, spec, &centre, limits, &seen)?, 0)))
+        .collect()
 }
 
 /// Returns the index of an input in the model; appends it if absent.
 fn place<E>(
-    model: &mut UnitModel,
+    quantities: &mut Vec<LoggedQuantity>,
+    inputs: &mut Vec<NamedInput>,
     spec: &InputSpec,
     centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
@@ -84,7 +92,7 @@ fn place<E>(
         Some(column) => {
             let quantity =
                 LoggedQuantity { column: column.clone(), quantity: Column::named(column).quantity() };
-            let index = position(&mut model.quantities, quantity);
+            let index = position(quantities, quantity);
             let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
             (Source::Quantity(index), widened(seen(&identity)?))
         }
@@ -100,7 +108,7 @@ fn place<E>(
     let centre = spec.column.as_deref().map_or(0.0, centre);
     let input = Input { source, transform: spec.transform, centre, scale: 1.0, source_range, range };
     let named = NamedInput { name, input };
-    Ok(position(&mut model.inputs, named))
+    Ok(position(inputs, named))
 }
 
 fn range(values: &[f64]) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 use fos_data::closest::closest;
 use fos_data::recording::LoadOptions;
-use fos_fit::model::UnitModel;
+use fos_fit::model::{SingleAxisModel, UnitModel};
 
 use super::refinement::Refinement;
 use super::{Study, StudyStep};
@@ -70,7 +70,7 @@ impl Study {
     }
 
     /// Returns the model of one axis of the study, as it is now.
-    pub fn axis_alone(&self, column: &str) -> Result<UnitModel, StudyAxisError> {
+    pub fn axis_alone(&self, column: &str) -> Result<SingleAxisModel, StudyAxisError> {
         let index = self.model.axes.iter().position(|axis| axis.column == column);
         index
             .map(|index| self.model.only(index))
@@ -79,7 +79,8 @@ impl Study {
 
     /// The part of the study that is of one axis without its refinement: the inverse of [`Study::joined`].
     pub fn only(&self, column: &str) -> Result<Self, StudyAxisError> {
-        let model = UnitModel { calibration: self.model.calibration.clone(), ..self.axis_alone(column)? };
+        let model =
+            UnitModel { calibration: self.model.calibration.clone(), ..self.axis_alone(column)?.into() };
         let index = self.axes.iter().position(|report| report.column == column);
         let of_axis = |step: &StudyStep| StudyStep {
             name: step.name.clone(),
@@ -121,9 +122,11 @@ impl Study {
         Ok(effect)
     }
 
-    fn replace(&mut self, column: &str, model: UnitModel) {
+    fn replace(&mut self, column: &str, model: SingleAxisModel) {
         let axes = (0..self.model.axes.len()).map(|index| {
-            if self.model.axes[index].column == column { model.clone() } else { self.model.only(index) }
+            let alone =
+                if self.model.axes[index].column == column { model.clone() } else { self.model.only(index) };
+            alone.into()
         });
         if let Some(joined) = UnitModel::joined(axes) {
             let calibration = self.model.calibration.take();

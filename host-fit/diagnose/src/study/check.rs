@@ -108,7 +108,7 @@ fn check_refinement(refinement: &Refinement) -> Result<(), String> {
     for (number, step) in refinement.steps.iter().enumerate() {
         let at = |wrong: String| format!("step {number}: {wrong}");
         check_model(&step.model).map_err(at)?;
-        if !matches!(&step.model.axes[..], [axis] if axis.column == refinement.column) {
+        if step.model.axis().column != refinement.column {
             return Err(at("the model is not of this axis alone".to_owned()));
         }
         match &step.added {

@@ -9,7 +9,7 @@ use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_data::recording::{LoadOptions, Source};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
-use fos_fit::model::UnitModel;
+use fos_fit::model::SingleAxisModel;
 
 /// Axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,7 +47,7 @@ pub struct RefinementStep {
     /// Effect added in this step; none in the first state.
     pub added: Option<Added>,
     #[cfg_attr(feature = "page-types", ts(type = "unknown"))]
-    pub model: UnitModel,
+    pub model: SingleAxisModel,
     /// Errors on the evaluation rows.
     pub errors: ModelErrors,
     /// Variances of the residual of the physical part on the evaluation rows.

@@ -18,7 +18,7 @@ use super::poses::Poses;
 use super::regressors::Regressors;
 use super::stochastic;
 use crate::evaluate::{self, Coasted, Trace};
-use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, UnitModel};
+use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, SingleAxisModel, UnitModel};
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use fos_data::interrupt::in_parallel;
@@ -48,7 +48,7 @@ const SHORTEST_COAST_S: f64 = 1.0;
 /// A fitted axis: a model of that axis alone, and the report of the fit.
 #[derive(Debug, Clone)]
 pub struct AxisFit {
-    pub model: UnitModel,
+    pub model: SingleAxisModel,
     pub report: AxisReport,
 }
 
@@ -112,12 +112,12 @@ pub fn fit_axis(
     }
     let reference = series.reference;
     let mut model = start(&recording, stillness, (&column, &reference), &training, &known, options)?;
-    let regressors_of = |model: &UnitModel, recording: &Recording| -> Result<Regressors, AxisError> {
+    let regressors_of = |model: &SingleAxisModel, recording: &Recording| -> Result<Regressors, AxisError> {
         let playback = Playback::new(recording, model, &stillness.still)?;
         Regressors::of(model, &playback, training.end).map_err(model_error)
     };
     let mut regressors = regressors_of(&model, &recording)?;
-    model.axes[0].plain = Some(Plain::of(&known, &regressors.known_remainder()));
+    model.axis_mut().plain = Some(Plain::of(&known, &regressors.known_remainder()));
     drop(known);
     let mut left_out = Vec::new();
     if !options.physical.is_empty() {
@@ -130,12 +130,12 @@ pub fn fit_axis(
             regressors = regressors_of(&model, &recording)?;
         }
         if options.offset.is_none() {
-            subtract_mean(&mut model.axes[0].parameters, &mut regressors, &reference);
+            subtract_mean(&mut model.axis_mut().parameters, &mut regressors, &reference);
         }
     }
     let part = stochastic::fit(&model, &regressors, options)?;
-    model.axes[0].parameters.constant = part.constant;
-    model.axes[0].stochastic = part.terms;
+    model.axis_mut().parameters.constant = part.constant;
+    model.axis_mut().stochastic = part.terms;
     let report = AxisReport {
         reference_column: match reference {
             Reference::Constant => None,
@@ -179,7 +179,7 @@ fn start(
     training: &Range<usize>,
     known: &[f64],
     options: &FitOptions,
-) -> Result<UnitModel, AxisError> {
+) -> Result<SingleAxisModel, AxisError> {
     let mean = signal::mean(&[known]);
     let deviation = signal::variance(&[known]).sqrt();
     if deviation == 0.0 {
@@ -241,7 +241,7 @@ fn start(
             },
         });
     }
-    Ok(model)
+    Ok(SingleAxisModel::of(model))
 }
 
 fn logged_input(
@@ -288,12 +288,12 @@ fn logged_input(
 /// Fits the physical part, the first `n_inputs` inputs beside a constant for each orientation but the first; returns those
 /// that were left out.
 fn fit_physical(
-    model: &mut UnitModel,
+    model: &mut SingleAxisModel,
     n_inputs: usize,
     regressors: &Regressors,
     levels: &[Vec<f64>],
 ) -> Result<Vec<LeftOut>, AxisError> {
-    let column = model.axes[0].column.clone();
+    let column = model.axis().column.clone();
     let most = physical::most_levels(regressors);
     if levels.len() > most {
         return Err(AxisError::TooManyPoses { column, poses: levels.len() + 1, most: most + 1 });
@@ -301,17 +301,17 @@ fn fit_physical(
     let inputs = (0..n_inputs as u8).collect();
     let (terms, left_out) = physical::fit(model, regressors, inputs, levels)
         .map_err(|source| AxisError::Search { column, source })?;
-    model.axes[0].physical = terms;
+    model.axis_mut().physical = terms;
     Ok(left_out)
 }
 
 /// Returns the part of the error that the physical part explains, one value per row; NaN after the training part.
 fn explained(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     recording: &Recording,
     regressors: &Regressors,
 ) -> Result<Vec<f64>, RecordingError> {
-    let axis = &model.axes[0];
+    let axis = model.axis();
     let scale = axis.parameters.scale;
     let left = regressors.remainder.iter().map(|left| scale * left).chain(std::iter::repeat(f64::NAN));
     let series = recording.error_series(&axis.column)?;
@@ -366,15 +366,15 @@ fn refuse_divergent(column: &str, trace: &Trace) -> Result<(), AxisError> {
 /// Sets the innovation statistics and the longest coast that beats the mean, by running the model over its training
 /// data.
 fn set_statistics(
-    model: &mut UnitModel,
+    model: &mut SingleAxisModel,
     playback: &Playback<'_>,
     training: Range<usize>,
 ) -> Result<Trace, ModelError> {
     // longer than any coast of the test, so that nothing fades
-    model.axes[0].parameters.coast_limit_s = f64::from(u16::MAX);
+    model.axis_mut().parameters.coast_limit_s = f64::from(u16::MAX);
     let trace = evaluate::trace_of(model, playback, training, Coasted::Horizons)?;
     let innovations = trace.stretches_of(&trace.axes[0].one_step);
-    let parameters = &mut model.axes[0].parameters;
+    let parameters = &mut model.axis_mut().parameters;
     let scale = parameters.scale;
     let variance = signal::variance(&innovations) / (scale * scale);
     parameters.innovation = InnovationStatistics {
@@ -394,7 +394,7 @@ fn set_statistics(
 }
 
 /// Sets the fitted ranges of the inputs, of the physical part and of the remainder.
-fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
+fn set_ranges(model: &mut SingleAxisModel, regressors: &Regressors) {
     let range = |column: &[f64]| {
         let extremes = regressors
             .known(column)
@@ -402,8 +402,8 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
         Fitted::new(extremes.0, extremes.1)
     };
     let remainder = range(&regressors.remainder);
-    model.axes[0].parameters.range = remainder;
-    for (named, column) in model.inputs.iter_mut().zip(&regressors.inputs) {
+    model.axis_mut().parameters.range = remainder;
+    for (named, column) in model.inputs_mut().1.iter_mut().zip(&regressors.inputs) {
         let input = &mut named.input;
         input.range = match input.transform {
             // these have fixed limits, whatever part of the range the training data cover
@@ -418,10 +418,11 @@ fn set_ranges(model: &mut UnitModel, regressors: &Regressors) {
             Source::Quantity(_) => Fitted::new(-SOURCE_LIMIT, SOURCE_LIMIT),
         };
     }
-    let terms = model.axes[0].physical.chunks(1);
+    let terms = model.axis().physical.chunks(1);
     let parts: Vec<Part<'_>> = terms.map(|terms| Part { terms, within: Fitted::unlimited() }).collect();
     let rows = regressors.stretches.iter().cloned().flatten();
-    model.axes[0].parameters.physical_range = physical_range(&model.inputs, &regressors.inputs, rows, &parts);
+    let limits = physical_range(&model.inputs, &regressors.inputs, rows, &parts);
+    model.axis_mut().parameters.physical_range = limits;
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::refit;
 use super::regressors::Regressors;
 use super::stop::Stop;
 use crate::candidates::{MAX_INPUT, Monomial};
-use crate::model::{FittedTerm, UnitModel};
+use crate::model::{FittedTerm, SingleAxisModel};
 use crate::moments::Rows;
 
 /// Order of the autoregression that whitens the physical part's errors, and number of iterations.
@@ -27,7 +27,7 @@ pub(super) fn most_levels(regressors: &Regressors) -> usize {
 /// again: in the model it would follow its input and only do harm. Returns the terms, one input each, and those that
 /// were excluded.
 pub(super) fn fit(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     regressors: &Regressors,
     mut inputs: Vec<u8>,
     levels: &[Vec<f64>],

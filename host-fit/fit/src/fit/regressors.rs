@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use fos_core::{ModelError, Predictor};
 
-use crate::model::{AXES, INPUTS, SmallPredictor, UnitModel};
+use crate::model::{AXES, INPUTS, SingleAxisModel, SmallPredictor};
 use crate::playback::Playback;
 use fos_data::recording::runs;
 
@@ -21,8 +21,8 @@ pub struct Regressors {
 }
 
 impl Regressors {
-    /// Runs `model`, of one axis and without a stochastic part, over the first `n_rows` rows.
-    pub fn of(model: &UnitModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
+    /// Runs `model`, which is without a stochastic part, over the first `n_rows` rows.
+    pub fn of(model: &SingleAxisModel, playback: &Playback<'_>, n_rows: usize) -> Result<Self, ModelError> {
         match model.with(SmallPredictor::<f64>::new) {
             Ok(small) => Ok(Self::by(small, model, playback, n_rows)),
             Err(_) => Ok(Self::by(model.predictor()?, model, playback, n_rows)),
@@ -31,11 +31,11 @@ impl Regressors {
 
     fn by<const TERMS: usize, const HISTORY: usize>(
         mut predictor: Predictor<f64, AXES, INPUTS, TERMS, HISTORY>,
-        model: &UnitModel,
+        model: &SingleAxisModel,
         playback: &Playback<'_>,
         n_rows: usize,
     ) -> Self {
-        let scale = model.axes[0].parameters.scale;
+        let scale = model.axis().parameters.scale;
         let mut remainder = Vec::with_capacity(n_rows);
         let mut inputs = vec![Vec::with_capacity(n_rows); model.inputs.len()];
         let mut feed = playback.feed();

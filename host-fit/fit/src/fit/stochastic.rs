@@ -13,7 +13,7 @@ use super::refit::{self, Refit};
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
 use crate::candidates::{Candidates, Monomial, monomial_text_named};
-use crate::model::{FittedTerm, UnitModel};
+use crate::model::{FittedTerm, SingleAxisModel};
 use crate::moments::Rows;
 use crate::signal::{self, autocorrelation::autocorrelation};
 
@@ -24,13 +24,13 @@ pub(super) struct StochasticPart {
     pub(super) report: AxisReport,
 }
 
-/// Fits the stochastic part of the only axis of `model`; the inputs after those of the physical part are candidates.
+/// Fits the stochastic part of the axis of `model`; the inputs after those of the physical part are candidates.
 pub(super) fn fit(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     regressors: &Regressors,
     options: &FitOptions,
 ) -> Result<StochasticPart, AxisError> {
-    let column = &model.axes[0].column;
+    let column = &model.axis().column;
     let rows: usize = regressors.stretches.iter().map(Range::len).sum();
     // before the pool is made: it may be larger than any memory
     pool::check(column, rows, model.inputs.len(), options)?;
@@ -45,14 +45,14 @@ pub(super) fn fit(
 }
 
 fn search(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     regressors: &Regressors,
     options: &FitOptions,
     pool: &Candidates,
 ) -> Result<StochasticPart, AxisError> {
     let rule = StopRule { max_terms: options.max_terms, stop: options.stop };
     let fit = super::fit(&regressors.columns(), &regressors.stretches, pool, &rule, options.search)
-        .map_err(|source| AxisError::Search { column: model.axes[0].column.clone(), source })?;
+        .map_err(|source| AxisError::Search { column: model.axis().column.clone(), source })?;
     let names: Vec<&str> = model.inputs.iter().map(|named| named.name.as_str()).collect();
     let name = |factors: &Monomial| monomial_text_named(factors, "r", &names);
     let named = |candidates: &[usize]| candidates.iter().map(|i| name(&pool.monomials()[*i])).collect();
@@ -93,12 +93,12 @@ fn search(
 
 /// Fits all lags up to L by a classical method, from the remainder as measured or de-noised.
 fn autoregress(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     regressors: &Regressors,
     options: &FitOptions,
     method: autoregression::Method,
 ) -> Result<StochasticPart, AxisError> {
-    let column = &model.axes[0].column;
+    let column = &model.axis().column;
     let failed = |source| AxisError::Autoregression { column: column.clone(), source };
     let order = usize::from(options.max_lag);
     let known = regressors.known_remainder();
@@ -144,13 +144,13 @@ fn autoregress(
 
 /// Common part of the report of every method; `refit` is the least-squares solution for the same terms.
 fn about(
-    model: &UnitModel,
+    model: &SingleAxisModel,
     regressors: &Regressors,
     options: &FitOptions,
     candidates: usize,
     refit: &Refit,
 ) -> AxisReport {
-    let axis = &model.axes[0];
+    let axis = model.axis();
     let known = regressors.known_remainder();
     let power: f64 = known.iter().copied().flatten().map(|r| r * r).sum();
     AxisReport {
