@@ -25,7 +25,7 @@ def crc_64(data: bytes) -> int:
 
 
 def test_a_log_runs_to_the_bits_of_the_device(short, unit, tmp_path, program):
-    """The digests of `replay` are those that the firmware of the tests sends from the emulated device."""
+    """The digests of `replay` are over the bits of fos-core, which are the same on a device."""
     short.write(tmp_path / "log.parquet")
     (tmp_path / "unit.fosm").write_bytes(unit)
     told = program("replay", "unit.fosm", "log.parquet", "-o", "corrected.parquet", "--json", folder=tmp_path)

@@ -10,7 +10,7 @@ use fos_embedded::test_log::{HubDigest, HubLogHeader, HubLogRecord};
 use super::replay::ReplayError;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::Stillness;
-use fos_fit::model::UnitModel;
+use fos_fit::export::model_of;
 use fos_fit::playback::Playback;
 use fos_fit::signal::quantisation::quantisation;
 
@@ -27,24 +27,28 @@ const TEMPERATURE_ZERO_C: f64 = 25.0;
 /// Samples per read of the application's clock: 50 ms at 200 Hz.
 const SAMPLES_A_BATCH: usize = 10;
 
-/// A log of raw codes, and what a hub computes from it.
+/// A log of raw codes, and the digest of a hub over it.
 #[derive(Debug, Clone)]
 pub struct HubLog {
-    /// The log: `fos_embedded::test_log`.
+    /// Content of the file: `fos_embedded::test_log`.
     pub bytes: Vec<u8>,
     /// Digest of the outputs of a hub in f32, the same on every machine.
     pub outputs: u64,
 }
 
-/// Converts the recording into the samples of a hub, with the scale of their codes. Codes are the steps of the sensor's converter if the
-/// log shows them; missing columns are 0, but those of the model are required. A row with an empty cell on an axis is a tick without a
-/// sample. If the image has limits of stillness, the hub's own detector decides, otherwise `rest`.
+/// Converts the recording into the samples of a hub, with the scale of their codes, and runs the stored image `image` over them. Codes are
+/// the steps of the sensor's converter if the log shows them; missing columns are 0, but those of the model are required: `axes` as in
+/// [`replay`](crate::replay::replay). A row with an empty cell on an axis is a tick without a sample. If the image has limits of stillness,
+/// the hub's own detector decides, otherwise `stillness`.
 pub fn hub_log(
-    image: &Image<'_>,
-    model: &UnitModel,
+    image: &[u8],
+    axes: &[String],
     recording: &Recording,
     stillness: &Stillness,
 ) -> Result<HubLog, ReplayError> {
+    let stored = image;
+    let image = Image::parse(stored)?;
+    let model = &model_of(&image, axes)?;
     let playback = Playback::new(recording, model, &stillness.still)?;
     let column = |name: &str| recording.channel(name).map(|channel| channel.values.as_slice()).unwrap_or(&[]);
     let (accel, gyro) = (ACCELEROMETERS.map(column), GYROS.map(column));
@@ -65,7 +69,7 @@ pub fn hub_log(
     let mut bytes = Vec::with_capacity(recording.n_rows() * header.record_length());
     bytes.extend(header.encode());
     let (mut hub, mut digest) = (HostHub::new(scales), HubDigest::default());
-    model.with::<f32, _>(|model| hub.load_model(model))?;
+    hub.load(stored)?;
     let codes = |columns: [&[f64]; 3], row: usize, scale: f32| {
         columns.map(|column| column.get(row).map_or(0, |value| (value / f64::from(scale)).round() as i16))
     };

@@ -28,7 +28,9 @@ pub enum ReplayError {
     Period { path: String, model_s: f64, log_s: f64 },
     #[error(transparent)]
     NoColumn(#[from] NoColumn),
-    #[error("a hub refuses the model: {0}")]
+    #[error(
+        "a hub refuses the image: {0}\nhelp: export a model of the axes and quantities of one six-axis sensor"
+    )]
     Hub(#[from] HubError),
 }
 

@@ -123,21 +123,21 @@ fn evaluate(
     // not on all cores: the memory would depend on their number
     let at_once = if 2 * Trace::bytes(rows.len(), n_axes) <= TWO_TRACES { 2 } else { 1 };
     let mut errors: Vec<Vec<ModelErrors>> = vec![Vec::new(); n_axes];
-    let (mut strapdown, mut own_trace) = (Vec::new(), None);
+    let (mut ends_of_mean, mut own) = (Vec::new(), None);
     for models in models.chunks(at_once) {
         models.iter().for_each(|(name, _)| progress(name));
-        for evaluated in in_parallel(models, traced) {
+        for ((name, _), evaluated) in models.iter().zip(in_parallel(models, traced)) {
             let (of_axes, ends, trace) = evaluated?;
             errors.iter_mut().zip(of_axes).for_each(|(errors, of_axis)| errors.push(of_axis));
-            strapdown.extend((!ends.is_empty()).then_some(ends));
-            own_trace = trace;
+            match trace {
+                Some(trace) => own = Some((trace, ends)),
+                None if *name == Rival::Mean.name() => ends_of_mean = ends,
+                None => {}
+            }
         }
     }
-    let trace = own_trace.expect("the model is the last of them");
-    let strapdown = match &strapdown[..] {
-        [before, after] => before.iter().zip(after).map(|(before, after)| [*before, *after]).collect(),
-        _ => Vec::new(),
-    };
+    let (trace, ends) = own.expect("the model is one of them");
+    let strapdown = ends_of_mean.into_iter().zip(ends).map(|(before, after)| [before, after]).collect();
     Ok(Evaluated { floors, errors, strapdown, trace })
 }
 

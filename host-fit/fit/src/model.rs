@@ -62,6 +62,13 @@ pub struct NamedInput {
     pub input: Input<f64>,
 }
 
+/// Inputs of a model, and the quantities that they are computed from, to be changed.
+#[derive(Debug)]
+pub struct InputsMut<'m> {
+    pub quantities: &'m mut Vec<LoggedQuantity>,
+    pub inputs: &'m mut Vec<NamedInput>,
+}
+
 /// One axis of a [`UnitModel`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FittedAxis {
@@ -220,6 +227,10 @@ impl UnitModel {
             all.absorb(other);
             all
         })
+    }
+
+    pub fn inputs_mut(&mut self) -> InputsMut<'_> {
+        InputsMut { quantities: &mut self.quantities, inputs: &mut self.inputs }
     }
 
     /// Removes the inputs and quantities that no term uses.

@@ -15,8 +15,6 @@ pub struct Playback<'a> {
     reference: Vec<Reference<'a>>,
     /// Parameters of each axis whose true value at rest is the model's own reference; a device tracks it conditionally.
     gated: Vec<Option<AxisParameters<f64>>>,
-    /// True if some axis has another reference than the model's own, or is not always tracked.
-    has_reference: bool,
     quantities: Vec<Arc<Vec<f64>>>,
     still: &'a [bool],
     /// Rows that do not follow the row before them, in order.
@@ -97,20 +95,10 @@ impl<'a> Playback<'a> {
             .collect();
         let is_unmeasured = |row: &usize| measured.iter().any(|values| !values[*row].is_finite());
         let unmeasured = (0..recording.n_rows()).filter(is_unmeasured).collect();
-        let mut playback = Self {
-            measured,
-            reference,
-            gated: Vec::new(),
-            has_reference: false,
-            quantities,
-            still,
-            breaks,
-            unmeasured,
-        };
+        let mut playback =
+            Self { measured, reference, gated: Vec::new(), quantities, still, breaks, unmeasured };
         playback.exclude_other_poses(model);
         playback.gated = model.axes.iter().zip(&playback.reference).map(gated).collect();
-        playback.has_reference =
-            playback.reference.iter().any(|reference| !matches!(reference, Reference::Constant(_)));
         Ok(playback)
     }
 
@@ -146,11 +134,6 @@ impl<'a> Playback<'a> {
     pub fn measured_mean(&self, axis: usize, rows: Range<usize>) -> f64 {
         let n = rows.len() as f64;
         self.measured[axis][rows].iter().sum::<f64>() / n
-    }
-
-    /// Returns true if the true value of an axis is not the model's own reference in every row.
-    pub fn has_reference(&self) -> bool {
-        self.has_reference
     }
 
     /// Number of rows of the recording.

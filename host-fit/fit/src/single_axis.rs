@@ -4,10 +4,10 @@ use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{FittedAxis, LoggedQuantity, NamedInput, UnitModel};
+use crate::model::{FittedAxis, InputsMut, UnitModel};
 
-/// A [`UnitModel`] of one axis. It can be read as such, and its inputs and its axis can be changed, but not their number
-/// of axes.
+/// A [`UnitModel`] of exactly one axis, and readable as one. The axis and its inputs can be changed, but not the number of
+/// axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "UnitModel", into = "UnitModel")]
 pub struct SingleAxisModel(UnitModel);
@@ -18,25 +18,22 @@ pub struct SingleAxisModel(UnitModel);
 pub struct NotOneAxis(pub usize);
 
 impl SingleAxisModel {
-    /// The model of an axis that was built or taken out of another just before.
+    /// Wraps a model that has one axis.
     pub(crate) fn of(model: UnitModel) -> Self {
         debug_assert_eq!(model.axes.len(), 1);
         Self(model)
     }
 
-    /// The axis.
     pub fn axis(&self) -> &FittedAxis {
         &self.0.axes[0]
     }
 
-    /// The axis, to be changed.
     pub fn axis_mut(&mut self) -> &mut FittedAxis {
         &mut self.0.axes[0]
     }
 
-    /// The quantities, and the inputs computed from them, to be extended.
-    pub fn inputs_mut(&mut self) -> (&mut Vec<LoggedQuantity>, &mut Vec<NamedInput>) {
-        (&mut self.0.quantities, &mut self.0.inputs)
+    pub fn inputs_mut(&mut self) -> InputsMut<'_> {
+        self.0.inputs_mut()
     }
 
     /// Removes the inputs and quantities that no term uses.

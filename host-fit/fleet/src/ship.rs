@@ -214,8 +214,7 @@ fn model_of(
                         seen.get(&input).copied().or_else(|| spec.column.is_none().then_some([0.0; 2]));
                     seen.ok_or_else(|| ShipError::NotSeen { part: part.part.clone(), input })
                 };
-                let factors =
-                    factors(&mut model.quantities, &mut model.inputs, product, centre, &limits, of_seen)?;
+                let factors = factors(model.inputs_mut(), product, centre, &limits, of_seen)?;
                 let mean = population.mean[place] / scale;
                 let most = (mean.abs() + REACH * deviation / scale)
                     * factors.iter().map(|factor| largest(&model, factor.channel)).product::<f64>();

@@ -16,7 +16,7 @@ use fos_calibrate::export::{ArduPilot, ImuTk, Kalibr, Px4};
 use fos_calibrate::{Calibration, Gravity, Imu, Options, Scale, calibrate, calibrate_on_turntable};
 use fos_core::TriadCalibration;
 use fos_data::column::Triad;
-use fos_data::file::{folder_of, name_of, write_atomically};
+use fos_data::file::{check_output, folder_of, name_of, write_atomically};
 use fos_data::recording::{LogWarning, Recording, SensorProvenance, Source};
 use fos_data::unit::{MG_MPS2, STANDARD_GRAVITY_MPS2};
 use fos_diagnose::study::Study;
@@ -257,6 +257,7 @@ impl CalibrateImu {
                 )
                 .into());
             }
+            check_output(path.as_ref())?;
         }
         let mut written = Vec::new();
         for (path, content, what) in files {

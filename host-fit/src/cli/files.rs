@@ -1,5 +1,5 @@
-//! Checks the paths of a command line before anything is read or computed: no input is overwritten, and no file is written twice. Files
-//! named elsewhere, such as the logs of a study, are checked when they are written (`fos_data::file::inputs`).
+//! Checks the paths of a command line before anything is read or computed: no input is overwritten, and no file is written twice. Inputs
+//! named elsewhere, such as the logs of a study, are protected when an output is written (`file/inputs.rs` in fos-data).
 
 use std::any::TypeId;
 use std::path::PathBuf;
@@ -8,8 +8,7 @@ use clap::{Arg, ArgMatches, Command};
 
 use super::arguments::{OutputFile, OutputFolder};
 use super::output::Failure;
-use fos_data::file::check_output;
-use fos_data::file::inputs::{Place, protect};
+use fos_data::file::{Place, check_output, protect};
 
 /// Role of a path in the arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -5,18 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 use fos_core::Image;
 use fos_data::unit::MG_MPS2;
+use serde::Serialize;
 
 use super::arguments::{OutputFile, Reading};
 use super::inspect::not_an_image;
 use super::output::{Failure, print_json, print_line, spinner, table};
 use super::units::{ErrorUnit, UnitsOption, percent, three};
 use fos_data::file;
-use fos_data::recording::write_columns;
-use fos_data::stillness;
+use fos_data::recording::{Recording, write_columns};
+use fos_data::stillness::{self, Stillness};
 use fos_data::text::counted;
 use fos_device_io::hub_log::hub_log;
-use fos_device_io::replay::{CostOfScalar, Replay as Replayed, replay};
-use fos_fit::export::model_of;
+use fos_device_io::replay::{CostOfScalar, Replay as Replayed, Summary, replay};
 
 /// Run an image over a log as on the device, and write the corrected log
 #[derive(Debug, Args)]
@@ -54,25 +54,39 @@ impl Replay {
         let spinner = spinner("replaying");
         let replayed = replay(&image, &recording, &stillness, &self.axes)?;
         spinner.finish_and_clear();
-        let hub_outputs = match &self.hub_log {
-            None => None,
-            Some(path) => {
-                let log = hub_log(&image, &model_of(&image, &self.axes)?, &recording, &stillness)?;
-                file::write_atomically(path, &log.bytes)?;
-                Some(log.outputs)
-            }
-        };
         if let Some(path) = &self.output {
             write_columns(path, &replayed.columns(&recording))?;
         }
+        let hub_log = self.hub_log.as_ref();
+        let hub_log =
+            hub_log.map(|path| self.write_hub_log(path, &bytes, &recording, &stillness)).transpose()?;
         if self.json {
-            return print_json(&replayed.summary);
+            return print_json(&Printed { summary: &replayed.summary, hub_outputs_digest: hub_log });
         }
-        self.print(&replayed, hub_outputs);
+        self.print(&replayed);
+        if let Some((path, digest)) = self.hub_log.as_ref().zip(hub_log) {
+            print_line!(
+                "raw samples for a hub written to {}; digest of its outputs {digest}",
+                path.display()
+            );
+        }
         Ok(())
     }
 
-    fn print(&self, replayed: &Replayed, hub_outputs: Option<u64>) {
+    /// Returns the digest of the outputs of a hub over the log.
+    fn write_hub_log(
+        &self,
+        path: &OutputFile,
+        image: &[u8],
+        recording: &Recording,
+        stillness: &Stillness,
+    ) -> Result<String, Failure> {
+        let log = hub_log(image, &self.axes, recording, stillness)?;
+        file::write_atomically(path, &log.bytes)?;
+        Ok(format!("{:016x}", log.outputs))
+    }
+
+    fn print(&self, replayed: &Replayed) {
         let summary = &replayed.summary;
         print_line!(
             "{} rows: {} tracked at rest, {} coasted in motion; rest known {}",
@@ -153,18 +167,21 @@ impl Replay {
                 gravity.rows
             );
         }
-        print_line!("digest of the innovations  {:016x}", summary.innovations_digest);
-        print_line!("digest of all corrections  {:016x}", summary.corrections_digest);
+        print_line!("digest of the predictor's innovations  {:016x}", summary.innovations_digest);
+        print_line!("digest of all its corrections          {:016x}", summary.corrections_digest);
         if let Some(path) = &self.output {
             print_line!("corrected log written to {}", path.display());
         }
-        if let Some((path, outputs)) = self.hub_log.as_ref().zip(hub_outputs) {
-            print_line!(
-                "raw samples for a hub written to {}; digest of its outputs {outputs:016x}",
-                path.display()
-            );
-        }
     }
+}
+
+/// JSON of a replay.
+#[derive(Serialize)]
+struct Printed<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hub_outputs_digest: Option<String>,
 }
 
 /// A number that is known.

@@ -19,6 +19,8 @@ fn rejects_an_inconsistent_study_with_the_reason() {
     };
     read(&good).expect("sound");
     let step = "/refinements/0/steps/1";
+    let axis = &good["refinements"][0]["steps"][1]["model"]["axes"][0];
+    let two_axes = json!([axis, axis]);
     for (place, value, says) in [
         ("/model/axes", json!([]), "model: there is no axis"),
         ("/model/period_s", json!(0), "the sample period"),
@@ -30,8 +32,9 @@ fn rejects_an_inconsistent_study_with_the_reason() {
         ("/data/columns", json!(["gx_rads=gyro:furlong"]), "furlong"),
         ("/refinements/0/column", json!("gy_rads"), "no axis of the model"),
         ("/refinements/0/steps", json!([]), "there is no step"),
-        ("/refinements/0/steps/0/model/axes", json!([]), "step 0: there is no axis"),
-        (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "not of this axis alone"),
+        ("/refinements/0/steps/0/model/axes", json!([]), "a model of one axis is needed; this one has 0"),
+        (&format!("{step}/model/axes"), two_axes, "a model of one axis is needed; this one has 2"),
+        (&format!("{step}/model/axes/0/column"), json!("gz_rads"), "the model is of gz_rads"),
         (&format!("{step}/added"), Value::Null, "each step but the first"),
         (&format!("{step}/added/effect/id"), json!("Thermal Lag"), "small letters"),
         (&format!("{step}/added/finding/effect"), json!("bias_ramp"), "the finding is"),

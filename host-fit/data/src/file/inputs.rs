@@ -20,7 +20,7 @@ use super::paths::folder_of;
 
 /// Identity of a file, independent of its path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Identity {
+struct Identity {
     #[cfg(unix)]
     device: u64,
     #[cfg(unix)]
@@ -52,7 +52,10 @@ impl Identity {
 
 /// Present or future location of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Place {
+pub struct Place(Location);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Location {
     Taken(Identity),
     /// A free name in a folder.
     Free(Identity, PathBuf),
@@ -63,17 +66,17 @@ pub enum Place {
 impl Place {
     /// Location of the target of `path`, whether or not it exists.
     pub fn of(path: &Path) -> Self {
-        match (Identity::of(path), Identity::of(folder_of(path))) {
-            (Some(identity), _) => Self::Taken(identity),
-            (None, Some(folder)) => Self::Free(folder, path.file_name().unwrap_or_default().into()),
-            (None, None) => Self::Nowhere(path.to_owned()),
-        }
+        Self(match (Identity::of(path), Identity::of(folder_of(path))) {
+            (Some(identity), _) => Location::Taken(identity),
+            (None, Some(folder)) => Location::Free(folder, path.file_name().unwrap_or_default().into()),
+            (None, None) => Location::Nowhere(path.to_owned()),
+        })
     }
 }
 
 /// Reason why a file is not replaced.
 #[derive(Debug, thiserror::Error)]
-#[error("it is {}, an input, and would be lost", input.display())]
+#[error("it is an input, {}, and would be lost", input.display())]
 pub(super) struct OwnInput {
     input: PathBuf,
 }
@@ -148,10 +151,8 @@ mod tests {
         read(&at("log.csv")).unwrap();
         for name in ["log.csv", "./log.csv", "hard.csv", "link.csv"] {
             let message = write_atomically(&at(name), b"made").unwrap_err().to_string();
-            assert!(
-                message.ends_with("log.csv, an input, and would be lost\nhelp: write to another file"),
-                "{message}"
-            );
+            let wanted = "log.csv, and would be lost\nhelp: write to another file";
+            assert!(message.contains("it is an input, ") && message.ends_with(wanted), "{message}");
         }
         assert_eq!(fs::read(at("log.csv")).unwrap(), b"measured");
         write_atomically(&at("copy.csv"), b"made").unwrap();

@@ -8,9 +8,9 @@ use fos_data::column::Column;
 use fos_data::disturbance::{self, Disturbance};
 use fos_data::recording::{LogWarning, Recording};
 
-/// What was excluded from a log for one of its columns.
+/// Motion and outliers that were excluded from a log for one of its columns.
 #[derive(Debug)]
-pub(super) struct Cleaning<'a> {
+pub(super) struct Excluded<'a> {
     /// The log as read.
     pub(super) whole: &'a Recording,
     still: Vec<bool>,
@@ -20,7 +20,7 @@ pub(super) struct Cleaning<'a> {
     pub(super) zone: Searched,
 }
 
-impl<'a> Cleaning<'a> {
+impl<'a> Excluded<'a> {
     /// Returns the log without motion and without the outliers of `column`. A column that repeats one value all the time
     /// is accepted if `is_coarse`.
     pub(super) fn of(

@@ -1,9 +1,9 @@
-//! A diagnosis in three stages: the logs are prepared, every search runs, and what is found is written down.
+//! A diagnosis in three stages: the logs are prepared, every search runs, and the results become findings.
 
 use std::sync::Arc;
 
 use super::answer::{Diagnosis, Finding};
-use super::findings::Findings;
+use super::findings::Composer;
 use super::prepared::Prepared;
 use super::question::{DiagnoseError, Question};
 use super::search::SearchResults;
@@ -13,8 +13,9 @@ use crate::effects::Detector;
 /// Diagnoses the missing effects of an axis.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let mut prepared = Prepared::new(question)?;
-    let results = SearchResults::of(&mut prepared)?;
-    Findings { prepared: &prepared, results }.diagnosis()
+    let lines = prepared.remove_lines()?;
+    let results = SearchResults::of(&prepared, lines)?;
+    Composer { prepared: &prepared, results }.diagnosis()
 }
 
 /// Estimates effects together, whether or not they are missing, in this order: parameters, sizes, and the reduction by
@@ -41,7 +42,7 @@ pub fn estimate(question: &Question<'_>, effects: &[String]) -> Result<Vec<Findi
         }
     }
     let results = SearchResults::of_effects(&prepared, &wanted)?;
-    let mut findings = Findings { prepared: &prepared, results }.estimates()?;
+    let mut findings = Composer { prepared: &prepared, results }.estimates()?;
     effects
         .iter()
         .map(|id| {

@@ -25,7 +25,7 @@ pub(super) struct LeftOver {
 /// Score by which a lead must exceed what it replaces: odds of 150 to 1.
 pub(super) const INSTEAD: f64 = 10.0;
 
-/// Searches in what the regressors `given` and the slow effects leave.
+/// Searches in the residual after the regressors `given` and the slow effects.
 pub(super) fn left_over(prepared: &Prepared<'_>, given: &[Vec<f64>], slow: &SlowResult) -> LeftOver {
     let (log, column, reduced, shaken) =
         (prepared.log(), &prepared.column, &prepared.reduced, prepared.shaken);

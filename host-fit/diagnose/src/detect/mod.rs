@@ -6,7 +6,7 @@
 //! |---|---|
 //! | the logs are cleaned and reduced to blocks, with the noise to be expected | `prepared` |
 //! | every search runs | `search` |
-//! | what was found becomes findings and a verdict | `findings` |
+//! | the results become findings and a verdict | `findings` |
 //!
 //! The tests are in the order of their evidence (docs/decisions/diagnosis.md): faults of the data, lines in the
 //! spectrum, slow effects in block means, then an open search for effects outside the library.

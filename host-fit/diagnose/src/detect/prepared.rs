@@ -7,15 +7,16 @@ use std::sync::Arc;
 use fos_data::case::DataSheet;
 use fos_data::column::Column;
 use fos_data::disturbance;
-use fos_data::recording::Recording;
+use fos_data::recording::{Recording, RecordingError};
 use fos_data::text::rounded;
 use fos_fit::noise::{LevelPrior, UnknownLevels};
 
-use super::clean_log::Cleaning;
+use super::clean_log::Excluded;
 use super::dead_zone::Searched;
 use super::error_in_blocks::ErrorInBlocks;
 use super::faults::{self, Converter, Fault};
 use super::hypothesis::Hypotheses;
+use super::lines::{self, Line};
 use super::question::{DiagnoseError, Given, MIN_BLOCKS, Question};
 use super::slow::SlowSearch;
 use super::testable::Testable;
@@ -42,10 +43,10 @@ const FREE_WALK: f64 = 3.0;
 
 /// A question that is ready for the searches.
 pub(super) struct Prepared<'a> {
-    /// As asked: its logs are as read, with outliers and motion.
+    /// The question with its logs as read, with outliers and motion.
     question: Question<'a>,
-    cleaning: Cleaning<'a>,
-    cleaning_of_reference: Option<Cleaning<'a>>,
+    excluded: Excluded<'a>,
+    excluded_of_reference: Option<Excluded<'a>>,
     evaluation: Option<Cow<'a, Recording>>,
     /// Column to explain.
     pub(super) column: String,
@@ -74,15 +75,15 @@ impl<'a> Prepared<'a> {
         let column = question.log.axis(question.target)?.name.clone();
         let mut others = question.reference.into_iter().chain(question.evaluation);
         others.try_for_each(|other| question.log.refuse_other_sensor(other))?;
-        let (log, cleaning) = Cleaning::of(question.log, &column, has_coarse_steps(question))?;
+        let (log, excluded) = Excluded::of(question.log, &column, has_coarse_steps(question))?;
         let reference =
-            question.reference.map(|reference| Cleaning::of(reference, &column, false)).transpose()?;
+            question.reference.map(|reference| Excluded::of(reference, &column, false)).transpose()?;
         [Some(question.log), question.reference, question.evaluation]
             .into_iter()
             .flatten()
             .try_for_each(disturbance::check)?;
         let evaluation = question.evaluation.map(|evaluation| disturbance::marked(evaluation).0);
-        let (reference, cleaning_of_reference) = reference.unzip();
+        let (reference, excluded_of_reference) = reference.unzip();
         let reference = reference.as_deref();
 
         let converter = Converter { full_scale: question.full_scale, lsb: question.lsb };
@@ -120,14 +121,14 @@ impl<'a> Prepared<'a> {
             let effect = Arc::new(question.library.get(effect)?.clone());
             given.extend(hypotheses.make(&effect, *value)?.columns.iter().cloned());
         }
-        if let Searched::Found(zone) = cleaning.zone {
+        if let Searched::Found(zone) = excluded.zone {
             faults.push(Fault::DeadZone(zone));
         }
         let free_walk_prior = prior.with_free_walk(FREE_WALK)?;
         Ok(Self {
             question: *question,
-            cleaning,
-            cleaning_of_reference,
+            excluded,
+            excluded_of_reference,
             evaluation,
             column,
             faults,
@@ -146,6 +147,19 @@ impl<'a> Prepared<'a> {
     /// The log to explain, without motion and outliers.
     pub(super) fn log(&self) -> &Recording {
         self.inputs().recording()
+    }
+
+    /// Returns the spectral lines that are errors of the sensor.
+    pub(super) fn lines(&self) -> Result<Vec<Line>, RecordingError> {
+        lines::of(self.log(), &self.column, &self.reduced, self.shaken)
+    }
+
+    /// Removes the spectral lines from the block means, where a line of a few hertz is an oscillation of minutes, and
+    /// returns them; none if clipping, coarse steps or a dead zone hide them.
+    pub(super) fn remove_lines(&mut self) -> Result<Vec<Line>, RecordingError> {
+        let lines = if self.hides_slow_effects() { Vec::new() } else { self.lines()? };
+        self.reduced.means = lines::means_without(&lines, &self.reduced, self.log());
+        Ok(lines)
     }
 
     /// Inputs of the clean log.
@@ -173,7 +187,7 @@ impl<'a> Prepared<'a> {
 
     /// True if the log would not show a dead zone.
     pub(super) fn hides_dead_zone(&self) -> bool {
-        self.cleaning.zone == Searched::NotShown
+        self.excluded.zone == Searched::NotShown
     }
 
     /// Search for these effects beside the regressors `given`.
@@ -246,12 +260,12 @@ impl<'a> Prepared<'a> {
 
     /// Describes the motion that was excluded.
     pub(super) fn motion(&self) -> Vec<String> {
-        disturbance::describe_disturbances(self.cleaning.whole, &self.cleaning.disturbances)
+        disturbance::describe_disturbances(self.excluded.whole, &self.excluded.disturbances)
     }
 
     /// Describes how the device was switched on and off, if it was.
     pub(super) fn duty_cycle(&self) -> Option<String> {
-        self.cleaning.whole.duty_cycle().map(|cycle| cycle.to_string())
+        self.excluded.whole.duty_cycle().map(|cycle| cycle.to_string())
     }
 
     /// Describes where the noise levels are from.
@@ -266,8 +280,8 @@ impl<'a> Prepared<'a> {
 
     /// Returns the warnings about the logs that concern the column to explain.
     pub(super) fn cautions(&self) -> Vec<String> {
-        let mut cautions = self.cleaning.cautions(&self.column);
-        let of_reference = self.cleaning_of_reference.iter().flat_map(|log| log.cautions(&self.column));
+        let mut cautions = self.excluded.cautions(&self.column);
+        let of_reference = self.excluded_of_reference.iter().flat_map(|log| log.cautions(&self.column));
         cautions.extend(of_reference.map(|caution| format!("reference log: {caution}")));
         let others =
             [("reference log", self.question.reference), ("evaluation log", self.question.evaluation)];

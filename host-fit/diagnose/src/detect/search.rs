@@ -4,12 +4,9 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use fos_data::column::{AXES, Column};
-
 use super::answer::Untested;
-use super::error_in_blocks::ErrorInBlocks;
 use super::left_over::{LeftOver, left_over};
-use super::lines::{self, Line};
+use super::lines::Line;
 use super::power::Power;
 use super::prepared::Prepared;
 use super::question::DiagnoseError;
@@ -18,7 +15,7 @@ use super::telegraph::{self, Telegraph};
 use super::testable::Testable;
 use crate::effects::{Detector, Effect};
 
-/// What the searches found in a log.
+/// Results of all searches in a prepared log.
 pub(super) struct SearchResults {
     pub(super) lines: Vec<Line>,
     pub(super) slow: SlowResult,
@@ -34,14 +31,11 @@ pub(super) struct SearchResults {
 }
 
 impl SearchResults {
-    /// Runs every search. Slow effects are searched for in block means without the lines.
-    pub(super) fn of(prepared: &mut Prepared<'_>) -> Result<Self, DiagnoseError> {
-        let lines = if prepared.hides_slow_effects() { Vec::new() } else { lines(prepared)? };
-        // in block means a line of a few hertz is an oscillation of minutes
-        prepared.reduced.means = lines::means_without(&lines, &prepared.reduced, prepared.log());
+    /// Runs every search but that for `lines`, which the block means are free of.
+    pub(super) fn of(prepared: &Prepared<'_>, lines: Vec<Line>) -> Result<Self, DiagnoseError> {
         let mut found = match prepared.lacks()? {
-            None => Self { lines, ..Self::among_slow_effects(prepared)? },
-            Some(lacks) => Self { lines, ..Self::without_test(prepared, lacks)? },
+            None => Self::of_slow_effects(prepared, lines)?,
+            Some(lacks) => Self::without_test(prepared, lines, lacks)?,
         };
         if prepared.hides_dead_zone() {
             let effects = prepared.library().effects().iter();
@@ -56,13 +50,12 @@ impl SearchResults {
     /// Estimates these effects together, whether or not they are missing, and the lines.
     pub(super) fn of_effects(prepared: &Prepared<'_>, wanted: &[Arc<Effect>]) -> Result<Self, DiagnoseError> {
         let slow = prepared.slow_search(&prepared.given, &prepared.testable.effects).estimate(wanted)?;
-        Ok(Self { lines: lines(prepared)?, ..Self::only(prepared, slow) })
+        Ok(Self::without_open_search(prepared, prepared.lines()?, slow))
     }
 
-    /// Slow effects alone, with the regressors of the model.
-    fn only(prepared: &Prepared<'_>, slow: SlowResult) -> Self {
+    fn without_open_search(prepared: &Prepared<'_>, lines: Vec<Line>, slow: SlowResult) -> Self {
         Self {
-            lines: Vec::new(),
+            lines,
             slow,
             given: prepared.given.clone(),
             left: LeftOver::default(),
@@ -74,31 +67,32 @@ impl SearchResults {
     }
 
     /// The noise of a log that cannot show a slow effect.
-    fn without_test(prepared: &Prepared<'_>, lacks: String) -> Result<Self, DiagnoseError> {
+    fn without_test(prepared: &Prepared<'_>, lines: Vec<Line>, lacks: String) -> Result<Self, DiagnoseError> {
         let slow = prepared.slow_search(&prepared.given, &[]).run()?;
-        let mut found = Self::only(prepared, slow);
+        let mut found = Self::without_open_search(prepared, lines, slow);
         let effects = prepared.testable.effects.iter();
         found.untested.extend(effects.map(|effect| Untested::of(effect, vec![lacks.clone()])));
         Ok(Self { lacks: Some(lacks), ..found })
     }
 
-    fn among_slow_effects(prepared: &Prepared<'_>) -> Result<Self, DiagnoseError> {
+    /// Searches for slow effects until every finding is plausible, and in the residual.
+    fn of_slow_effects(prepared: &Prepared<'_>, lines: Vec<Line>) -> Result<Self, DiagnoseError> {
         let mut effects = prepared.testable.effects.clone();
         let mut untested = prepared.testable.untested.clone();
-        // leaves out effects that the log cannot show
-        let mut leave_out = |effects: &mut Vec<Arc<Effect>>, others: Vec<Untested>| {
+        // effects that the log cannot show
+        let mut exclude = |effects: &mut Vec<Arc<Effect>>, others: Vec<Untested>| {
             effects.retain(|effect| !is_among(&others, effect));
             untested.extend(others);
         };
-        leave_out(&mut effects, prepared.testable.attitude_effects(&prepared.hypotheses, &prepared.column)?);
-        // terminates: each iteration leaves out an effect, or is the last
+        exclude(&mut effects, prepared.testable.attitude_effects(&prepared.hypotheses, &prepared.column)?);
+        // terminates: each iteration excludes an effect, or is the last
         let (mut slow, mut left) = loop {
             let (slow, left) = search_beside(prepared, &prepared.given, &effects)?;
             let implausible = Power { prepared, slow: &slow }.implausible()?;
             if implausible.is_empty() {
                 break (slow, left);
             }
-            leave_out(&mut effects, implausible);
+            exclude(&mut effects, implausible);
         };
 
         let mut given = prepared.given.clone();
@@ -132,11 +126,11 @@ impl SearchResults {
             format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", "))
         });
         let tested = effects.iter().map(|effect| effect.id.clone()).collect();
-        Ok(Self { lines: Vec::new(), slow, given, left, telegraph, tested, untested, lacks })
+        Ok(Self { lines, slow, given, left, telegraph, tested, untested, lacks })
     }
 }
 
-/// Searches for slow effects beside the regressors `given`, then in what they leave.
+/// Searches for slow effects beside the regressors `given`, then in the residual.
 fn search_beside(
     prepared: &Prepared<'_>,
     given: &[Vec<f64>],
@@ -149,27 +143,4 @@ fn search_beside(
 
 fn is_among(untested: &[Untested], effect: &Effect) -> bool {
     untested.iter().any(|other| other.effect == effect.id)
-}
-
-/// Finds spectral lines that are errors of the sensor. Motion is excluded: on a shaker or near a machine, lines that
-/// another axis shows too; anywhere, intermittent or wandering lines that several axes show.
-fn lines(prepared: &Prepared<'_>) -> Result<Vec<Line>, DiagnoseError> {
-    let (log, column, shaken) = (prepared.log(), prepared.column.as_str(), prepared.shaken);
-    let mut lines = lines::of(&prepared.reduced, log);
-    if shaken {
-        lines.retain(|line| line.duty >= lines::STEADY);
-    }
-    let may_be_motion = |line: &Line| shaken || !line.coherent || line.duty < lines::STEADY;
-    for other in AXES.into_iter().filter(|other| *other != column) {
-        if !lines.iter().any(may_be_motion) {
-            break;
-        }
-        if log.channel(other).is_ok() {
-            let same_unit = Column::named(other).unit() == Column::named(column).unit();
-            let other = ErrorInBlocks::of(log, other)?;
-            let mut shared = lines::shared(log, &other, &lines, same_unit).into_iter();
-            lines.retain(|line| !(shared.next().unwrap_or(false) && may_be_motion(line)));
-        }
-    }
-    Ok(lines)
 }

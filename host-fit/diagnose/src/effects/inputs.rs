@@ -32,7 +32,7 @@ impl<'a> Inputs<'a> {
         Self::of(Cow::Borrowed(recording))
     }
 
-    /// Inputs of a log that is only needed for them, or is shared.
+    /// Creates the inputs of a log that is borrowed or owned.
     pub fn of(recording: Cow<'a, Recording>) -> Self {
         Self { recording, cached: Memo::default(), held: Memo::default() }
     }

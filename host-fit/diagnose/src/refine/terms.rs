@@ -10,7 +10,7 @@ use crate::detect::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
 use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
-use fos_fit::model::{FittedTerm, LoggedQuantity, NamedInput, SingleAxisModel, position};
+use fos_fit::model::{FittedTerm, InputsMut, LoggedQuantity, NamedInput, SingleAxisModel, position};
 
 /// Widths of the fitted range by which an input may exceed it before it is limited: a linear term extrapolates well, and
 /// a ramp goes on for as long again as the log. Inputs that occur as powers keep the limits of the finding.
@@ -36,10 +36,8 @@ pub(super) fn add(
             // every regressor of a diagnosis can be parsed
             let Ok(Regressor { products }) = Regressor::parse(regressor) else { continue };
             for product in &products {
-                let (quantities, inputs) = model.inputs_mut();
                 let factors = factors(
-                    quantities,
-                    inputs,
+                    model.inputs_mut(),
                     product,
                     |_| 0.0,
                     &finding.limits,
@@ -57,31 +55,25 @@ pub(super) fn add(
     Ok(places)
 }
 
-/// Returns the factors of a product of inputs in a physical part. Those that are not among the `inputs` of the model are
-/// appended, and what they need to its `quantities`. They are in the unit of the quantity, so that a coefficient is per kelvin, and count from
+/// Returns the factors of a product of inputs in a physical part. Inputs that the model lacks are appended, with the
+/// quantities that they need. They are in the unit of the quantity, so that a coefficient is per kelvin, and count from
 /// the `centre` of its column.
 ///
 /// An input is limited to its `limits`, by its text; without limits, to one width beyond the range that was `seen` of
 /// it. Both count from the centre.
 pub fn factors<E>(
-    quantities: &mut Vec<LoggedQuantity>,
-    inputs: &mut Vec<NamedInput>,
+    mut model: InputsMut<'_>,
     product: &Product,
     centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
     seen: impl Fn(&InputSpec) -> Result<[f64; 2], E>,
 ) -> Result<Vec<Factor>, E> {
-    product
-        .inputs
-        .iter()
-        .map(|spec| Ok(u(place(quantities, inputs, spec, &centre, limits, &seen)?, 0)))
-        .collect()
+    product.inputs.iter().map(|spec| Ok(u(place(&mut model, spec, &centre, limits, &seen)?, 0))).collect()
 }
 
 /// Returns the index of an input in the model; appends it if absent.
 fn place<E>(
-    quantities: &mut Vec<LoggedQuantity>,
-    inputs: &mut Vec<NamedInput>,
+    model: &mut InputsMut<'_>,
     spec: &InputSpec,
     centre: impl Fn(&str) -> f64,
     limits: &BTreeMap<String, [f64; 2]>,
@@ -92,7 +84,7 @@ fn place<E>(
         Some(column) => {
             let quantity =
                 LoggedQuantity { column: column.clone(), quantity: Column::named(column).quantity() };
-            let index = position(quantities, quantity);
+            let index = position(model.quantities, quantity);
             let identity = InputSpec { column: Some(column.clone()), transform: Transform::Identity };
             (Source::Quantity(index), widened(seen(&identity)?))
         }
@@ -108,7 +100,7 @@ fn place<E>(
     let centre = spec.column.as_deref().map_or(0.0, centre);
     let input = Input { source, transform: spec.transform, centre, scale: 1.0, source_range, range };
     let named = NamedInput { name, input };
-    Ok(position(inputs, named))
+    Ok(position(model.inputs, named))
 }
 
 fn range(values: &[f64]) -> [f64; 2] {

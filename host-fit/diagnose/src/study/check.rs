@@ -109,7 +109,7 @@ fn check_refinement(refinement: &Refinement) -> Result<(), String> {
         let at = |wrong: String| format!("step {number}: {wrong}");
         check_model(&step.model).map_err(at)?;
         if step.model.axis().column != refinement.column {
-            return Err(at("the model is not of this axis alone".to_owned()));
+            return Err(at(format!("the model is of {}, not of this axis", step.model.axis().column)));
         }
         match &step.added {
             Some(added) if number > 0 => check_added(added).map_err(at)?,

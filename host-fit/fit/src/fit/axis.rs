@@ -22,7 +22,7 @@ use crate::model::{FittedAxis, LoggedQuantity, NamedInput, Plain, SingleAxisMode
 use crate::playback::Playback;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use fos_data::interrupt::in_parallel;
-use fos_data::recording::{Recording, RecordingError, Reference};
+use fos_data::recording::{ErrorSeries, Recording, RecordingError, Reference};
 use fos_data::stillness::{self, Stillness};
 
 /// Wide enough for any scaled value until the ranges are known.
@@ -94,13 +94,14 @@ pub fn fit_axis(
     // until the physical part is known, an orientation counts as one level
     let levelled = poses.in_first(&cleaned, &vec![0.0; cleaned.n_rows()]);
     let mut recording = levelled.map_or(cleaned, Cow::Owned);
-    let series = recording.error_series(&column)?;
+    let ErrorSeries { values, reference, .. } = recording.error_series(&column)?;
     let known: Vec<f64> = training
         .clone()
         .filter(|row| stillness.still[*row])
-        .map(|row| series.values[row])
+        .map(|row| values[row])
         .filter(|value| value.is_finite())
         .collect();
+    drop(values);
     if known.len() < 2 {
         return Err(AxisError::TooShort {
             column,
@@ -110,7 +111,6 @@ pub fn fit_axis(
             fits: String::new(),
         });
     }
-    let reference = series.reference;
     let mut model = start(&recording, stillness, (&column, &reference), &training, &known, options)?;
     let regressors_of = |model: &SingleAxisModel, recording: &Recording| -> Result<Regressors, AxisError> {
         let playback = Playback::new(recording, model, &stillness.still)?;
@@ -286,7 +286,7 @@ fn logged_input(
 }
 
 /// Fits the physical part, the first `n_inputs` inputs beside a constant for each orientation but the first; returns those
-/// that were left out.
+/// that were excluded.
 fn fit_physical(
     model: &mut SingleAxisModel,
     n_inputs: usize,
@@ -403,7 +403,7 @@ fn set_ranges(model: &mut SingleAxisModel, regressors: &Regressors) {
     };
     let remainder = range(&regressors.remainder);
     model.axis_mut().parameters.range = remainder;
-    for (named, column) in model.inputs_mut().1.iter_mut().zip(&regressors.inputs) {
+    for (named, column) in model.inputs_mut().inputs.iter_mut().zip(&regressors.inputs) {
         let input = &mut named.input;
         input.range = match input.transform {
             // these have fixed limits, whatever part of the range the training data cover

@@ -1,6 +1,6 @@
 //! Composition of a diagnosis from findings and leads.
 
-use super::Findings;
+use super::Composer;
 use super::doubt::{beyond_typical, doubt};
 use super::verdict::{faults, sentence, verdict};
 use crate::detect::answer::{Diagnosis, Finding, NoiseReport, Verdict};
@@ -17,7 +17,7 @@ const MAX_STEPS: usize = 2;
 /// Least duty cycle of interference that affects the verdict.
 const LEAST_DUTY: f64 = 0.01;
 
-impl Findings<'_> {
+impl Composer<'_> {
     pub(in crate::detect) fn diagnosis(self) -> Result<Diagnosis, DiagnoseError> {
         let mut findings = self.line_findings()?;
         // what hides slow effects also raises the noise

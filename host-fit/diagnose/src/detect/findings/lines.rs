@@ -1,7 +1,7 @@
 //! Spectral lines as findings: amplitude, frequency, the two terms of the correction, and the predicted reduction.
 
-use super::Findings;
-use super::plain::{TWO_SIDED_95, bare, param};
+use super::Composer;
+use super::faults_and_noise::{TWO_SIDED_95, bare, param};
 use crate::detect::answer::{CorrectionTerm, Finding, Size};
 use crate::detect::lines;
 use crate::detect::question::DiagnoseError;
@@ -14,7 +14,7 @@ const TWO_SIDED_90: f64 = 1.645;
 /// Relative uncertainty of the variance of the samples of another log, due to its drift.
 const SPREAD_OF_VARIANCE: f64 = 0.01;
 
-impl Findings<'_> {
+impl Composer<'_> {
     pub(super) fn line_findings(&self) -> Result<Vec<Finding>, DiagnoseError> {
         let known = self.prepared.reduced.blocks.known();
         let samples: Vec<f64> = self

@@ -1,6 +1,6 @@
 //! Effects that were tried and rejected, with reasons.
 
-use super::Findings;
+use super::Composer;
 use crate::detect::answer::{Finding, Rejected};
 use crate::detect::open::Lead;
 use crate::detect::slow::MAX_FOUND;
@@ -9,7 +9,7 @@ use crate::effects::Band;
 /// Least score of an effect alone for which a reason is given.
 const LEAST_SCORE: f64 = 9.0;
 
-impl Findings<'_> {
+impl Composer<'_> {
     /// Returns the effects that were tried and rejected, with reasons. `all_findings` holds all findings before they were
     /// compared with the leads.
     pub(super) fn rejected(

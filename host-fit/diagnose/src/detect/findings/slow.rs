@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::Findings;
+use super::Composer;
 use super::doubt::{beyond_fitted_range, shows_at_motion};
-use super::plain::{TWO_SIDED_95, bare, param};
+use super::faults_and_noise::{TWO_SIDED_95, bare, param};
 use super::powers;
 use crate::detect::answer::{CorrectionTerm, Finding, Separation, Size};
 use crate::detect::correction::{mean_at_fit, step_share};
@@ -23,7 +23,7 @@ use fos_data::text::rounded;
 use fos_fit::noise::{Regression, combination};
 use nalgebra::DMatrix;
 
-impl Findings<'_> {
+impl Composer<'_> {
     /// Returns the slow effects ordered by what they reduce: each next one reduces the variance of the block means most
     /// while those after it are still in the error. The score of an effect does not give this order: with a lag in the
     /// error, the subtraction of a smaller effect may raise it.

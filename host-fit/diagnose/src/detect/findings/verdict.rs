@@ -172,7 +172,7 @@ fn with_params(finding: &Finding) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::plain::bare;
+    use super::super::faults_and_noise::bare;
     use super::*;
     use crate::effects::Library;
 

@@ -3,12 +3,13 @@
 
 use realfft::num_complex::Complex;
 
-use super::line::{Line, duty};
+use super::line::{Line, STEADY, duty};
 use super::periodogram::{Periodogram, WIDEST_HZ};
 use super::series::{Series, slow_blocks};
 use super::sine::subtracted;
 use crate::detect::error_in_blocks::ErrorInBlocks;
-use fos_data::recording::Recording;
+use fos_data::column::{AXES, Column};
+use fos_data::recording::{Recording, RecordingError};
 
 const MAX_LINES: usize = 6;
 
@@ -18,9 +19,31 @@ const COHERENT: f64 = 0.35;
 /// Share of a line's power from which on another axis shares it.
 const SHARED: f64 = 0.01;
 
-/// Finds lines in the spectrum of a reduced log.
-pub(crate) fn of(reduced: &ErrorInBlocks, recording: &Recording) -> Vec<Line> {
-    find(recording, reduced.blocks.known(), &reduced.error)
+/// Finds lines in the spectrum of a reduced log that are errors of the sensor. Motion is excluded: on a shaker or near a
+/// machine, lines that another axis shows too; anywhere, intermittent or wandering lines that several axes show.
+pub(crate) fn of(
+    recording: &Recording,
+    column: &str,
+    reduced: &ErrorInBlocks,
+    shaken: bool,
+) -> Result<Vec<Line>, RecordingError> {
+    let mut lines = find(recording, reduced.blocks.known(), &reduced.error);
+    if shaken {
+        lines.retain(|line| line.duty >= STEADY);
+    }
+    let may_be_motion = |line: &Line| shaken || !line.coherent || line.duty < STEADY;
+    for other in AXES.into_iter().filter(|other| *other != column) {
+        if !lines.iter().any(may_be_motion) {
+            break;
+        }
+        if recording.channel(other).is_ok() {
+            let same_unit = Column::named(other).unit() == Column::named(column).unit();
+            let other = ErrorInBlocks::of(recording, other)?;
+            let mut shared = shared(recording, &other, &lines, same_unit).into_iter();
+            lines.retain(|line| !(shared.next().unwrap_or(false) && may_be_motion(line)));
+        }
+    }
+    Ok(lines)
 }
 
 /// Returns the block means of a reduced log without the sines of its coherent lines.

@@ -21,5 +21,5 @@ mod sine;
 #[cfg(test)]
 mod tests;
 
-pub(super) use find::{means_without, of, shared};
+pub(super) use find::{means_without, of};
 pub(super) use line::{Line, STEADY};

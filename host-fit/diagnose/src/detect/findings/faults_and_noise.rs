@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Findings;
+use super::Composer;
 use crate::detect::answer::{Finding, Size};
 use crate::detect::faults::Fault;
 use crate::detect::question::DiagnoseError;
@@ -14,7 +14,7 @@ use fos_data::column::Column;
 /// Quantile of 95 % intervals.
 pub(super) const TWO_SIDED_95: f64 = 1.96;
 
-impl Findings<'_> {
+impl Composer<'_> {
     /// Returns the effect with this search method at this value of its parameter.
     pub(super) fn found_as(&self, search: Detector, value: f64) -> Result<&Effect, DiagnoseError> {
         Ok(self.prepared.library().found_as(search, &self.prepared.column, value)?)
@@ -68,9 +68,7 @@ impl Findings<'_> {
             }
         })
     }
-}
 
-impl Findings<'_> {
     /// Returns the finding of a bias that jumps between two levels.
     pub(super) fn telegraph_finding(&self) -> Result<Option<Finding>, DiagnoseError> {
         let Some(telegraph) = &self.results.telegraph else { return Ok(None) };
