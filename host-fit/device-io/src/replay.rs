@@ -12,8 +12,9 @@ use fos_data::stillness::{KnownBy, Stillness};
 use fos_fit::calibration::{Calibrated, hub_columns};
 use fos_fit::evaluate::{ModelErrors, trace_in_f32};
 use fos_fit::export::{NoColumn, model_of};
-use fos_fit::model::{HostPredictor, SingleAxisModel, UnitModel};
+use fos_fit::model::{HostPredictor, UnitModel};
 use fos_fit::playback::Playback;
+use fos_fit::single_axis::SingleAxisModel;
 
 /// An image cannot be run over a recording.
 #[derive(Debug, thiserror::Error)]

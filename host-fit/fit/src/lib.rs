@@ -17,6 +17,6 @@ mod parameters;
 pub mod playback;
 pub mod series;
 pub mod signal;
-mod single_axis;
+pub mod single_axis;
 pub mod thermal;
 mod unit_calibration;

@@ -10,8 +10,6 @@ use crate::parameters::StoredParameters;
 use crate::signal::{self, autocorrelation::autocorrelation};
 use crate::unit_calibration::UnitCalibration;
 
-pub use crate::single_axis::{NotOneAxis, SingleAxisModel};
-
 /// Largest number of axes of a model on the host.
 pub const AXES: usize = 6;
 
@@ -192,33 +190,6 @@ impl UnitModel {
             }
             self.axes.push(axis);
         }
-    }
-
-    /// Returns the axis of this index as a model of its own, with the inputs it needs and without the calibration, which
-    /// is of all axes.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such axis.
-    pub fn only(&self, index: usize) -> SingleAxisModel {
-        let mut alone = Self { axes: vec![self.axes[index].clone()], calibration: None, ..self.clone() };
-        alone.drop_unused();
-        for named in &mut alone.inputs {
-            if let Source::Remainder(axis) = &mut named.input.source {
-                // a term uses memory of its own axis only
-                *axis = 0;
-            }
-        }
-        SingleAxisModel::of(alone)
-    }
-
-    /// Returns the model of the axes of these indices, as [`UnitModel::only`] does for one; none without an index.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such axis.
-    pub fn of_axes(&self, indices: impl IntoIterator<Item = usize>) -> Option<Self> {
-        Self::joined(indices.into_iter().map(|index| self.only(index).into()))
     }
 
     /// Joins models of one device, each with axes of its own; none without any.

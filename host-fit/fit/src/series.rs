@@ -4,7 +4,8 @@ use fos_core::{ModelError, Sample};
 use fos_data::recording::{LoadOptions, Recording, RecordingError, Source};
 
 use crate::fit::{AxisError, AxisFit, AxisReport, FitOptions, fit_axis, rest};
-use crate::model::{HostPredictor, SingleAxisModel};
+use crate::model::HostPredictor;
+use crate::single_axis::SingleAxisModel;
 
 /// Column name of a plain series.
 const COLUMN: &str = "series";

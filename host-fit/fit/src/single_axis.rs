@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use fos_core::Source;
 use serde::{Deserialize, Serialize};
 
 use crate::model::{FittedAxis, InputsMut, UnitModel};
@@ -39,6 +40,35 @@ impl SingleAxisModel {
     /// Removes the inputs and quantities that no term uses.
     pub fn drop_unused(&mut self) {
         self.0.drop_unused();
+    }
+}
+
+impl UnitModel {
+    /// Returns the axis of this index as a model of its own, with the inputs it needs and without the calibration, which
+    /// is of all axes.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such axis.
+    pub fn only(&self, index: usize) -> SingleAxisModel {
+        let mut alone = Self { axes: vec![self.axes[index].clone()], calibration: None, ..self.clone() };
+        alone.drop_unused();
+        for named in &mut alone.inputs {
+            if let Source::Remainder(axis) = &mut named.input.source {
+                // a term uses memory of its own axis only
+                *axis = 0;
+            }
+        }
+        SingleAxisModel(alone)
+    }
+
+    /// Returns the model of the axes of these indices, as [`UnitModel::only`] does for one; none without an index.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such axis.
+    pub fn of_axes(&self, indices: impl IntoIterator<Item = usize>) -> Option<Self> {
+        Self::joined(indices.into_iter().map(|index| self.only(index).into()))
     }
 }
 

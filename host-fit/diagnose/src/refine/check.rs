@@ -9,8 +9,8 @@ use crate::detect::{ErrorInBlocks, Finding};
 use crate::effects::{Band, Effect};
 use fos_data::column::Column;
 use fos_data::text::rounded;
-use fos_fit::model::SingleAxisModel;
 use fos_fit::signal;
+use fos_fit::single_axis::SingleAxisModel;
 
 /// Number of equal parts of a log whose means scatter like the mean of the whole log: with flicker noise a longer
 /// average is hardly more certain.

@@ -8,7 +8,7 @@ use fos_data::disturbance;
 use fos_data::observed::ObservedAxis;
 use fos_data::recording::{Recording, RecordingError};
 use fos_data::stillness::{self, KnownBy};
-use fos_fit::model::SingleAxisModel;
+use fos_fit::single_axis::SingleAxisModel;
 
 use super::error::RefineError;
 use crate::physical::physical;

@@ -10,8 +10,9 @@ use fos_fit::cost::Cost;
 use fos_fit::evaluate::{ModelErrors, trace};
 use fos_fit::fit::physical_range::{Part, physical_range};
 use fos_fit::fit::regressors::Regressors;
-use fos_fit::model::{FittedAxis, Plain, SingleAxisModel};
+use fos_fit::model::{FittedAxis, Plain};
 use fos_fit::playback::Playback;
+use fos_fit::single_axis::SingleAxisModel;
 
 use super::error::RefineError;
 use super::identifiable;

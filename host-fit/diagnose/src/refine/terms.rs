@@ -10,7 +10,8 @@ use crate::detect::{CorrectionTerm, Finding, step_time};
 use crate::effects::{Inputs, Product, Regressor};
 use fos_data::recording::{Recording, RecordingError};
 use fos_fit::fit::InputSpec;
-use fos_fit::model::{FittedTerm, InputsMut, LoggedQuantity, NamedInput, SingleAxisModel, position};
+use fos_fit::model::{FittedTerm, InputsMut, LoggedQuantity, NamedInput, position};
+use fos_fit::single_axis::SingleAxisModel;
 
 /// Widths of the fitted range by which an input may exceed it before it is limited: a linear term extrapolates well, and
 /// a ramp goes on for as long again as the log. Inputs that occur as powers keep the limits of the finding.

@@ -2,7 +2,8 @@
 
 use fos_data::closest::closest;
 use fos_data::recording::LoadOptions;
-use fos_fit::model::{SingleAxisModel, UnitModel};
+use fos_fit::model::UnitModel;
+use fos_fit::single_axis::SingleAxisModel;
 
 use super::refinement::Refinement;
 use super::{Study, StudyStep};

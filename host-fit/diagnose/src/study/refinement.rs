@@ -9,7 +9,7 @@ use crate::rms::{RmsTwins, WithRms, rms_reduction};
 use fos_data::recording::{LoadOptions, Source};
 use fos_fit::cost::Cost;
 use fos_fit::evaluate::ModelErrors;
-use fos_fit::model::SingleAxisModel;
+use fos_fit::single_axis::SingleAxisModel;
 
 /// Axis of a study that effects were added to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

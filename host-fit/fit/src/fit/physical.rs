@@ -10,8 +10,9 @@ use super::refit;
 use super::regressors::Regressors;
 use super::stop::Stop;
 use crate::candidates::{MAX_INPUT, Monomial};
-use crate::model::{FittedTerm, SingleAxisModel};
+use crate::model::FittedTerm;
 use crate::moments::Rows;
+use crate::single_axis::SingleAxisModel;
 
 /// Order of the autoregression that whitens the physical part's errors, and number of iterations.
 const WHITENING_ORDER: u16 = 10;

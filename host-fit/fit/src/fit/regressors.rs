@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use fos_core::{ModelError, Predictor};
 
-use crate::model::{AXES, INPUTS, SingleAxisModel, SmallPredictor};
+use crate::model::{AXES, INPUTS, SmallPredictor};
 use crate::playback::Playback;
+use crate::single_axis::SingleAxisModel;
 use fos_data::recording::runs;
 
 /// Remainder and inputs over some rows, scaled; NaN if the remainder is unknown.

@@ -13,9 +13,10 @@ use super::refit::{self, Refit};
 use super::regressors::Regressors;
 use super::stop::{StopRule, Stopped};
 use crate::candidates::{Candidates, Monomial, monomial_text_named};
-use crate::model::{FittedTerm, SingleAxisModel};
+use crate::model::FittedTerm;
 use crate::moments::Rows;
 use crate::signal::{self, autocorrelation::autocorrelation};
+use crate::single_axis::SingleAxisModel;
 
 /// A stochastic part, scaled units.
 pub(super) struct StochasticPart {
