@@ -167,8 +167,8 @@ impl Replay {
                 gravity.rows
             );
         }
-        print_line!("digest of the predictor's innovations  {:016x}", summary.innovations_digest);
-        print_line!("digest of all its corrections          {:016x}", summary.corrections_digest);
+        print_line!("predictor: digest of the innovations  {:016x}", summary.innovations_digest);
+        print_line!("predictor: digest of all corrections  {:016x}", summary.corrections_digest);
         if let Some(path) = &self.output {
             print_line!("corrected log written to {}", path.display());
         }

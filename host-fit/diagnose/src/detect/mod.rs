@@ -4,8 +4,8 @@
 //!
 //! | stage | file |
 //! |---|---|
-//! | the logs are cleaned and reduced to blocks, with the noise to be expected | `prepared` |
-//! | every search runs | `search` |
+//! | the logs are cleaned and reduced to blocks, without faults and spectral lines, and the noise is stated | `prepared` |
+//! | every effect is tested, and the residual is searched | `search` |
 //! | the results become findings and a verdict | `findings` |
 //!
 //! The tests are in the order of their evidence (docs/decisions/diagnosis.md): faults of the data, lines in the

@@ -1,5 +1,5 @@
-//! Second stage of a diagnosis: every search in the prepared log, in the order faults of the data (found with the
-//! preparation), spectral lines, slow effects, open search.
+//! Second stage of a diagnosis: the searches for slow effects, for a bias that jumps between two levels, and in the
+//! residual. Faults of the data and spectral lines are found in the preparation.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub(super) struct SearchResults {
 }
 
 impl SearchResults {
-    /// Runs every search but that for `lines`, which the block means are free of.
+    /// Runs the searches in block means, which are free of `lines`.
     pub(super) fn of(prepared: &Prepared<'_>, lines: Vec<Line>) -> Result<Self, DiagnoseError> {
         let mut found = match prepared.lacks()? {
             None => Self::of_slow_effects(prepared, lines)?,

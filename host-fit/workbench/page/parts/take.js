@@ -147,7 +147,7 @@ function drawReplay(host, { log, summary, command }, state, announce) {
   replace(
     host,
     el("p", {}, "Run over ", el("b", {}, fileName(log)), ` on fos-core in f32, bit for bit as on a device: ${count(summary.rows)} rows, ${count(summary.tracked)} of them tracked.`),
-    el("p", {}, "Digest of all corrections ", el("code", { class: "digest" }, summary.corrections_digest), ", of the predictor in f32 over this log."),
+    el("p", {}, "Digest of all corrections of the predictor in f32: ", el("code", { class: "digest" }, summary.corrections_digest), "."),
     el("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Numbers of the exported image" }, el("table", {}, el("thead", {}, el("tr", {}, head.map((text, at) => el("th", { scope: "col", class: at ? "right" : null }, text)))), el("tbody", {}, summary.axes.map(row)))),
     commandElement(command, "command:replay", announce),
   );
