@@ -145,9 +145,11 @@ fn json_is_json_and_nothing_else() {
     let image: serde_json::Value =
         serde_json::from_str(&done(folder, &["inspect", "unit.fosm", "--json"])).expect("JSON");
     assert_eq!(image["format_version"], 1);
-    let replayed = done(folder, &["replay", "unit.fosm", "log.parquet", "--json"]);
+    let replayed = done(folder, &["replay", "unit.fosm", "log.parquet", "--hub-log", "hub.fosh", "--json"]);
     let replayed: serde_json::Value = serde_json::from_str(&replayed).expect("JSON");
     assert!(replayed["axes"][0]["innovation_rms_f32"].as_f64().is_some_and(|rms| rms > 0.0));
+    let digest = replayed["hub_outputs_digest"].as_str().expect("that of the log");
+    assert!(digest.len() == 16 && u64::from_str_radix(digest, 16).is_ok(), "{digest}");
 }
 
 /// A log with this sampling rate, at rest or not by its own flag; gyro x has only noise, no model.
