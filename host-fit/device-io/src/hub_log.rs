@@ -36,17 +36,16 @@ pub struct HubLog {
     pub outputs: u64,
 }
 
-/// Converts the recording into the samples of a hub, with the scale of their codes, and runs the stored image `image` over them. Codes are
+/// Converts the recording into the samples of a hub, with the scale of their codes, and runs the image `stored` over them. Codes are
 /// the steps of the sensor's converter if the log shows them; missing columns are 0, but those of the model are required: `axes` as in
 /// [`replay`](crate::replay::replay). A row with an empty cell on an axis is a tick without a sample. If the image has limits of stillness,
 /// the hub's own detector decides, otherwise `stillness`.
 pub fn hub_log(
-    image: &[u8],
+    stored: &[u8],
     axes: &[String],
     recording: &Recording,
     stillness: &Stillness,
 ) -> Result<HubLog, ReplayError> {
-    let stored = image;
     let image = Image::parse(stored)?;
     let model = &model_of(&image, axes)?;
     let playback = Playback::new(recording, model, &stillness.still)?;

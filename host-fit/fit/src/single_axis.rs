@@ -44,8 +44,8 @@ impl SingleAxisModel {
 }
 
 impl UnitModel {
-    /// Returns the axis of this index as a model of its own, with the inputs it needs and without the calibration, which
-    /// is of all axes.
+    /// Returns the model of the axis of this index, with the inputs that it needs and without the calibration, which is of
+    /// all axes.
     ///
     /// # Panics
     ///
@@ -55,7 +55,7 @@ impl UnitModel {
         alone.drop_unused();
         for named in &mut alone.inputs {
             if let Source::Remainder(axis) = &mut named.input.source {
-                // a term uses memory of its own axis only
+                // a term uses the memory of its axis only
                 *axis = 0;
             }
         }

@@ -8,7 +8,7 @@ use clap::{Arg, ArgMatches, Command};
 
 use super::arguments::{OutputFile, OutputFolder};
 use super::output::Failure;
-use fos_data::file::{Place, check_output, protect};
+use fos_data::file::{check_output, is_same_file, protect};
 
 /// Role of a path in the arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,7 +34,7 @@ pub fn role_of(argument: &Arg) -> Option<Role> {
 
 /// Two outputs of a command line are one file.
 #[derive(Debug, thiserror::Error)]
-#[error("{first} and {second} are one file, {}: only the last would be there\nhelp: give each a file of its own", at.display())]
+#[error("{first} and {second} are one file, {}: only the last would be there\nhelp: write each to another file", at.display())]
 struct TwoOutputs {
     /// Arguments of the outputs.
     first: String,
@@ -54,15 +54,15 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> Result<(), Failu
     let of_role =
         |role: Role| command.get_arguments().filter(move |argument| role_of(argument) == Some(role));
     of_role(Role::Input).flat_map(paths).for_each(|input| protect(&input));
-    let mut outputs: Vec<(String, Place)> = Vec::new();
+    let mut outputs: Vec<(String, PathBuf)> = Vec::new();
     for argument in of_role(Role::OutputFile) {
         for at in paths(argument) {
-            let (second, place) = (name_of(argument), Place::of(&at));
-            if let Some((first, _)) = outputs.iter().find(|(_, other)| *other == place) {
+            let second = name_of(argument);
+            if let Some((first, _)) = outputs.iter().find(|(_, other)| is_same_file(other, &at)) {
                 return Err(TwoOutputs { first: first.clone(), second, at }.into());
             }
             check_output(&at)?;
-            outputs.push((second, place));
+            outputs.push((second, at));
         }
     }
     Ok(())

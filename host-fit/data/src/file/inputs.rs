@@ -51,10 +51,7 @@ impl Identity {
 }
 
 /// Present or future location of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place(Location);
-
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 enum Location {
     Taken(Identity),
     /// A free name in a folder.
@@ -63,15 +60,19 @@ enum Location {
     Nowhere(PathBuf),
 }
 
-impl Place {
-    /// Location of the target of `path`, whether or not it exists.
-    pub fn of(path: &Path) -> Self {
-        Self(match (Identity::of(path), Identity::of(folder_of(path))) {
-            (Some(identity), _) => Location::Taken(identity),
-            (None, Some(folder)) => Location::Free(folder, path.file_name().unwrap_or_default().into()),
-            (None, None) => Location::Nowhere(path.to_owned()),
-        })
+impl Location {
+    fn of(path: &Path) -> Self {
+        match (Identity::of(path), Identity::of(folder_of(path))) {
+            (Some(identity), _) => Self::Taken(identity),
+            (None, Some(folder)) => Self::Free(folder, path.file_name().unwrap_or_default().into()),
+            (None, None) => Self::Nowhere(path.to_owned()),
+        }
     }
+}
+
+/// Returns true if both paths lead to the same file, whether or not it exists.
+pub fn is_same_file(first: &Path, second: &Path) -> bool {
+    Location::of(first) == Location::of(second)
 }
 
 /// Reason why a file is not replaced.
@@ -172,14 +173,14 @@ mod tests {
     }
 
     #[test]
-    fn two_names_of_one_place_are_one() {
+    fn two_paths_of_one_file_are_the_same() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::create_dir(at("below")).unwrap();
         std::os::unix::fs::symlink(at("below"), at("link")).unwrap();
-        assert_eq!(Place::of(&at("below/new.csv")), Place::of(&at("link/../below/new.csv")));
-        assert_eq!(Place::of(&at("below/new.csv")), Place::of(&at("link/new.csv")));
-        assert_ne!(Place::of(&at("below/new.csv")), Place::of(&at("new.csv")));
-        assert_ne!(Place::of(&at("below/new.csv")), Place::of(&at("below/other.csv")));
+        assert!(is_same_file(&at("below/new.csv"), &at("link/../below/new.csv")));
+        assert!(is_same_file(&at("below/new.csv"), &at("link/new.csv")));
+        assert!(!is_same_file(&at("below/new.csv"), &at("new.csv")));
+        assert!(!is_same_file(&at("below/new.csv"), &at("below/other.csv")));
     }
 }

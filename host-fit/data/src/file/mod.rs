@@ -11,7 +11,7 @@ pub mod compare_and_swap;
 pub mod keyed_rows;
 
 pub use error::FileError;
-pub use inputs::{Place, protect};
+pub use inputs::{is_same_file, protect};
 pub use paths::{folder_of, followed, name_of, sync_folder};
 pub use read::{open, open_to_seek, read, read_up_to, standard_input};
 pub use replace::{TemporarySibling, check_output, make_folder, replace, write_atomically};

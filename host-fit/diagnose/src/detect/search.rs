@@ -79,12 +79,8 @@ impl SearchResults {
     fn of_slow_effects(prepared: &Prepared<'_>, lines: Vec<Line>) -> Result<Self, DiagnoseError> {
         let mut effects = prepared.testable.effects.clone();
         let mut untested = prepared.testable.untested.clone();
-        // effects that the log cannot show
-        let mut exclude = |effects: &mut Vec<Arc<Effect>>, others: Vec<Untested>| {
-            effects.retain(|effect| !is_among(&others, effect));
-            untested.extend(others);
-        };
-        exclude(&mut effects, prepared.testable.attitude_effects(&prepared.hypotheses, &prepared.column)?);
+        let attitude_effects = prepared.testable.attitude_effects(&prepared.hypotheses, &prepared.column)?;
+        exclude(&mut effects, &mut untested, attitude_effects);
         // terminates: each iteration excludes an effect, or is the last
         let (mut slow, mut left) = loop {
             let (slow, left) = search_beside(prepared, &prepared.given, &effects)?;
@@ -92,7 +88,7 @@ impl SearchResults {
             if implausible.is_empty() {
                 break (slow, left);
             }
-            exclude(&mut effects, implausible);
+            exclude(&mut effects, &mut untested, implausible);
         };
 
         let mut given = prepared.given.clone();
@@ -119,8 +115,7 @@ impl SearchResults {
         let was_tried = |effect: &Arc<Effect>| slow.tried.iter().any(|(id, _)| *id == effect.id);
         effects.retain(was_tried);
         let powerless = Power { prepared, slow: &slow }.powerless(&effects)?;
-        effects.retain(|effect| !is_among(&powerless, effect));
-        untested.extend(powerless);
+        exclude(&mut effects, &mut untested, powerless);
         let lacks = effects.is_empty().then(|| {
             let needs: BTreeSet<&str> = untested.iter().flat_map(Untested::needs).collect();
             format!("needed: {}", needs.into_iter().collect::<Vec<_>>().join(", "))
@@ -141,6 +136,8 @@ fn search_beside(
     Ok((slow, left))
 }
 
-fn is_among(untested: &[Untested], effect: &Effect) -> bool {
-    untested.iter().any(|other| other.effect == effect.id)
+/// Moves effects that the log cannot show from those that are tested to the untested ones.
+fn exclude(effects: &mut Vec<Arc<Effect>>, untested: &mut Vec<Untested>, hidden: Vec<Untested>) {
+    effects.retain(|effect| hidden.iter().all(|other| other.effect != effect.id));
+    untested.extend(hidden);
 }
